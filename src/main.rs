@@ -1,0 +1,3 @@
+//! The `diffract` program; everything is in the library.
+
+fn main() {}

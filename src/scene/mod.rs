@@ -1,0 +1,1 @@
+//! What is looked at: meshes with tangent frames, camera, lights, the scene file.

@@ -1,0 +1,105 @@
+//! The height field: a sampled patch of surface, in micrometres.
+
+use crate::error::{Error, Result};
+
+/// The longest side, in samples, that is accepted. Keeps every index product far from overflow and a field within
+/// a few gigabytes of memory.
+pub const MAX_SIDE: usize = 16_384;
+
+/// Heights on a regular grid. Row 0 is the top of a height image: `x` grows along a row, `y` grows UP, so row 0 has
+/// the largest `y`. The origin is the patch centre; samples sit at cell centres.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightField {
+    columns: usize,
+    rows: usize,
+    pixel_size: [f64; 2],
+    heights: Vec<f64>,
+}
+
+impl HeightField {
+    /// A field of `columns` × `rows` heights \[µm\], row by row from the top, with sample spacing `pixel_size` \[µm\].
+    ///
+    /// # Errors
+    /// An empty or oversized grid, a length of `heights` that is not `columns * rows`, a spacing that is not finite and
+    /// positive, a height that is not finite.
+    pub fn new(columns: usize, rows: usize, pixel_size: [f64; 2], heights: Vec<f64>) -> Result<Self> {
+        if columns == 0 || rows == 0 {
+            return Err(Error::failed(
+                format!("the height field is empty ({columns} x {rows})"),
+                "give at least one sample",
+            ));
+        }
+        if columns > MAX_SIDE || rows > MAX_SIDE {
+            return Err(Error::failed(
+                format!("the height field of {columns} x {rows} samples is larger than {MAX_SIDE} on a side"),
+                "crop it or average it down",
+            ));
+        }
+        if heights.len() != columns * rows {
+            return Err(Error::failed(
+                format!("{} heights do not fill {columns} x {rows}", heights.len()),
+                "give columns * rows heights",
+            ));
+        }
+        if !pixel_size.iter().all(|d| d.is_finite() && *d > 0.0) {
+            return Err(Error::usage(
+                format!("the pixel size {} x {} um is not positive", pixel_size[0], pixel_size[1]),
+                "give the distance between samples, as in --pixel-size 97.66nm",
+            ));
+        }
+        if let Some(i) = heights.iter().position(|h| !h.is_finite()) {
+            return Err(Error::failed(
+                format!("the height at column {}, row {} is not a number", i % columns, i / columns),
+                "fill holes in the scan before use",
+            ));
+        }
+        Ok(Self { columns, rows, pixel_size, heights })
+    }
+
+    /// Samples along `x`.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Samples along `y`.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Sample spacing along `x` and `y` \[µm\].
+    pub fn pixel_size(&self) -> [f64; 2] {
+        self.pixel_size
+    }
+
+    /// Side lengths T_x, T_y of the patch, which are also its periods when it repeats \[µm\].
+    pub fn patch_size(&self) -> [f64; 2] {
+        [self.columns as f64 * self.pixel_size[0], self.rows as f64 * self.pixel_size[1]]
+    }
+
+    /// All heights \[µm\], row by row from the top.
+    pub fn heights(&self) -> &[f64] {
+        &self.heights
+    }
+
+    /// The heights of one row \[µm\]; row 0 has the largest `y`.
+    pub fn row(&self, row: usize) -> &[f64] {
+        &self.heights[row * self.columns..(row + 1) * self.columns]
+    }
+
+    /// `x` of a column's sample, from the patch centre \[µm\].
+    pub fn x(&self, column: usize) -> f64 {
+        (column as f64 - (self.columns - 1) as f64 / 2.0) * self.pixel_size[0]
+    }
+
+    /// `y` of a row's sample, from the patch centre \[µm\].
+    pub fn y(&self, row: usize) -> f64 {
+        ((self.rows - 1) as f64 / 2.0 - row as f64) * self.pixel_size[1]
+    }
+
+    /// Lowest and highest height \[µm\].
+    pub fn range(&self) -> (f64, f64) {
+        self.heights
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), &h| (lo.min(h), hi.max(h)))
+    }
+}
