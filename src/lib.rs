@@ -1,8 +1,12 @@
 //! `diffract`: light diffracted by a height field, as numbers and as pictures.
+//!
+//! Data flows one way: `surface` → `expansion` → `precompute` → `render` (with `scene` and `vk`) → picture, and
+//! `optics::reference` judges it. `docs/ARCHITECTURE.md` has the floors.
 
 pub mod cli;
 pub mod error;
 pub mod expansion;
+pub mod input;
 pub mod optics;
 pub mod precompute;
 pub mod render;

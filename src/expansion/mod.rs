@@ -1,1 +1,50 @@
-//! expansion.
+//! Separable expansions e^{izh} ≈ Σ_n c_n(z) b_n(h) with z = k·w: the one idea behind every fast path.
+//!
+//! Heights are centred on the middle of their range first, which changes only the phase of P and halves the argument:
+//! t = (h − mid)/a ∈ \[−1, 1\] with a half the range, and b_n is a function of t. Every b_n is real, so the spectra
+//! F{g·b_n} are Hermitian and half of each is enough.
+
+pub mod taylor;
+
+use crate::surface::HeightField;
+use rustfft::num_complex::Complex64;
+
+/// Where the heights lie: t = (h − `mid`)/`half_range`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeightScale {
+    /// Middle of the range \[µm\].
+    pub mid: f64,
+    /// Half of the range \[µm\]; 0 for a flat surface.
+    pub half_range: f64,
+}
+
+impl HeightScale {
+    /// The scale of a field's own range.
+    pub fn of(field: &HeightField) -> Self {
+        let (low, high) = field.range();
+        Self { mid: (low + high) / 2.0, half_range: (high - low) / 2.0 }
+    }
+
+    /// t of a height \[µm\]; 0 on a flat surface.
+    pub fn normalise(&self, height: f64) -> f64 {
+        if self.half_range > 0.0 { (height - self.mid) / self.half_range } else { 0.0 }
+    }
+}
+
+/// A family of b_n and c_n. The precompute stores spectra of b_n; the shader reads c_n from a table over z.
+pub trait Expansion: Sync {
+    /// b_n at t ∈ \[−1, 1\]; real.
+    fn basis(&self, n: usize, t: f64) -> f64;
+
+    /// c_0 … c_{len−1} at z \[rad/µm\] into `out`.
+    fn coefficients(&self, z: f64, out: &mut [Complex64]);
+
+    /// A bound on |e^{izh} − Σ_{n<terms} c_n b_n| that holds for every height in range.
+    fn truncation_bound(&self, z: f64, terms: usize) -> f64;
+
+    /// How many of `terms` layers are needed at z for the truncation that all of them have at `z_max`.
+    fn terms_at(&self, z: f64, terms: usize, z_max: f64) -> usize {
+        let allowed = self.truncation_bound(z_max, terms);
+        (1..terms).find(|&n| self.truncation_bound(z, n) <= allowed).unwrap_or(terms)
+    }
+}

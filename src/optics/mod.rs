@@ -1,1 +1,12 @@
-//! optics.
+//! The optics in f64: geometry of a pair of directions, Fresnel reflectance, coherence, spectrum and colour, and the
+//! direct sum that judges every faster path. Lengths are micrometres, angles radians, directions unit vectors in the
+//! tangent frame (x = T, y = B, z = N) that point AWAY from the surface.
+
+pub mod brdf;
+pub mod coherence;
+pub mod color;
+pub mod geometry;
+pub mod grating;
+pub mod quadrature;
+pub mod reference;
+pub mod spectrum;

@@ -1,1 +1,8 @@
-//! precompute.
+//! From a height field to the layers that the shader reads: expansion × window → spectra, judged as they are made.
+
+pub mod cache;
+pub mod kernel;
+pub mod layers;
+mod transform;
+
+pub use layers::{Layers, Settings, compute};

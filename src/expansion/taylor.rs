@@ -1,0 +1,167 @@
+//! The Taylor expansion of \[Single 2014\] C.1, about the middle height: b_n = tⁿ, c_n = (i z a)ⁿ/n!.
+
+use super::Expansion;
+use crate::error::{Error, Result};
+use rustfft::num_complex::Complex64;
+
+/// Unit roundoff of f32, in which the layers are stored and summed.
+pub const F32_ROUNDOFF: f64 = 5.960_464_477_539_063e-8;
+
+/// Most terms that are ever considered: beyond it the rounding of f32 has long won.
+pub const MAX_TERMS: usize = 64;
+
+/// The Taylor expansion over heights of half range `half_range` \[µm\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Taylor {
+    /// a, half the range of heights \[µm\].
+    pub half_range: f64,
+}
+
+impl Expansion for Taylor {
+    fn basis(&self, n: usize, t: f64) -> f64 {
+        t.powi(n as i32)
+    }
+
+    fn coefficients(&self, z: f64, out: &mut [Complex64]) {
+        let step = Complex64::new(0.0, z * self.half_range);
+        let mut c = Complex64::ONE;
+        for (n, slot) in out.iter_mut().enumerate() {
+            *slot = c;
+            c = c * step / (n as f64 + 1.0);
+        }
+    }
+
+    fn truncation_bound(&self, z: f64, terms: usize) -> f64 {
+        if terms == 0 { 1.0 } else { tight_bound(z * self.half_range, terms - 1) }
+    }
+}
+
+/// |x|^{N+1}/(N+1)!, factor by factor so that neither power nor factorial overflows on its own.
+fn first_dropped_term(x: f64, order: usize) -> f64 {
+    (1..=order + 1).fold(1.0, |term, n| term * x.abs() / n as f64)
+}
+
+/// The bound of \[Single 2014\] C.4 on |e^{ix} − Σ_{n≤N} (ix)ⁿ/n!|: e^{|x|} |x|^{N+1}/(N+1)!. Its factor M = e^X belongs to
+/// the real exponential.
+pub fn thesis_bound(x: f64, order: usize) -> f64 {
+    x.abs().exp() * first_dropped_term(x, order)
+}
+
+/// The tight bound on the same error: |x|^{N+1}/(N+1)!, because every derivative of e^{ix} has modulus 1 (Lagrange's
+/// remainder).
+pub fn tight_bound(x: f64, order: usize) -> f64 {
+    first_dropped_term(x, order)
+}
+
+/// What rounding to unit roundoff `roundoff` costs, relative to the mirror peak: the terms add up to e^{|x|} before they
+/// cancel.
+pub fn rounding_bound(x: f64, roundoff: f64) -> f64 {
+    roundoff * x.abs().exp()
+}
+
+/// The smallest number of terms for which truncation and rounding together stay within `tolerance`, for arguments up to
+/// `x` = z_max·a and a storage of unit roundoff `roundoff`.
+///
+/// # Errors
+/// Where rounding alone exceeds the tolerance, so that no number of terms will do.
+pub fn terms_for(x: f64, tolerance: f64, roundoff: f64) -> Result<usize> {
+    let rounding = rounding_bound(x, roundoff);
+    if rounding > tolerance {
+        return Err(Error::failed(
+            format!(
+                "the Taylor expansion cannot reach {tolerance:.1e} here: its terms grow to e^{x:.1} = {:.1e} before they \
+                 cancel, and 32-bit floats leave {rounding:.1e} of that",
+                x.exp()
+            ),
+            "ask for a larger --tolerance, level or crop the surface to a smaller height range, or use --method reference",
+        ));
+    }
+    let mut term = 1.0;
+    for terms in 1..=MAX_TERMS.max((3.0 * x) as usize + 32) {
+        term *= x.abs() / terms as f64;
+        if term + rounding <= tolerance {
+            return Ok(terms);
+        }
+    }
+    Err(Error::failed(
+        format!("no number of Taylor terms leaves room for rounding within {tolerance:.1e}"),
+        "ask for a larger --tolerance",
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// A reproducible stream of numbers in 0 … 1 (splitmix64).
+    fn uniforms(mut state: u64) -> impl FnMut() -> f64 {
+        move || {
+            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = state;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        }
+    }
+
+    fn partial_sum(x: f64, order: usize) -> Complex64 {
+        let mut c = vec![Complex64::ZERO; order + 1];
+        Taylor { half_range: 1.0 }.coefficients(x, &mut c);
+        c.iter().sum()
+    }
+
+    #[test]
+    fn the_thesis_bound_gives_the_thesis_figures() {
+        for (order, printed) in [(20, "2.9950e-4"), (25, "8.8150e-8"), (30, "1.0050e-11")] {
+            let bound = thesis_bound(1.5 * PI, order);
+            assert_eq!(format!("{bound:.4e}"), printed);
+        }
+    }
+
+    #[test]
+    fn the_tight_bound_holds_and_a_tenth_of_it_does_not() {
+        let mut uniform = uniforms(7);
+        let mut beyond_a_tenth = 0;
+        for _ in 0..10_000 {
+            let x = (uniform() * 2.0 - 1.0) * 12.0;
+            let order = (uniform() * 40.0) as usize;
+            let error = (partial_sum(x, order) - Complex64::cis(x)).norm();
+            // The sum itself is only good to the rounding of its largest term.
+            let rounding = 4.0 * f64::EPSILON * x.abs().exp();
+            assert!(error <= tight_bound(x, order) + rounding, "x = {x}, N = {order}");
+            if error > tight_bound(x, order) / 10.0 + rounding {
+                beyond_a_tenth += 1;
+            }
+        }
+        assert!(beyond_a_tenth > 1000, "a tenth of the bound was exceeded only {beyond_a_tenth} times");
+    }
+
+    #[test]
+    fn the_number_of_terms_is_the_smallest_and_follows_the_height() {
+        // Height range, tolerance, terms of the tight centred bound (|w| ≤ 2, λ ≥ 0.38 µm).
+        for (range, tolerance, terms) in [(0.15, 1e-4, 13), (0.30, 1e-3, 18), (0.50, 1e-3, 27)] {
+            let x = 4.0 * PI / 0.38 * range / 2.0;
+            assert_eq!(terms_for(x, tolerance, 0.0).unwrap(), terms, "H = {range}");
+            assert!(tight_bound(x, terms - 1) <= tolerance && tight_bound(x, terms - 2) > tolerance);
+        }
+    }
+
+    #[test]
+    fn heights_that_32_bit_floats_cannot_hold_are_refused_with_the_reason() {
+        let x = 4.0 * PI / 0.38 * 0.41;
+        let message = terms_for(x, 1e-2, F32_ROUNDOFF).unwrap_err().to_string();
+        assert!(message.contains("32-bit"), "{message}");
+        assert!(terms_for(4.0 * PI / 0.38 * 0.215, 1e-3, F32_ROUNDOFF).is_ok());
+    }
+
+    #[test]
+    fn a_fragment_of_small_argument_needs_fewer_terms() {
+        let taylor = Taylor { half_range: 0.2 };
+        let z_max = 33.0;
+        assert_eq!(taylor.terms_at(z_max, 16, z_max), 16);
+        let half = taylor.terms_at(z_max / 2.0, 16, z_max);
+        assert!(half < 16 && taylor.truncation_bound(z_max / 2.0, half) <= taylor.truncation_bound(z_max, 16));
+        assert_eq!(taylor.terms_at(0.0, 16, z_max), 1);
+    }
+}

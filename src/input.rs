@@ -1,0 +1,69 @@
+//! Reading files that anybody may have written: only regular files, only as large as they can sensibly be.
+
+use crate::error::{Error, Result};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// The largest text input (tables, queries, scenes) that is read \[bytes\]: about ten million numbers.
+pub const MAX_TEXT: u64 = 256 << 20;
+
+/// Opens a regular file of at most `limit` bytes; a folder, a pipe or a device is refused before it can block.
+///
+/// # Errors
+/// Says what stands at `path`, and that `expected` was wanted.
+pub fn open(path: &Path, expected: &str, limit: u64) -> Result<File> {
+    let place = path.display();
+    let describe = |e: std::io::Error| {
+        let reason = match e.kind() {
+            std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
+            std::io::ErrorKind::PermissionDenied => "it may not be read".to_owned(),
+            _ => format!("it cannot be read ({e})"),
+        };
+        Error::failed(reason, format!("give {expected}")).at(&place)
+    };
+    let metadata = std::fs::metadata(path).map_err(describe)?;
+    if !metadata.is_file() {
+        let what = if metadata.is_dir() { "it is a folder" } else { "it is not a regular file" };
+        return Err(Error::failed(what, format!("give {expected}")).at(&place));
+    }
+    if metadata.len() > limit {
+        return Err(Error::failed(
+            format!("it has {} bytes, more than the {limit} that are read", metadata.len()),
+            format!("give {expected}"),
+        )
+        .at(&place));
+    }
+    File::open(path).map_err(describe)
+}
+
+/// The whole text of a file of at most [`MAX_TEXT`] bytes.
+///
+/// # Errors
+/// As [`open`], and where the content is not UTF-8.
+pub fn read_text(path: &Path, expected: &str) -> Result<String> {
+    let file = open(path, expected, MAX_TEXT)?;
+    let mut text = String::new();
+    // The file may grow while it is read: the limit holds for what is read, too.
+    file.take(MAX_TEXT).read_to_string(&mut text).map_err(|e| {
+        Error::failed(format!("it is not text ({e})"), format!("give {expected}")).at(path.display())
+    })?;
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_missing_files_and_binary_are_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(read_text(folder.path(), "x").unwrap_err().to_string().contains("folder"));
+        assert!(read_text(&folder.path().join("no"), "x").unwrap_err().to_string().contains("no such file"));
+        let binary = folder.path().join("b");
+        std::fs::write(&binary, [0xff, 0xfe, 0x00]).unwrap();
+        assert!(read_text(&binary, "x").unwrap_err().to_string().contains("not text"));
+        assert!(open(&binary, "x", 2).unwrap_err().to_string().contains("3 bytes"));
+        assert!(read_text(Path::new("/dev/zero"), "x").unwrap_err().to_string().contains("not a regular file"));
+    }
+}

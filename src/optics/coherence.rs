@@ -1,0 +1,160 @@
+//! What surrounds the patch: the part of the surface over which the light is coherent.
+//!
+//! Along one axis the window and the copies of the patch fold into one complex weight per sample,
+//! W_u(x) = Σ_m g₁(x + mT) e^{iku(x + mT)}, so the exact sum costs one patch however many copies the window sees.
+
+use rustfft::num_complex::Complex64;
+use std::f64::consts::PI;
+
+/// Where the Gaussian window is cut off, in standard deviations: g = e^(−24.5) = 2e-11 there.
+pub const GAUSSIAN_CUT: f64 = 7.0;
+
+/// The coherence of the light at the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Coherence {
+    /// The patch repeats without end, seen through g = exp(−(x² + y²)/(2σ²)), σ = `length`/4 \[µm\].
+    Gaussian {
+        /// Coherence length ℓ \[µm\]; sunlight: 65 µm.
+        length: f64,
+    },
+    /// Exactly `[n, m]` copies of the patch side by side and no other window (\[Single 2014\] C.2).
+    Repeats([u32; 2]),
+}
+
+impl Coherence {
+    /// Sunlight: a Gaussian of 65 µm (\[Dhillon 2014\]).
+    pub const SUNLIGHT: Self = Self::Gaussian { length: 65.0 };
+
+    /// σ of the Gaussian window \[µm\], where there is one.
+    pub fn sigma(&self) -> Option<f64> {
+        match self {
+            Self::Gaussian { length } => Some(length / 4.0),
+            Self::Repeats(_) => None,
+        }
+    }
+
+    /// The window's effective area A = ∬ g² dx dy \[µm²\] over patches of side `patch` \[µm\].
+    pub fn area(&self, patch: [f64; 2]) -> f64 {
+        match *self {
+            Self::Gaussian { length } => PI * (length / 4.0).powi(2),
+            Self::Repeats([n, m]) => f64::from(n) * f64::from(m) * patch[0] * patch[1],
+        }
+    }
+
+    /// The full width of the autocorrelation of the window along `axis` \[µm\] beyond which it is below
+    /// `level`: what sets how fast the response varies with spatial frequency.
+    pub fn correlation_extent(&self, patch: [f64; 2], axis: usize, level: f64) -> f64 {
+        match *self {
+            // The autocorrelation of g is exp(−x²/(4σ²)).
+            Self::Gaussian { length } => 2.0 * (length / 4.0) * (1.0 / level).ln().sqrt(),
+            Self::Repeats(n) => f64::from(n[axis]) * patch[axis],
+        }
+    }
+}
+
+/// One axis of a patch seen through a window: positions of the samples and the window's place.
+#[derive(Clone, Copy, Debug)]
+pub struct Axis {
+    /// Number of samples.
+    pub samples: usize,
+    /// Sample spacing \[µm\].
+    pub spacing: f64,
+    /// Shift of the window from the patch centre \[µm\], at least 0 and below one period.
+    pub shift: f64,
+}
+
+impl Axis {
+    /// Period of the patch along this axis \[µm\].
+    pub fn period(&self) -> f64 {
+        self.samples as f64 * self.spacing
+    }
+
+    /// Position of sample `i` from the patch centre \[µm\].
+    pub fn position(&self, i: usize) -> f64 {
+        (i as f64 - (self.samples as f64 - 1.0) / 2.0) * self.spacing
+    }
+
+    /// W_u(x_i) for every sample, for κ = k·u \[rad/µm\]: the Gaussian of standard deviation `sigma` \[µm\] over all
+    /// copies of the patch with |x + mT − shift| ≤ 7σ.
+    pub fn gaussian_weights(&self, sigma: f64, kappa: f64) -> Vec<Complex64> {
+        let period = self.period();
+        let cut = GAUSSIAN_CUT * sigma;
+        (0..self.samples)
+            .map(|i| {
+                let x = self.position(i) - self.shift;
+                let first = ((-cut - x) / period).ceil() as i64;
+                let last = ((cut - x) / period).floor() as i64;
+                (first..=last)
+                    .map(|m| {
+                        let place = x + m as f64 * period;
+                        let g = (-0.5 * (place / sigma).powi(2)).exp();
+                        Complex64::from_polar(g, kappa * place)
+                    })
+                    .sum()
+            })
+            .collect()
+    }
+
+    /// W_u(x_i) for `copies` copies side by side: e^{iκx} Σ_{m<n} e^{iκmT}. With a shifted window the copies begin at
+    /// the shift, so samples before it come from the copy after the last.
+    pub fn repeat_weights(&self, copies: u32, kappa: f64) -> Vec<Complex64> {
+        let period = self.period();
+        let factor = periodic_factor(copies, kappa * period);
+        let begin = self.position(0) - self.spacing / 2.0 + self.shift;
+        (0..self.samples)
+            .map(|i| {
+                let x = self.position(i);
+                let wrapped = if x < begin { period } else { 0.0 };
+                factor * Complex64::cis(kappa * (x + wrapped))
+            })
+            .collect()
+    }
+}
+
+/// Σ_{m<n} e^{imφ}, finite and exact where sin(φ/2) → 0. \[Single 2014\] C.15 is 0/0 there; this form reduces φ to the
+/// nearest multiple of 2π first and takes the sum's own value, n, at the peak.
+pub fn periodic_factor(copies: u32, phase: f64) -> Complex64 {
+    let n = f64::from(copies);
+    // Exact in f64: the remainder of the division by 2π, in (−π, π].
+    let phase = phase - 2.0 * PI * (phase / (2.0 * PI)).round();
+    let half = phase / 2.0;
+    // Dirichlet kernel sin(nφ/2)/sin(φ/2) → n; below this the first dropped term, (nφ)²/24, is under the rounding.
+    let magnitude =
+        if (n * half).abs() < 1e-8 { n } else { (n * half).sin() / half.sin() };
+    Complex64::from_polar(1.0, (n - 1.0) * half) * magnitude
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_periodic_factor_is_the_sum_it_stands_for_even_at_its_peaks() {
+        for copies in [1u32, 2, 3, 7, 40, 1000] {
+            for centre in [0.0, 2.0 * PI, 80.0 * PI, -4.0 * PI] {
+                for offset in [0.0, 1e-10, -1e-10, 1e-4, 1e-3, 0.1, 1.0, PI] {
+                    let phase = centre + offset;
+                    let sum: Complex64 = (0..copies).map(|m| Complex64::cis(f64::from(m) * phase)).sum();
+                    let factor = periodic_factor(copies, phase);
+                    // The argument itself is only known to centre·2⁻⁵³; the sum amplifies that by n²/2.
+                    let conditioning = 1e-15 * (1.0 + centre.abs()) * f64::from(copies).powi(2);
+                    assert!((sum - factor).norm() < 1e-12 + conditioning, "{copies} copies at {phase}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_folded_window_is_the_sum_over_all_copies() {
+        let axis = Axis { samples: 6, spacing: 0.25, shift: 0.5 };
+        let (sigma, kappa) = (2.0, 3.7);
+        let folded: Complex64 = axis.gaussian_weights(sigma, kappa).iter().sum();
+        // Every sample of the endless surface on its own.
+        let direct: Complex64 = (-400..400)
+            .map(|j| (f64::from(j) + 0.5) * 0.25 - 0.5)
+            .filter(|x: &f64| x.abs() <= GAUSSIAN_CUT * sigma)
+            .map(|x| Complex64::from_polar((-0.5 * (x / sigma).powi(2)).exp(), kappa * x))
+            .sum();
+        assert!((folded - direct).norm() < 1e-12);
+    }
+}

@@ -1,0 +1,203 @@
+//! The observer and the illuminants, as tabulated by the CIE, and the integrals over them.
+
+use crate::error::{Error, Result};
+use glam::DVec3;
+use std::path::Path;
+use std::sync::OnceLock;
+
+/// Shortest wavelength of the colour integral \[µm\].
+pub const SHORTEST: f64 = 0.380;
+/// Longest wavelength of the colour integral \[µm\].
+pub const LONGEST: f64 = 0.780;
+
+/// A function of wavelength given at increasing wavelengths \[nm\], linear between them and 0 outside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table<const N: usize> {
+    wavelengths: Vec<f64>,
+    values: Vec<[f64; N]>,
+}
+
+impl<const N: usize> Table<N> {
+    /// Reads CSV with a header line and rows `wavelength,value…` \[nm\].
+    ///
+    /// # Errors
+    /// A row that is not N + 1 finite numbers, wavelengths that do not increase, fewer than two rows; the message
+    /// names the line.
+    pub fn parse(text: &str) -> Result<Self> {
+        let mut table = Self { wavelengths: Vec::new(), values: Vec::new() };
+        for (index, line) in text.lines().enumerate().skip(1).filter(|(_, l)| !l.trim().is_empty()) {
+            let bad = |what: &str| {
+                Error::failed(
+                    format!("line {}: {what}: `{line}`", index + 1),
+                    format!("write a header line, then wavelength in nm and {N} value(s) a line, increasing"),
+                )
+            };
+            let numbers = line
+                .split(',')
+                .map(|cell| cell.trim().parse::<f64>().ok().filter(|x| x.is_finite()))
+                .collect::<Option<Vec<f64>>>()
+                .ok_or_else(|| bad("not a number"))?;
+            let Some((&wavelength, rest)) = numbers.split_first() else { continue };
+            let values = <[f64; N]>::try_from(rest).map_err(|_| bad("wrong number of values"))?;
+            if table.wavelengths.last().is_some_and(|&last| wavelength <= last) {
+                return Err(bad("wavelengths must increase"));
+            }
+            table.wavelengths.push(wavelength);
+            table.values.push(values);
+        }
+        if table.wavelengths.len() < 2 {
+            return Err(Error::failed("the spectrum has fewer than two rows", "give at least two wavelengths"));
+        }
+        Ok(table)
+    }
+
+    /// The values at `wavelength` \[nm\].
+    pub fn at(&self, wavelength: f64) -> [f64; N] {
+        let above = self.wavelengths.partition_point(|&x| x < wavelength);
+        if above == self.wavelengths.len() || (above == 0 && self.wavelengths[0] > wavelength) {
+            return [0.0; N];
+        }
+        if self.wavelengths[above] == wavelength {
+            return self.values[above];
+        }
+        let (x0, x1) = (self.wavelengths[above - 1], self.wavelengths[above]);
+        let t = (wavelength - x0) / (x1 - x0);
+        std::array::from_fn(|i| (1.0 - t) * self.values[above - 1][i] + t * self.values[above][i])
+    }
+}
+
+/// Parses a table that is part of the program; `assets/spectra` is checked by this module's tests.
+fn built_in<const N: usize>(text: &str) -> Table<N> {
+    Table::parse(text).unwrap_or(Table { wavelengths: vec![0.0, 1.0], values: vec![[0.0; N]; 2] })
+}
+
+/// x̄, ȳ, z̄ of the CIE 1931 2° standard observer at `wavelength` \[nm\].
+pub fn observer(wavelength: f64) -> DVec3 {
+    static TABLE: OnceLock<Table<3>> = OnceLock::new();
+    let table = TABLE.get_or_init(|| built_in(include_str!("../../assets/spectra/cie-1931-2deg.csv")));
+    DVec3::from_array(table.at(wavelength))
+}
+
+/// The spectral power of the light, up to a factor.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub enum Illuminant {
+    /// CIE D65, daylight, tabulated.
+    #[default]
+    D65,
+    /// CIE A, a tungsten lamp: Planck's law at 2848 K with c₂ = 1.435e7 nm K (CIE 15).
+    A,
+    /// Equal energy.
+    E,
+    /// A user's table.
+    Table(Table<1>),
+}
+
+impl Illuminant {
+    /// `d65`, `a`, `e`, or a CSV file of wavelength \[nm\] and power.
+    ///
+    /// # Errors
+    /// A file that cannot be read or parsed, or that holds no light in 380–780 nm.
+    pub fn from_name_or_file(name: &str) -> Result<Self> {
+        match name.to_ascii_lowercase().as_str() {
+            "d65" => Ok(Self::D65),
+            "a" => Ok(Self::A),
+            "e" => Ok(Self::E),
+            _ => Self::from_file(Path::new(name)),
+        }
+    }
+
+    fn from_file(path: &Path) -> Result<Self> {
+        let text = crate::input::read_text(path, "d65, a, e or a CSV file of wavelength in nm and power")?;
+        let table = Table::<1>::parse(&text).map_err(|e| e.at(path.display()))?;
+        if table.values.iter().any(|v| v[0] < 0.0) {
+            return Err(Error::failed("an illuminant's power is negative", "give powers of at least 0")
+                .at(path.display()));
+        }
+        let light = Self::Table(table);
+        if light.luminance() > 0.0 {
+            Ok(light)
+        } else {
+            Err(Error::failed("the illuminant has no light in 380–780 nm", "give powers in that range")
+                .at(path.display()))
+        }
+    }
+
+    /// Spectral power at `wavelength` \[nm\].
+    pub fn power(&self, wavelength: f64) -> f64 {
+        match self {
+            Self::D65 => {
+                static TABLE: OnceLock<Table<1>> = OnceLock::new();
+                TABLE.get_or_init(|| built_in(include_str!("../../assets/spectra/d65.csv"))).at(wavelength)[0]
+            }
+            Self::A => {
+                let planck = |x: f64| x.powi(-5) / ((1.435e7 / (2848.0 * x)).exp() - 1.0);
+                100.0 * planck(wavelength) / planck(560.0)
+            }
+            Self::E => 100.0,
+            Self::Table(table) => table.at(wavelength)[0],
+        }
+    }
+
+    /// ∫ S ȳ dλ \[nm\], the normalisation of every colour.
+    pub fn luminance(&self) -> f64 {
+        // Half-nanometre midpoints: exact to 1e-6 on tables that are linear between whole nanometres.
+        (0..800)
+            .map(|i| 380.25 + 0.5 * f64::from(i))
+            .map(|x| 0.5 * self.power(x) * observer(x).y)
+            .sum()
+    }
+
+    /// S (x̄, ȳ, z̄) / ∫ S ȳ dλ at `wavelength` \[nm\], in nm⁻¹, given the normalisation from [`Self::luminance`].
+    pub fn weight(&self, wavelength: f64, luminance: f64) -> DVec3 {
+        observer(wavelength) * (self.power(wavelength) / luminance)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn white_of(illuminant: &Illuminant) -> DVec3 {
+        let luminance = illuminant.luminance();
+        (0..=400).map(|i| illuminant.weight(380.0 + f64::from(i), luminance)).sum()
+    }
+
+    #[test]
+    fn the_built_in_tables_are_whole() {
+        let observer: Table<3> = Table::parse(include_str!("../../assets/spectra/cie-1931-2deg.csv")).unwrap();
+        assert_eq!(observer.wavelengths.len(), 401);
+        let d65: Table<1> = Table::parse(include_str!("../../assets/spectra/d65.csv")).unwrap();
+        assert_eq!((d65.wavelengths[0], d65.wavelengths[80]), (380.0, 780.0));
+    }
+
+    #[test]
+    fn the_observer_has_its_published_values() {
+        // CIE 15:2004 table: 555 nm, 450 nm, 600 nm.
+        assert!((observer(555.0) - DVec3::new(0.512_050_1, 1.0, 0.005_749_999)).length() < 1e-6);
+        assert!((observer(450.0) - DVec3::new(0.3362, 0.038, 1.77211)).length() < 1e-5);
+        assert!((observer(600.0) - DVec3::new(1.0622, 0.631, 0.0008)).length() < 1e-5);
+        assert_eq!(observer(379.0), DVec3::ZERO);
+    }
+
+    #[test]
+    fn the_illuminants_have_their_published_white_points() {
+        // CIE 15:2004, 2° observer: D65 (0.3127, 0.3290), A (0.4476, 0.4074), E (1/3, 1/3).
+        for (light, x, y) in
+            [(Illuminant::D65, 0.3127, 0.3290), (Illuminant::A, 0.4476, 0.4074), (Illuminant::E, 1.0 / 3.0, 1.0 / 3.0)]
+        {
+            let white = white_of(&light);
+            let sum = white.element_sum();
+            assert!((white.x / sum - x).abs() < 2e-4, "{light:?}: x {}", white.x / sum);
+            assert!((white.y / sum - y).abs() < 2e-4, "{light:?}: y {}", white.y / sum);
+            assert!((white.y - 1.0).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn a_table_with_a_bad_line_is_refused_by_its_line_number() {
+        let error = Table::<1>::parse("wavelength,power\n380,1\n390,x\n").unwrap_err().to_string();
+        assert!(error.contains("line 3"), "{error}");
+        assert!(Table::<1>::parse("wavelength,power\n390,1\n380,1\n").is_err());
+        assert!(Table::<1>::parse("").is_err());
+    }
+}

@@ -1,0 +1,388 @@
+//! The layers: spectra of the basis functions under the window, packed for the shader, with the number of terms chosen
+//! by comparing against the transform of e^{izh} itself.
+
+use super::kernel::{Interpolation, Kernel};
+use super::transform::{PaddedAxis, Spectrum, Transformer};
+use crate::error::{Error, Result};
+use crate::expansion::taylor::{F32_ROUNDOFF, MAX_TERMS, Taylor, terms_for};
+use crate::expansion::{Expansion, HeightScale};
+use crate::surface::HeightField;
+use rayon::prelude::*;
+use rustfft::num_complex::{Complex32, Complex64};
+use std::f64::consts::PI;
+
+/// What the layers are made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Standard deviation of the Gaussian window \[µm\].
+    pub sigma: f64,
+    /// Shortest wavelength that will be asked for \[µm\].
+    pub shortest_wavelength: f64,
+    /// Relative intensity error that the user accepts.
+    pub tolerance: f64,
+    /// Number of terms, where the user names it.
+    pub terms: Option<usize>,
+    /// Most bytes that the layers may take.
+    pub memory_limit: usize,
+}
+
+/// Share of the tolerance that goes to reading between texels, which costs the most to lower.
+const INTERPOLATION_SHARE: f64 = 0.7;
+/// Share of the tolerance that goes to truncation and rounding together; shares add as squares.
+const EXPANSION_SHARE: f64 = 0.35;
+
+/// Intensity relative to the mirror peak below which errors are not judged by their own direction: a 65 µm window's
+/// mirror peak at normal incidence is about 100 sr⁻¹, and 1e-5 sr⁻¹ under a light of irradiance π is below what a display
+/// shows as black at exposure 0.
+pub const FAINT: f64 = 1e-7;
+
+/// The largest |z| = k|w| that wavelengths from `shortest` \[µm\] allow \[rad/µm\]: |w| ≤ 2.
+pub fn largest_z(shortest: f64) -> f64 {
+    4.0 * PI / shortest
+}
+
+/// The errors that the layers bring, RMS and relative to each direction's own intensity (floor [`FAINT`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Errors {
+    /// Truncation and rounding together, measured against the transform of e^{izh}.
+    pub expansion: f64,
+    /// Reading between texels, from the kernel's transform.
+    pub interpolation: f64,
+    /// The bound on |e^{izh} − Σ c_n b_n| over all heights, angles and wavelengths, relative to the mirror peak's amplitude.
+    pub truncation_bound: f64,
+    /// The bound on what rounding adds to it.
+    pub rounding_bound: f64,
+}
+
+/// Spectra of the basis functions on the half plane f_x ≥ 0, two terms to an RGBA texel. The other half follows from
+/// P(−f) = P*(f), that is from turning (u, v, w) around.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layers {
+    /// Texels along f_x and f_y.
+    pub size: [usize; 2],
+    /// Texel of f = 0.
+    pub origin: [usize; 2],
+    /// L_x, L_y: texels per unit of frequency \[µm\].
+    pub length: [f64; 2],
+    /// Frequencies beyond these hold nothing \[µm⁻¹\].
+    pub band: [f64; 2],
+    /// σ of the window \[µm\].
+    pub sigma: f64,
+    /// Number of terms K.
+    pub terms: usize,
+    /// Half the range of heights \[µm\].
+    pub half_range: f64,
+    /// Largest k|w| served \[rad/µm\].
+    pub z_max: f64,
+    /// How to read between texels.
+    pub interpolation: Interpolation,
+    /// What it is accurate to.
+    pub errors: Errors,
+    /// RGBA texels (Re, Im of term 2p; Re, Im of term 2p + 1), pair by pair, row by row in growing f_y; in units of the
+    /// flat mirror's peak amplitude.
+    pub texels: Vec<f32>,
+}
+
+impl Layers {
+    /// Layers of the texture: pairs of terms.
+    pub fn pairs(&self) -> usize {
+        self.terms.div_ceil(2)
+    }
+
+    /// The expansion that the layers belong to.
+    pub fn expansion(&self) -> Taylor {
+        Taylor { half_range: self.half_range }
+    }
+}
+
+/// The padded grid for `settings`, checked against its memory limit before any of it is taken.
+fn plan(field: &HeightField, settings: &Settings, interpolation: Interpolation) -> Result<[PaddedAxis; 2]> {
+    let samples = [field.columns(), field.rows()];
+    let band = bands(field, settings.shortest_wavelength);
+    // Whether it fits is known before the axes, which are as long as the window, are made.
+    let texels = |axis: usize| 2.0 * band[axis] * interpolation.ratio * settings.sigma;
+    let bytes = texels(0) * texels(1) / 2.0 * 8.0 * settings.terms.unwrap_or(2) as f64;
+    if bytes > settings.memory_limit as f64 {
+        return Err(too_large(bytes, settings));
+    }
+    let axis = |i: usize| {
+        PaddedAxis::new(
+            samples[i],
+            field.pixel_size()[i],
+            settings.sigma,
+            interpolation.ratio,
+            interpolation.kernel,
+            band[i],
+            i == 1,
+        )
+    };
+    Ok([axis(0), axis(1)])
+}
+
+fn too_large(bytes: f64, settings: &Settings) -> Error {
+    Error::failed(
+        format!(
+            "the spectra would take {:.1} GiB or more, the limit is {:.1} GiB",
+            bytes / f64::from(1 << 30),
+            settings.memory_limit as f64 / f64::from(1 << 30)
+        ),
+        "ask for a shorter --coherence, a larger --tolerance or fewer --terms, or use --method reference",
+    )
+}
+
+/// Largest frequencies that directions at `shortest` \[µm\] can ask for and samples can hold: min(2/λ, 1/(2dx)).
+fn bands(field: &HeightField, shortest: f64) -> [f64; 2] {
+    field.pixel_size().map(|d| (2.0 / shortest).min(0.5 / d))
+}
+
+/// Transforms `field` into layers. `progress(done, of)` is called as work goes on; an error from it ends the work.
+///
+/// # Errors
+/// Where 32-bit floats cannot hold the expansion at this tolerance, where the memory limit is exceeded, where `progress`
+/// says so.
+pub fn compute(
+    field: &HeightField,
+    settings: &Settings,
+    progress: &dyn Fn(usize, usize) -> Result<()>,
+) -> Result<Layers> {
+    let scale = HeightScale::of(field);
+    let taylor = Taylor { half_range: scale.half_range };
+    let z_max = largest_z(settings.shortest_wavelength);
+    let x_max = z_max * scale.half_range;
+    // Refuses what is hopeless before any work. No direction above the horizon is fainter than FAINT, so a sup error of
+    // its square root times the tolerance is more than enough: the loop below stops as soon as the measured error allows.
+    let rounding = terms_for(x_max, settings.tolerance, F32_ROUNDOFF).map(|_| ());
+    let most_terms = match settings.terms {
+        Some(terms) => terms,
+        None => {
+            rounding?;
+            terms_for(x_max, settings.tolerance * FAINT.sqrt() * 0.1, 0.0)?.min(MAX_TERMS)
+        }
+    };
+    let interpolation = Interpolation::for_tolerance(settings.tolerance * INTERPOLATION_SHARE);
+    let [x, y] = plan(field, settings, interpolation)?;
+    let size = [x.bins + interpolation.kernel.guard() + 1, y.kept()];
+    let pair_bytes = size[0] * size[1] * 16;
+    let transformer = Transformer::new(field, x, y);
+    let heights: Vec<f64> = field.heights().iter().map(|&h| scale.normalise(h)).collect();
+
+    let steps = Audit::PLANES.len() + most_terms.div_ceil(2);
+    let mut audit = Audit::new(&transformer, &heights, &taylor, z_max, |i| progress(i, steps))?;
+    let mut texels: Vec<f32> = Vec::new();
+    let mut terms = 0;
+    while terms < most_terms {
+        progress(Audit::PLANES.len() + terms / 2, steps)?;
+        if texels.len() * 4 + pair_bytes > settings.memory_limit {
+            return Err(too_large((texels.len() * 4 + pair_bytes) as f64, settings));
+        }
+        let (even, odd) = (terms, terms + 1);
+        let spectrum =
+            transformer.spectrum(|i| Complex64::new(taylor.basis(even, heights[i]), taylor.basis(odd, heights[i])));
+        texels.extend(pack(&spectrum, size, &transformer, interpolation.kernel));
+        audit.add(&spectrum);
+        terms = (terms + 2).min(most_terms);
+        let good_enough = audit.error(&taylor, terms, z_max) <= EXPANSION_SHARE * settings.tolerance;
+        if settings.terms.is_none() && good_enough {
+            break;
+        }
+    }
+    let expansion_error = audit.error(&taylor, terms, z_max);
+    if settings.terms.is_none() && expansion_error > EXPANSION_SHARE * settings.tolerance {
+        return Err(Error::failed(
+            format!(
+                "the Taylor expansion in 32-bit floats leaves a relative error of {expansion_error:.1e} on this surface, \
+                 more than its share of the tolerance {:.1e}",
+                settings.tolerance
+            ),
+            "ask for a larger --tolerance, or use --method reference",
+        ));
+    }
+    progress(steps, steps)?;
+    let guard = interpolation.kernel.guard();
+    Ok(Layers {
+        size,
+        origin: [guard, transformer.y.bins],
+        length: [transformer.x.length, transformer.y.length],
+        band: bands(field, settings.shortest_wavelength),
+        sigma: settings.sigma,
+        terms,
+        half_range: scale.half_range,
+        z_max,
+        interpolation,
+        errors: Errors {
+            expansion: expansion_error,
+            interpolation: interpolation.relative_error(),
+            truncation_bound: taylor.truncation_bound(z_max, terms),
+            rounding_bound: crate::expansion::taylor::rounding_bound(x_max, F32_ROUNDOFF),
+        },
+        texels,
+    })
+}
+
+/// One pair of terms as RGBA texels on the half plane, row by row.
+fn pack(spectrum: &Spectrum, size: [usize; 2], transformer: &Transformer, kernel: Kernel) -> Vec<f32> {
+    let first_column = transformer.x.bins - kernel.guard();
+    let mut texels = vec![0.0f32; size[0] * size[1] * 4];
+    texels.par_chunks_mut(size[0] * 4).enumerate().for_each(|(row, out)| {
+        for (column, texel) in out.chunks_mut(4).enumerate() {
+            let [a, b] = spectrum.split(first_column + column, row);
+            texel.copy_from_slice(&[a.re as f32, a.im as f32, b.re as f32, b.im as f32]);
+        }
+    });
+    texels
+}
+
+/// The layers' judge: at a few z, texels that directions can reach, with the transform of e^{izh} there.
+struct Audit {
+    planes: Vec<Plane>,
+}
+
+struct Plane {
+    z: f64,
+    /// Kept column and row of each judged texel.
+    texels: Vec<[usize; 2]>,
+    exact: Vec<Complex64>,
+    /// `[term][texel]`, rounded as stored.
+    terms: Vec<Vec<Complex32>>,
+}
+
+impl Audit {
+    /// The judged z over the largest: near the mirror direction at the shortest wavelength, and less.
+    const PLANES: [f64; 4] = [0.995, 0.9, 0.7, 0.4];
+    /// Judged texels per plane: the RMS of as many exponentially distributed values is good to a few per cent.
+    const TEXELS: usize = 2000;
+
+    fn new(
+        transformer: &Transformer,
+        heights: &[f64],
+        taylor: &Taylor,
+        z_max: f64,
+        progress: impl Fn(usize) -> Result<()>,
+    ) -> Result<Self> {
+        let mut planes = Vec::new();
+        for (index, share) in Self::PLANES.into_iter().enumerate() {
+            progress(index)?;
+            let z = share * z_max;
+            let spectrum = transformer.spectrum(|i| Complex64::cis(z * taylor.half_range * heights[i]));
+            let texels = reachable(transformer, z, z_max, Self::TEXELS);
+            let exact = texels.iter().map(|&[c, r]| spectrum.at(c, r)).collect();
+            planes.push(Plane { z, texels, exact, terms: Vec::new() });
+        }
+        Ok(Self { planes })
+    }
+
+    /// Takes a pair of terms in.
+    fn add(&mut self, spectrum: &Spectrum) {
+        for plane in &mut self.planes {
+            let pairs = plane.texels.iter().map(|&[c, r]| spectrum.split(c, r));
+            let stored = |v: Complex64| Complex32::new(v.re as f32, v.im as f32);
+            let (even, odd) = pairs.map(|[a, b]| (stored(a), stored(b))).unzip();
+            plane.terms.extend([even, odd]);
+        }
+    }
+
+    /// The worst plane's RMS relative intensity error with `terms` terms, summed in f32 as the shader does.
+    fn error(&self, taylor: &Taylor, terms: usize, z_max: f64) -> f64 {
+        let of_plane = |plane: &Plane| {
+            let used = taylor.terms_at(plane.z, terms, z_max).min(terms);
+            let mut c = vec![Complex64::ZERO; used];
+            taylor.coefficients(plane.z, &mut c);
+            let squares = plane.exact.iter().enumerate().map(|(t, exact)| {
+                let sum: Complex32 = c
+                    .iter()
+                    .zip(&plane.terms)
+                    .map(|(c, term)| Complex32::new(c.re as f32, c.im as f32) * term[t])
+                    .sum();
+                let truth = exact.norm_sqr();
+                ((f64::from(sum.norm_sqr()) - truth) / truth.max(FAINT)).powi(2)
+            });
+            (squares.sum::<f64>() / plane.exact.len().max(1) as f64).sqrt()
+        };
+        self.planes.iter().map(of_plane).fold(0.0, f64::max)
+    }
+}
+
+/// Kept texels spread evenly over the frequencies that some direction above the horizon and wavelength reach at `z`:
+/// |f|² ≤ (z_max² − z²)/(2π)², from |(u,v,w)| ≤ 2.
+fn reachable(transformer: &Transformer, z: f64, z_max: f64, most: usize) -> Vec<[usize; 2]> {
+    let radius = (z_max * z_max - z * z).sqrt() / (2.0 * PI);
+    let (x, y) = (&transformer.x, &transformer.y);
+    // The additive recurrence of the plastic number (Roberts 2018) covers a square evenly for any count.
+    const PLASTIC: f64 = 1.324_717_957_244_746;
+    let spot = |i: usize, power: i32| (0.5 + i as f64 * PLASTIC.powi(-power)).fract() * 2.0 - 1.0;
+    (0..most)
+        .filter_map(|i| {
+            let (fx, fy) = (spot(i, 1) * radius, spot(i, 2) * radius);
+            let column = (fx * x.length).round() as i64 + x.bins as i64;
+            let row = (fy * y.length).round() as i64 + y.bins as i64;
+            let inside = fx.hypot(fy) <= radius
+                && (0..x.kept() as i64).contains(&column)
+                && (0..y.kept() as i64).contains(&row);
+            inside.then_some([column as usize, row as usize])
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bumpy(range: f64) -> HeightField {
+        let heights = (0..64 * 48)
+            .map(|i| {
+                let (x, y) = ((i % 64) as f64, (i / 64) as f64);
+                range / 2.0 * (0.6 * (x / 64.0 * 25.13).sin() + 0.4 * (y / 48.0 * 18.85 + x * 0.1).cos())
+            })
+            .collect();
+        HeightField::new(64, 48, [0.09, 0.09], heights).unwrap()
+    }
+
+    fn settings(tolerance: f64) -> Settings {
+        Settings { sigma: 2.0, shortest_wavelength: 0.38, tolerance, terms: None, memory_limit: 1 << 30 }
+    }
+
+    #[test]
+    fn tighter_tolerances_take_more_terms_and_keep_their_share() {
+        let field = bumpy(0.3);
+        let mut last = 0;
+        for tolerance in [1e-1, 1e-2, 1e-3] {
+            let layers = compute(&field, &settings(tolerance), &|_, _| Ok(())).unwrap();
+            assert!(layers.terms > last, "{tolerance}: {} terms", layers.terms);
+            assert!(layers.errors.expansion <= EXPANSION_SHARE * tolerance);
+            assert_eq!(layers.texels.len(), layers.size[0] * layers.size[1] * 4 * layers.pairs());
+            last = layers.terms;
+        }
+    }
+
+    #[test]
+    fn too_few_terms_are_seen_by_the_audit() {
+        let field = bumpy(0.3);
+        let few = Settings { terms: Some(3), ..settings(1e-2) };
+        assert!(compute(&field, &few, &|_, _| Ok(())).unwrap().errors.expansion > 0.1);
+    }
+
+    #[test]
+    fn heights_beyond_32_bit_floats_and_windows_beyond_memory_are_refused() {
+        let high = compute(&bumpy(1.2), &settings(1e-2), &|_, _| Ok(())).unwrap_err().to_string();
+        assert!(high.contains("32-bit"), "{high}");
+        let wide = Settings { sigma: 2500.0, ..settings(1e-2) };
+        let message = compute(&bumpy(0.1), &wide, &|_, _| Ok(())).unwrap_err().to_string();
+        assert!(message.contains("GiB"), "{message}");
+    }
+
+    #[test]
+    fn work_ends_where_progress_says_so() {
+        let stop = |done: usize, _| if done > 1 { Err(Error::failed("stopped", "start again")) } else { Ok(()) };
+        assert!(compute(&bumpy(0.1), &settings(1e-2), &stop).is_err());
+    }
+
+    #[test]
+    fn a_flat_surface_needs_one_pair() {
+        let field = HeightField::new(16, 16, [0.1, 0.1], vec![3.0; 256]).unwrap();
+        let layers = compute(&field, &settings(1e-3), &|_, _| Ok(())).unwrap();
+        assert!(layers.terms <= 2);
+        let peak = (layers.origin[1] * layers.size[0] + layers.origin[0]) * 4;
+        // Deapodisation lifts the sum of the weights above the window's integral by the kernel's own loss at the peak.
+        assert!((layers.texels[peak] - 1.0).abs() < 0.1, "{}", layers.texels[peak]);
+    }
+}

@@ -1,0 +1,243 @@
+//! Windowed Fourier transforms of functions of the height, on the frequencies that a scene can see.
+//!
+//! Sign and order: P(f) = Σ p(x) e^{+i2πf·x} dx dy, which is rustfft's inverse direction, unnormalised. Position 0 is the
+//! patch centre, so neighbouring bins of a centred window are in phase and can be interpolated between.
+
+use super::kernel::Kernel;
+use crate::surface::HeightField;
+use rayon::prelude::*;
+use rustfft::{Fft, FftPlanner, num_complex::Complex64};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// One axis of the padded grid: the patch repeated over a length L that holds the Gaussian window.
+#[derive(Clone, Debug)]
+pub struct PaddedAxis {
+    /// Samples over L.
+    pub samples: usize,
+    /// L \[µm\]; frequency bins are 1/L apart.
+    pub length: f64,
+    /// Bins −`bins` … `bins` are kept: the band and the kernel's guard.
+    pub bins: usize,
+    /// Window over the kernel's transform at each padded sample, normalised to Σ g = 1.
+    window: Vec<f64>,
+    /// Column or row of the patch under each padded sample.
+    patch_index: Vec<usize>,
+    /// Sub-sample shift of the origin: the centre of an even number of samples lies between two.
+    shift: f64,
+}
+
+impl PaddedAxis {
+    /// The axis of a patch of `samples` samples `spacing` \[µm\] apart under a Gaussian of standard deviation `sigma`
+    /// \[µm\] padded to at least `ratio`·σ, keeping frequencies up to `band` \[µm⁻¹\]. `upward`: sample 0 of the patch
+    /// has the largest coordinate, as rows of an image have.
+    pub fn new(
+        samples: usize,
+        spacing: f64,
+        sigma: f64,
+        ratio: f64,
+        kernel: Kernel,
+        band: f64,
+        upward: bool,
+    ) -> Self {
+        /// A transform this short costs nothing and still holds every kernel's guard.
+        const FEWEST: usize = 8;
+        let padded = fast_size(((ratio * sigma / spacing).ceil() as usize).max(FEWEST));
+        let length = padded as f64 * spacing;
+        let shift = if samples % 2 == 0 { 0.5 } else { 0.0 };
+        // Padded sample m stands at (m + shift)·spacing, the upper half of m wrapped to negative positions.
+        let place = |m: usize| {
+            let signed = if m < padded.div_ceil(2) { m as i64 } else { m as i64 - padded as i64 };
+            (signed, (signed as f64 + shift) * spacing)
+        };
+        let gaussian = |x: f64| (-0.5 * (x / sigma).powi(2)).exp();
+        // The continuous integral of g, so that a flat surface's mirror peak is 1 by definition.
+        let scale = spacing / ((2.0 * PI).sqrt() * sigma);
+        let window = (0..padded)
+            .map(|m| {
+                let x = place(m).1;
+                gaussian(x) / kernel.transform(x / length) * scale
+            })
+            .collect();
+        // Position (j + shift)·spacing is column (samples − 1)/2 + shift + j of the patch: a whole number.
+        let middle = ((samples as f64 - 1.0) / 2.0 + shift) as i64;
+        let patch_index = (0..padded)
+            .map(|m| {
+                let index = (middle + place(m).0).rem_euclid(samples as i64) as usize;
+                if upward { samples - 1 - index } else { index }
+            })
+            .collect();
+        Self { samples: padded, length, bins: (band * length).ceil() as usize + kernel.guard(), window, patch_index, shift }
+    }
+
+    /// Bins kept along the whole axis, negative frequencies included.
+    pub fn kept(&self) -> usize {
+        2 * self.bins + 1
+    }
+
+    /// The transform's own index of kept bin `k` (frequency k − bins).
+    fn bin(&self, k: usize) -> usize {
+        (k as i64 - self.bins as i64).rem_euclid(self.samples as i64) as usize
+    }
+
+    /// The factor that moves the origin to the patch centre, for kept bin `k`.
+    fn origin_phase(&self, k: usize) -> Complex64 {
+        let bin = k as f64 - self.bins as f64;
+        Complex64::cis(2.0 * PI * bin * self.shift / self.samples as f64)
+    }
+}
+
+/// The smallest product of 2, 3 and 5 that is at least `n`: rustfft is fastest there.
+fn fast_size(n: usize) -> usize {
+    (n..)
+        .find(|&m| {
+            let mut rest = m;
+            for p in [2, 3, 5] {
+                while rest % p == 0 {
+                    rest /= p;
+                }
+            }
+            rest == 1
+        })
+        .unwrap_or(n)
+}
+
+/// A spectrum on the kept bins, column by column: `values[column * rows + row]`, frequency (column − bins_x)/L_x,
+/// (row − bins_y)/L_y.
+#[derive(Debug)]
+pub struct Spectrum {
+    values: Vec<Complex64>,
+    columns: usize,
+    rows: usize,
+}
+
+impl Spectrum {
+    /// The value at a kept column and row.
+    pub fn at(&self, column: usize, row: usize) -> Complex64 {
+        self.values[column * self.rows + row]
+    }
+
+    /// At kept (column, row), the spectra A and B of the real and imaginary parts of the transformed function: both are
+    /// Hermitian, so A(f) = (Z(f) + Z*(−f))/2 and B(f) = (Z(f) − Z*(−f))/2i.
+    pub fn split(&self, column: usize, row: usize) -> [Complex64; 2] {
+        let z = self.at(column, row);
+        let mirrored = self.at(self.columns - 1 - column, self.rows - 1 - row).conj();
+        let half_difference = (z - mirrored) * 0.5;
+        [(z + mirrored) * 0.5, Complex64::new(half_difference.im, -half_difference.re)]
+    }
+}
+
+/// Transforms of one height field under one window.
+pub struct Transformer<'a> {
+    field: &'a HeightField,
+    /// Along x.
+    pub x: PaddedAxis,
+    /// Along y.
+    pub y: PaddedAxis,
+    along_x: Arc<dyn Fft<f64>>,
+    along_y: Arc<dyn Fft<f64>>,
+}
+
+impl<'a> Transformer<'a> {
+    /// Plans the transforms over the axes `x` and `y` of `field`.
+    pub fn new(field: &'a HeightField, x: PaddedAxis, y: PaddedAxis) -> Self {
+        let mut planner = FftPlanner::new();
+        let (along_x, along_y) = (planner.plan_fft_inverse(x.samples), planner.plan_fft_inverse(y.samples));
+        Self { field, x, y, along_x, along_y }
+    }
+
+    /// Host memory that one transform takes \[bytes\].
+    pub fn memory(x: &PaddedAxis, y: &PaddedAxis) -> usize {
+        (y.samples * x.kept() + y.kept() * x.kept()) * size_of::<Complex64>()
+    }
+
+    /// The spectrum of window · `value`(sample of the patch, by row and column), relative to the window's mirror peak.
+    pub fn spectrum(&self, value: impl Fn(usize) -> Complex64 + Sync) -> Spectrum {
+        let (x, y) = (&self.x, &self.y);
+        let columns = x.kept();
+        // Every padded row, transformed; only the kept columns stay.
+        let mut rows_done = vec![Complex64::ZERO; y.samples * columns];
+        rows_done.par_chunks_mut(columns).enumerate().for_each_init(
+            || (vec![Complex64::ZERO; x.samples], vec![Complex64::ZERO; self.along_x.get_inplace_scratch_len()]),
+            |(buffer, scratch), (row, kept)| {
+                let first = y.patch_index[row] * self.field.columns();
+                for (m, slot) in buffer.iter_mut().enumerate() {
+                    *slot = value(first + x.patch_index[m]) * (x.window[m] * y.window[row]);
+                }
+                self.along_x.process_with_scratch(buffer, scratch);
+                for (k, slot) in kept.iter_mut().enumerate() {
+                    *slot = buffer[x.bin(k)] * x.origin_phase(k);
+                }
+            },
+        );
+        let mut values = vec![Complex64::ZERO; columns * y.kept()];
+        // Neighbouring columns share cache lines of `rows_done`.
+        const TOGETHER: usize = 8;
+        values.par_chunks_mut(TOGETHER * y.kept()).enumerate().for_each_init(
+            || (vec![Complex64::ZERO; TOGETHER * y.samples], vec![Complex64::ZERO; self.along_y.get_inplace_scratch_len()]),
+            |(buffer, scratch), (block, out)| {
+                let here = out.len() / y.kept();
+                for row in 0..y.samples {
+                    let begin = row * columns + block * TOGETHER;
+                    for (c, v) in rows_done[begin..begin + here].iter().enumerate() {
+                        buffer[c * y.samples + row] = *v;
+                    }
+                }
+                self.along_y.process_with_scratch(&mut buffer[..here * y.samples], scratch);
+                for (c, column) in out.chunks_mut(y.kept()).enumerate() {
+                    for (k, slot) in column.iter_mut().enumerate() {
+                        *slot = buffer[c * y.samples + y.bin(k)] * y.origin_phase(k);
+                    }
+                }
+            },
+        );
+        Spectrum { values, columns, rows: y.kept() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fast_sizes_have_small_factors() {
+        assert_eq!([1, 7, 11, 121, 3999].map(fast_size), [1, 8, 12, 125, 4000]);
+    }
+
+    #[test]
+    fn the_transform_is_the_plain_sum_with_the_origin_at_the_patch_centre() {
+        for (columns, rows) in [(7, 6), (6, 5)] {
+            let heights: Vec<f64> = (0..columns * rows).map(|i| ((i * 37 % 11) as f64).sin() * 0.1).collect();
+            let field = HeightField::new(columns, rows, [0.2, 0.3], heights).unwrap();
+            // Bilinear deapodisation is divided out again below: the plain window is what is compared.
+            let (sigma, kernel) = (1.0, Kernel::Bilinear);
+            let x = PaddedAxis::new(columns, 0.2, sigma, 10.0, kernel, 1.5, false);
+            let y = PaddedAxis::new(rows, 0.3, sigma, 10.0, kernel, 1.5, true);
+            let transformer = Transformer::new(&field, x, y);
+            let spectrum = transformer.spectrum(|i| Complex64::cis(9.0 * field.heights()[i]));
+            let (x, y) = (&transformer.x, &transformer.y);
+            for (column, row) in [(x.bins, y.bins), (x.bins + 3, y.bins + 1), (x.bins - 2, y.bins + 4)] {
+                let (fx, fy) =
+                    ((column as f64 - x.bins as f64) / x.length, (row as f64 - y.bins as f64) / y.length);
+                let mut sum = Complex64::ZERO;
+                for j in -100i64..100 {
+                    for i in -100i64..100 {
+                        // Copies of the patch: column 0 at the patch's left edge, row 0 at its top.
+                        let px = field.x(0) + i as f64 * 0.2;
+                        let py = field.y(0) - j as f64 * 0.3;
+                        if px.abs() > x.length / 2.0 || py.abs() > y.length / 2.0 {
+                            continue;
+                        }
+                        let h = field.row(j.rem_euclid(rows as i64) as usize)[i.rem_euclid(columns as i64) as usize];
+                        let g = (-(px * px + py * py) / (2.0 * sigma * sigma)).exp()
+                            / (kernel.transform(px / x.length) * kernel.transform(py / y.length));
+                        sum += Complex64::from_polar(g, 9.0 * h + 2.0 * PI * (fx * px + fy * py));
+                    }
+                }
+                sum *= 0.2 * 0.3 / (2.0 * PI * sigma * sigma);
+                let error = (sum - spectrum.at(column, row)).norm();
+                assert!(error < 1e-5, "{columns}x{rows} bin {column},{row}: {error:e}");
+            }
+        }
+    }
+}
