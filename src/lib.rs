@@ -3,7 +3,9 @@
 pub mod cli;
 pub mod error;
 pub mod expansion;
+pub mod memory;
 pub mod optics;
+pub mod output;
 pub mod precompute;
 pub mod render;
 pub mod scene;
