@@ -1,0 +1,292 @@
+//! Numbers with their units, as they are written on the command line and in scene files.
+//!
+//! Lengths become micrometres and angles degrees. A unit is part of its number: a bare length is an error that says so.
+//! Every function is a plain `&str -> Result`, so that it can be an argument's value parser.
+
+use crate::error::{Error, Result};
+
+/// Length units and what one of them is \[µm\]. Both micro signs, U+00B5 and the Greek letter U+03BC, are common.
+const LENGTHS: [(&str, f64); 6] =
+    [("nm", 1e-3), ("um", 1.0), ("\u{b5}m", 1.0), ("\u{3bc}m", 1.0), ("mm", 1e3), ("m", 1e6)];
+
+/// Angle units and what one of them is \[degrees\].
+const ANGLES: [(&str, f64); 3] = [("deg", 1.0), ("\u{b0}", 1.0), ("rad", 180.0 / std::f64::consts::PI)];
+
+/// The longest side of a picture, in pixels: what Vulkan devices commonly take.
+pub const MAX_PIXELS: u32 = 16_384;
+
+/// The most copies or windows along one axis.
+pub const MAX_COUNT: u32 = 10_000;
+
+/// How bright a light may be, relative to one of intensity 1.
+const MAX_INTENSITY: f64 = 1e6;
+
+/// A light from one direction, as it is written: `THETA,PHI[,INTENSITY]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Angle from the surface normal \[degrees\], 0 ≤ theta ≤ 90.
+    pub theta: f64,
+    /// Angle from +x toward +y \[degrees\], −360 ≤ phi ≤ 360.
+    pub phi: f64,
+    /// Relative brightness, above 0; 1 unless it is written.
+    pub intensity: f64,
+}
+
+/// A positive length such as `65um`, `434.7nm`, `0.5mm` or `1µm` \[µm\].
+///
+/// # Errors
+/// No number, no unit or an unknown one, a number that is not finite and positive.
+pub fn length(text: &str) -> Result<f64> {
+    let value = with_unit(text, &LENGTHS, "12nm, 12um or 12mm")?;
+    if value > 0.0 { Ok(value) } else { Err(not_positive(text)) }
+}
+
+/// One length for both axes, or two as in `80nmx90nm` (`x` or `×`) \[µm\].
+///
+/// # Errors
+/// As [`length`], for either.
+pub fn length_pair(text: &str) -> Result<[f64; 2]> {
+    match split_pair(text) {
+        Some((x, y)) => Ok([length(x)?, length(y)?]),
+        None => length(text).map(|both| [both; 2]),
+    }
+}
+
+/// A finite angle such as `30deg`, `-12.5°` or `0.5rad` \[degrees\].
+///
+/// # Errors
+/// No number, no unit or an unknown one, a number that is not finite.
+pub fn angle(text: &str) -> Result<f64> {
+    with_unit(text, &ANGLES, "30deg")
+}
+
+/// A light `THETA,PHI` or `THETA,PHI,INTENSITY`, angles in plain degrees.
+///
+/// # Errors
+/// Another number of fields, 0 ≤ theta ≤ 90, |phi| ≤ 360 or 0 < intensity ≤ 10⁶ violated.
+pub fn light(text: &str) -> Result<Light> {
+    const FORM: &str = "write THETA,PHI or THETA,PHI,INTENSITY in plain degrees, as in 30,90";
+    let fields: Vec<&str> = text.split(',').map(str::trim).collect();
+    let (theta, phi, intensity) = match fields[..] {
+        [theta, phi] => (theta, phi, "1"),
+        [theta, phi, intensity] => (theta, phi, intensity),
+        _ => return Err(Error::usage(format!("'{text}' is not a light"), FORM)),
+    };
+    let number = |field: &str| {
+        plain_number(field)
+            .ok_or_else(|| Error::usage(format!("'{field}' in the light '{text}' is not a number"), FORM))
+    };
+    let light = Light { theta: number(theta)?, phi: number(phi)?, intensity: number(intensity)? };
+    let refuse =
+        |what: String, remedy: &str| Err(Error::usage(what + &format!(" in the light '{text}'"), remedy));
+    if !(0.0..=90.0).contains(&light.theta) {
+        return refuse(
+            format!("the angle THETA of {theta} degrees"),
+            "give 0 (straight above) to 90 (grazing)",
+        );
+    }
+    if !(-360.0..=360.0).contains(&light.phi) {
+        return refuse(format!("the angle PHI of {phi} degrees"), "give -360 to 360");
+    }
+    if !(light.intensity > 0.0 && light.intensity <= MAX_INTENSITY) {
+        return refuse(format!("the intensity {intensity}"), "give a number above 0, at most 1000000");
+    }
+    Ok(light)
+}
+
+/// Two counts such as `3x3`, each 1 … [`MAX_COUNT`].
+///
+/// # Errors
+/// Another form or a count outside.
+pub fn counts(text: &str) -> Result<[u32; 2]> {
+    whole_pair(text, "3x3", MAX_COUNT)
+}
+
+/// A picture size in pixels such as `1280x720`, each side 1 … [`MAX_PIXELS`].
+///
+/// # Errors
+/// Another form or a side outside.
+pub fn size(text: &str) -> Result<[u32; 2]> {
+    whole_pair(text, "1280x720", MAX_PIXELS)
+}
+
+fn whole_pair(text: &str, example: &str, largest: u32) -> Result<[u32; 2]> {
+    let remedy = format!("write two whole numbers from 1 to {largest}, as in {example}");
+    let refuse = || Error::usage(format!("'{text}' is not a pair of whole numbers in range"), remedy.clone());
+    let (x, y) = split_pair(text).ok_or_else(refuse)?;
+    let whole = |part: &str| {
+        let digits = part.bytes().all(|b| b.is_ascii_digit()); // "+3" is none
+        let value = part.parse::<u32>().ok().filter(|n| digits && (1..=largest).contains(n));
+        value.ok_or_else(refuse)
+    };
+    Ok([whole(x)?, whole(y)?])
+}
+
+/// The two sides of the one `x` or `×` in `text`.
+fn split_pair(text: &str) -> Option<(&str, &str)> {
+    let (first, second) = text.split_once(['x', '\u{d7}'])?;
+    Some((first.trim(), second.trim()))
+}
+
+/// The number in front of one of `units`, times what the unit is.
+fn with_unit(text: &str, units: &[(&str, f64)], examples: &str) -> Result<f64> {
+    let trimmed = text.trim();
+    if trimmed.is_empty() {
+        return Err(Error::usage("the value is empty", format!("write {examples}")));
+    }
+    // The longest unit that fits: "5nm" ends in "m" too, but its "5n" is no number.
+    let fitting = units.iter().filter_map(|(unit, scale)| {
+        let number = trimmed.strip_suffix(unit)?;
+        Some((plain_number(number.trim_end())?, *scale))
+    });
+    if let Some((number, scale)) = fitting.into_iter().next() {
+        let value = number * scale;
+        // A product that over- or underflows is not what was written.
+        let kept = value.is_finite() && (number == 0.0 || value != 0.0);
+        let out_of_range =
+            || Error::usage(format!("'{trimmed}' is out of range"), format!("write {examples}"));
+        return kept.then_some(value).ok_or_else(out_of_range);
+    }
+    if plain_number(trimmed).is_some() {
+        return Err(Error::usage(format!("{trimmed} has no unit"), with_own_number(trimmed, examples)));
+    }
+    let known: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
+    Err(Error::usage(
+        format!("'{trimmed}' is not a number with a unit"),
+        format!("write {examples} (units: {})", known.join(", ")),
+    ))
+}
+
+/// `write 12nm, 12um or 12mm`, with the number that the user wrote.
+fn with_own_number(number: &str, examples: &str) -> String {
+    let example = examples.trim_start_matches(|c: char| c.is_ascii_digit());
+    let placeholder = &examples[..examples.len() - example.len()];
+    format!("write {}", examples.replace(placeholder, number))
+}
+
+/// A finite decimal number; Rust's own parser would take `inf` and `NaN` as well.
+fn plain_number(text: &str) -> Option<f64> {
+    let decimal = text.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'.' | b'-' | b'+' | b'e' | b'E'));
+    text.parse::<f64>().ok().filter(|value| decimal && value.is_finite())
+}
+
+fn not_positive(text: &str) -> Error {
+    Error::usage(
+        format!("the length {} is not positive", text.trim()),
+        "give a length above zero, as in 12um",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(a: f64, b: f64) -> bool {
+        (a - b).abs() <= 1e-12 * b.abs()
+    }
+
+    #[test]
+    fn lengths_become_micrometres() {
+        for (text, expected) in [
+            ("65um", 65.0),
+            ("434.7nm", 0.4347),
+            ("0.5mm", 500.0),
+            ("1\u{b5}m", 1.0),
+            ("1\u{3bc}m", 1.0),
+            (" 2e-3 mm ", 2.0),
+            ("0.001m", 1000.0),
+            (".5um", 0.5),
+        ] {
+            assert!(close(length(text).unwrap(), expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_bare_number_is_told_its_units() {
+        assert_eq!(length("12").unwrap_err().to_string(), "12 has no unit; write 12nm, 12um or 12mm");
+        assert_eq!(angle("-7.5").unwrap_err().to_string(), "-7.5 has no unit; write -7.5deg");
+    }
+
+    #[test]
+    fn what_is_no_positive_length_is_refused_with_exit_code_2() {
+        for text in [
+            "",
+            " ",
+            "um",
+            "NaN",
+            "NaNum",
+            "inf",
+            "infnm",
+            "-infum",
+            "0um",
+            "-0nm",
+            "-3um",
+            "1e999um",
+            "1e308m",
+            "1e-323nm",
+            "12km",
+            "12 parsec",
+            "1,5um",
+            "0x10um",
+            "5umum",
+            "5u m",
+            "--5um",
+            "1_000nm",
+            "\u{b5}m",
+            "5\0um",
+            "12deg",
+        ] {
+            let e = length(text).unwrap_err();
+            assert_eq!(e.exit_code(), 2, "{text}");
+            assert!(e.to_string().contains("; "), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_pair_is_two_lengths_and_one_length_is_both() {
+        let pair = length_pair("80nmx90nm").unwrap();
+        assert!(close(pair[0], 0.08) && close(pair[1], 0.09));
+        let pair = length_pair("1um \u{d7} 0.5mm").unwrap();
+        assert!(close(pair[0], 1.0) && close(pair[1], 500.0));
+        assert_eq!(length_pair("2um").unwrap(), [2.0, 2.0]);
+        for text in ["80nmx", "x90nm", "80x90nm", "1umx2umx3um", "x", "0nmx1nm"] {
+            assert!(length_pair(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn angles_become_degrees_and_may_be_negative() {
+        assert!(close(angle("30deg").unwrap(), 30.0));
+        assert!(close(angle("-12.5\u{b0}").unwrap(), -12.5));
+        assert!(close(angle("3.141592653589793rad").unwrap(), 180.0));
+        assert_eq!(angle("0deg").unwrap(), 0.0);
+        for text in ["", "deg", "30um", "infdeg", "1e400deg"] {
+            assert!(angle(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_light_has_two_or_three_fields_in_range() {
+        assert_eq!(light("30,90").unwrap(), Light { theta: 30.0, phi: 90.0, intensity: 1.0 });
+        assert_eq!(light(" 0 , -180 , 2.5 ").unwrap(), Light { theta: 0.0, phi: -180.0, intensity: 2.5 });
+        assert!(light("90,360").is_ok());
+        for text in [
+            "", "30", "30,", ",", "1,2,3,4", "91,0", "-1,0", "0,361", "0,0,0", "0,0,-1", "0,0,1e7", "NaN,0",
+            "0,inf", "30deg,0", "0,0,NaN",
+        ] {
+            assert_eq!(light(text).unwrap_err().exit_code(), 2, "{text}");
+        }
+    }
+
+    #[test]
+    fn counts_and_sizes_are_whole_and_bounded() {
+        assert_eq!(counts("3x4").unwrap(), [3, 4]);
+        assert_eq!(size("1280x720").unwrap(), [1280, 720]);
+        assert_eq!(size("16384x1").unwrap(), [16384, 1]);
+        for text in ["", "x", "3", "0x3", "3x-3", "3.0x3", "+3x3", "3x3x3", "99999999999x1", "axb"] {
+            assert!(counts(text).is_err(), "{text}");
+            assert!(size(text).is_err(), "{text}");
+        }
+        assert!(size("16385x1").is_err());
+    }
+}

@@ -1,0 +1,65 @@
+//! Room for large arrays, asked about before they are taken.
+
+use crate::error::{Error, Result};
+use std::fs;
+
+/// Fails when `bytes` for `what` are more than this machine can give now.
+///
+/// Where the system does not tell how much it has, every request passes.
+///
+/// # Errors
+/// The request is larger than the memory that is available.
+pub fn ensure_room(bytes: u64, what: &str) -> Result<()> {
+    check(bytes, available(), what)
+}
+
+fn check(bytes: u64, available: Option<u64>, what: &str) -> Result<()> {
+    match available {
+        Some(room) if bytes > room => Err(Error::failed(
+            format!("{what} needs {} of memory and {} are free", in_words(bytes), in_words(room)),
+            "use a smaller field, or a machine with more memory",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// What can still be taken without swapping: the system's own estimate, or the limit of the control group if that is
+/// lower.
+fn available() -> Option<u64> {
+    let system = fs::read_to_string("/proc/meminfo").ok().and_then(|text| meminfo_available(&text));
+    let group =
+        fs::read_to_string("/sys/fs/cgroup/memory.max").ok().and_then(|text| text.trim().parse().ok());
+    system.into_iter().chain(group).min()
+}
+
+/// `MemAvailable` of `/proc/meminfo` \[bytes\].
+fn meminfo_available(text: &str) -> Option<u64> {
+    let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
+    let kib: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    kib.checked_mul(1024)
+}
+
+fn in_words(bytes: u64) -> String {
+    const MIB: f64 = 1024.0 * 1024.0;
+    let mib = bytes as f64 / MIB;
+    if mib < 1024.0 { format!("{mib:.0} MiB") } else { format!("{:.1} GiB", mib / 1024.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_than_there_is_is_refused_and_less_is_not() {
+        let e = check(3 << 30, Some(2 << 30), "the field").unwrap_err().to_string();
+        assert!(e.contains("3.0 GiB") && e.contains("2.0 GiB"), "{e}");
+        assert!(check(1, Some(2), "the field").is_ok());
+        assert!(check(u64::MAX, None, "the field").is_ok());
+    }
+
+    #[test]
+    fn the_systems_estimate_is_read_in_bytes() {
+        assert_eq!(meminfo_available("MemTotal: 9 kB\nMemAvailable:   4 kB\n"), Some(4096));
+        assert_eq!(meminfo_available("MemTotal: 9 kB\n"), None);
+    }
+}

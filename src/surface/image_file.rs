@@ -1,0 +1,236 @@
+//! Height images: grey PNG and TIFF files, read and written.
+//!
+//! Black is height 0, the format's largest code is the full height, row 0 is the top. What a file is, its content says
+//! and not its name. Nothing is decoded before its size is known and found to fit.
+
+use super::{HeightField, MAX_SIDE};
+use crate::error::{Error, Result};
+use crate::{memory, output};
+use image::error::{ImageError, LimitErrorKind, UnsupportedErrorKind};
+use image::{
+    ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageFormat, ImageReader, Limits, codecs,
+};
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader, Seek};
+use std::path::Path;
+
+/// The largest code of a 16-bit image.
+const LARGEST_CODE: f64 = u16::MAX as f64;
+
+/// What a decoder may take beside the picture itself: a compressed block, a colour profile, a comment.
+const DECODER_ROOM: u64 = 64 << 20;
+
+/// What to do about a file whose pixels are no plain grey codes.
+const EXPORT_GREY: &str = "export it as 8- or 16-bit grey PNG or TIFF";
+
+/// Reads the height image `path`: 8- or 16-bit PNG or TIFF, grey or with equal colour channels; alpha is ignored. Codes
+/// 0 … 255 or 0 … 65535 become heights 0 … `full_height` \[µm\]; samples lie `pixel_size` \[µm\] apart. Of a file with
+/// several pages the first one counts.
+///
+/// # Errors
+/// A file that is missing, not regular, damaged, of another format or pixel type, coloured, larger than [`MAX_SIDE`] on a
+/// side or than the memory; a `pixel_size` or `full_height` that is not a length.
+pub fn read(path: &Path, pixel_size: [f64; 2], full_height: f64) -> Result<HeightField> {
+    if !full_height.is_finite() || full_height < 0.0 {
+        return Err(Error::usage(
+            format!("the full height {full_height} um cannot be"),
+            "give what the largest grey code means, as in --height 434.7nm",
+        ));
+    }
+    let place = |e: Error| e.at(path.display());
+    let image = decode(path).map_err(place)?;
+    let (columns, rows) = (image.width() as usize, image.height() as usize);
+    let codes = grey_codes(&image).map_err(place)?;
+    let heights = codes.into_iter().map(|share| share * full_height).collect();
+    HeightField::new(columns, rows, pixel_size, heights).map_err(place)
+}
+
+/// Writes `field` as a 16-bit grey image, PNG or TIFF by the extension of `path`, and returns the full height \[µm\]:
+/// what the largest code means. The lowest height becomes code 0, the highest 65535; a flat field is code 0 all over and
+/// has full height 0. The file appears whole or not at all.
+///
+/// # Errors
+/// Another extension; heights too far apart for a number; a place that cannot be written to.
+pub fn write(path: &Path, field: &HeightField) -> Result<f64> {
+    let format = format_by_extension(path)?;
+    let (low, high) = field.range();
+    let full_height = high - low;
+    if !full_height.is_finite() {
+        return Err(Error::failed("the heights are too far apart for a number", "scale them down"));
+    }
+    // Dividing first keeps the product finite and the highest height exactly at the largest code.
+    let code = |h: &f64| ((h - low) / full_height * LARGEST_CODE).round() as u16;
+    let codes: Vec<u16> = if full_height > 0.0 {
+        field.heights().iter().map(code).collect()
+    } else {
+        vec![0; field.heights().len()]
+    };
+    let (columns, rows) = (field.columns() as u32, field.rows() as u32); // at most MAX_SIDE
+    let picture = image::ImageBuffer::from_raw(columns, rows, codes)
+        .ok_or_else(|| Error::failed("the heights do not fill their grid", "report this"))?;
+    let picture = DynamicImage::ImageLuma16(picture);
+    output::write_atomically(path, |file| {
+        picture.write_to(file, format).map_err(|e| {
+            Error::failed(format!("{}: cannot write: {e}", path.display()), "check the free space")
+        })
+    })?;
+    Ok(full_height)
+}
+
+fn format_by_extension(path: &Path) -> Result<ImageFormat> {
+    let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    match extension.as_deref() {
+        Some("png") => Ok(ImageFormat::Png),
+        Some("tif" | "tiff") => Ok(ImageFormat::Tiff),
+        _ => Err(Error::usage(
+            format!("{}: the name does not end like a height image", path.display()),
+            "end it in .png, .tif or .tiff",
+        )),
+    }
+}
+
+/// The decoded picture, after everything that can be checked before decoding.
+fn decode(path: &Path) -> Result<DynamicImage> {
+    let reader = open(path)?;
+    let guessed = ImageReader::new(reader)
+        .with_guessed_format()
+        .map_err(|e| Error::failed(format!("cannot read: {e}"), "check the file"))?;
+    let format = guessed.format();
+    let reader = guessed.into_inner();
+    match format {
+        Some(ImageFormat::Png) => {
+            let limits = limits(DECODER_ROOM);
+            decode_with(codecs::png::PngDecoder::with_limits(reader, limits).map_err(|e| explain(&e))?)
+        }
+        Some(ImageFormat::Tiff) => {
+            decode_with(codecs::tiff::TiffDecoder::new(reader).map_err(|e| explain(&e))?)
+        }
+        _ => Err(Error::failed("is neither a PNG nor a TIFF image", EXPORT_GREY)),
+    }
+}
+
+/// Opens a regular file that is not empty. Asked before opening, since opening a pipe waits for its other end.
+fn open(path: &Path) -> Result<impl BufRead + Seek + use<>> {
+    let cannot = |e: std::io::Error| Error::failed(format!("cannot open: {e}"), "check the path");
+    let there = fs::metadata(path).map_err(cannot)?;
+    if there.is_dir() {
+        return Err(Error::failed("is a folder", "name a PNG or TIFF file in it"));
+    }
+    if !there.is_file() {
+        return Err(Error::failed("is not a regular file", "save the image to a file first"));
+    }
+    if there.len() == 0 {
+        return Err(Error::failed("is empty", "save the image again"));
+    }
+    File::open(path).map(BufReader::new).map_err(cannot)
+}
+
+fn decode_with(mut decoder: impl ImageDecoder) -> Result<DynamicImage> {
+    let (columns, rows) = decoder.dimensions();
+    if columns as usize > MAX_SIDE || rows as usize > MAX_SIDE {
+        return Err(too_large(&format!("{columns} x {rows} pixels")));
+    }
+    if matches!(decoder.color_type(), ColorType::Rgb32F | ColorType::Rgba32F) {
+        return Err(float_samples());
+    }
+    if matches!(decoder.original_color_type(), ExtendedColorType::Cmyk8 | ExtendedColorType::Cmyk16) {
+        return Err(Error::failed("holds printing colours (CMYK), not heights", EXPORT_GREY));
+    }
+    let decoded = decoder.total_bytes();
+    let heights = u64::from(columns) * u64::from(rows) * size_of::<f64>() as u64;
+    memory::ensure_room(decoded.saturating_add(heights), &format!("an image of {columns} x {rows} pixels"))?;
+    // Decoders count the picture's buffer too, and once more where they convert it.
+    decoder.set_limits(limits(decoded.saturating_mul(2) + DECODER_ROOM)).map_err(|e| explain(&e))?;
+    DynamicImage::from_decoder(decoder).map_err(|e| explain(&e))
+}
+
+fn limits(bytes: u64) -> Limits {
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIDE as u32);
+    limits.max_image_height = Some(MAX_SIDE as u32);
+    limits.max_alloc = Some(bytes);
+    limits
+}
+
+/// Every pixel's grey as a share of the format's largest code, row by row.
+fn grey_codes(image: &DynamicImage) -> Result<Vec<f64>> {
+    match image {
+        DynamicImage::ImageLuma8(p) => shares(p, 1, 1, p.width()),
+        DynamicImage::ImageLumaA8(p) => shares(p, 2, 1, p.width()),
+        DynamicImage::ImageRgb8(p) => shares(p, 3, 3, p.width()),
+        DynamicImage::ImageRgba8(p) => shares(p, 4, 3, p.width()),
+        DynamicImage::ImageLuma16(p) => shares(p, 1, 1, p.width()),
+        DynamicImage::ImageLumaA16(p) => shares(p, 2, 1, p.width()),
+        DynamicImage::ImageRgb16(p) => shares(p, 3, 3, p.width()),
+        DynamicImage::ImageRgba16(p) => shares(p, 4, 3, p.width()),
+        _ => Err(float_samples()),
+    }
+}
+
+/// The first of `channels` samples of every pixel as a share of the largest code, if the first `colours` are equal.
+fn shares<S: Code>(samples: &[S], channels: usize, colours: usize, columns: u32) -> Result<Vec<f64>> {
+    let share = |(i, pixel): (usize, &[S])| {
+        let grey = pixel[0];
+        if pixel[..colours].iter().all(|&c| c == grey) {
+            return Ok(grey.into() / S::LARGEST);
+        }
+        let codes: Vec<String> = pixel[..colours].iter().map(|&c| c.into().to_string()).collect();
+        let (column, row) = (i % columns as usize, i / columns as usize);
+        Err(Error::failed(
+            format!("the pixel at column {column}, row {row} is coloured ({})", codes.join(", ")),
+            "a height image is grey; ".to_owned() + EXPORT_GREY,
+        ))
+    };
+    samples.chunks_exact(channels).enumerate().map(share).collect()
+}
+
+/// A sample of an integer image.
+trait Code: Copy + PartialEq + Into<f64> {
+    /// The code of white.
+    const LARGEST: f64;
+}
+
+impl Code for u8 {
+    const LARGEST: f64 = u8::MAX as f64;
+}
+
+impl Code for u16 {
+    const LARGEST: f64 = LARGEST_CODE;
+}
+
+fn float_samples() -> Error {
+    Error::failed(
+        "holds 32-bit samples, which have no largest code for the full height",
+        "export it as 16-bit grey PNG or TIFF",
+    )
+}
+
+fn too_large(what: &str) -> Error {
+    Error::failed(format!("{what} are more than {MAX_SIDE} on a side"), "crop it or average it down")
+}
+
+/// A decoder's message in the words of this program.
+fn explain(cause: &ImageError) -> Error {
+    /// What the TIFF decoder calls a grey image of 32 bits a sample.
+    const GREY_32: ExtendedColorType = ExtendedColorType::Unknown(32);
+    match cause {
+        ImageError::Unsupported(e) if matches!(e.kind(), UnsupportedErrorKind::Color(c) if c == GREY_32) => {
+            float_samples()
+        }
+        ImageError::Unsupported(_) => Error::failed(format!("cannot be used: {cause}"), EXPORT_GREY),
+        ImageError::Limits(e) if matches!(e.kind(), LimitErrorKind::DimensionError) => {
+            too_large("its pixels")
+        }
+        ImageError::Limits(_) => {
+            Error::failed("takes more memory to decode than its pixels explain", "save the image again")
+        }
+        ImageError::IoError(e) => {
+            Error::failed(format!("is cut short or cannot be read: {e}"), "save or copy the image again")
+        }
+        _ => Error::failed(format!("is damaged: {cause}"), "save or copy the image again"),
+    }
+}
+
+#[cfg(test)]
+#[path = "image_file_tests.rs"]
+mod tests;

@@ -1,0 +1,152 @@
+use super::*;
+use crate::surface::Statistics;
+
+fn made(kind: Kind) -> HeightField {
+    generate(&Spec::new(kind)).unwrap()
+}
+
+/// The largest step between neighbours, inside the patch and over its seams, along x and y.
+fn steps(field: &HeightField) -> [[f64; 2]; 2] {
+    let (columns, rows) = (field.columns(), field.rows());
+    let mut largest = [[0.0_f64; 2]; 2];
+    for row in 0..rows {
+        for column in 0..columns {
+            let h = field.row(row)[column];
+            let right = field.row(row)[(column + 1) % columns];
+            let below = field.row((row + 1) % rows)[column];
+            let seam_x = usize::from(column + 1 == columns);
+            let seam_y = usize::from(row + 1 == rows);
+            largest[0][seam_x] = largest[0][seam_x].max((right - h).abs());
+            largest[1][seam_y] = largest[1][seam_y].max((below - h).abs());
+        }
+    }
+    largest
+}
+
+#[test]
+fn every_name_means_its_kind() {
+    for kind in Kind::ALL {
+        assert_eq!(Kind::from_name(kind.name()), Some(kind));
+    }
+    assert_eq!(Kind::from_name("snake"), None);
+}
+
+#[test]
+fn every_surface_meets_itself_at_its_edges() {
+    for kind in Kind::ALL {
+        for [inside, seam] in steps(&made(kind)) {
+            assert!(
+                seam <= inside * (1.0 + 1e-9) + 1e-15,
+                "{}: {seam} over the seam, {inside} inside",
+                kind.name()
+            );
+        }
+    }
+}
+
+#[test]
+fn the_seam_check_sees_a_patch_that_does_not_close() {
+    let whole = made(Kind::Sinusoid);
+    let columns = whole.columns() - 7;
+    let heights = (0..whole.rows()).flat_map(|row| whole.row(row)[..columns].to_vec()).collect();
+    let cut = HeightField::new(columns, whole.rows(), whole.pixel_size(), heights).unwrap();
+    let [[inside, seam], _] = steps(&cut);
+    assert!(seam > 1.5 * inside);
+}
+
+#[test]
+fn every_surface_has_its_published_height_and_spacing() {
+    for (kind, height) in [
+        (Kind::Flat, 0.0),
+        (Kind::Sinusoid, 0.2),
+        (Kind::Blaze, 0.246_23 * 26.0 / 27.0), // 27 samples a period
+        (Kind::Bumps, 0.15),
+        (Kind::Elaphe, 0.43),
+        (Kind::Xenopeltis, 0.82),
+    ] {
+        let field = made(kind);
+        let (low, high) = field.range();
+        // Samples miss the very top of a bump or a crest of the sine by little.
+        assert!(((high - low) - height).abs() <= 0.15 * height + 1e-15, "{}: {}", kind.name(), high - low);
+        assert!(field.pixel_size().iter().all(|d| *d <= 0.095), "{}", kind.name());
+    }
+}
+
+#[test]
+fn the_design_periods_are_found_again() {
+    for (kind, expected, within) in [
+        (Kind::Sinusoid, [Some(2.0), None], 1e-6),
+        (Kind::Blaze, [Some(2.5), None], 1e-6),
+        (Kind::Bumps, [Some(0.5), Some(1.0)], 1e-6),
+        (Kind::Elaphe, [Some(1.14), Some(3.1)], 0.02),
+        (Kind::Xenopeltis, [Some(1.55), Some(6.5)], 0.02),
+    ] {
+        let found = Statistics::of(&made(kind)).period;
+        for axis in 0..2 {
+            let near = match (found[axis], expected[axis]) {
+                (Some(a), Some(b)) => (a / b - 1.0).abs() < within,
+                (a, b) => a.is_none() && b.is_none(),
+            };
+            assert!(near, "{}: {found:?}", kind.name());
+        }
+    }
+}
+
+#[test]
+fn a_seed_is_one_surface_and_another_seed_another() {
+    let skin = |seed| generate(&Spec { seed, patch: Some([10.0, 10.0]), ..Spec::new(Kind::Elaphe) }).unwrap();
+    assert_eq!(skin(3), skin(3));
+    assert_ne!(skin(3), skin(4));
+}
+
+#[test]
+fn the_blaze_rises_along_x_with_its_slope_and_falls_at_once() {
+    let field = made(Kind::Blaze);
+    let slope = 0.246_23 / 2.5;
+    let row = field.row(0);
+    for (column, pair) in row.windows(2).enumerate() {
+        let rise = pair[1] - pair[0];
+        let expected = if (column + 1) % 27 == 0 { -26.0 } else { 1.0 } * slope * field.pixel_size()[0];
+        assert!((rise - expected).abs() < 1e-12, "column {column}: {rise}");
+    }
+}
+
+#[test]
+fn a_wished_patch_is_rounded_to_whole_periods_and_a_spacing_never_grows() {
+    let spec = Spec {
+        patch: Some([9.3, 4.0]),
+        pixel_size: Some([0.07, 0.09]),
+        period: Some(3.0),
+        height: Some(0.5),
+        ..Spec::new(Kind::Sinusoid)
+    };
+    let field = generate(&spec).unwrap();
+    assert!((field.patch_size()[0] - 9.0).abs() < 1e-12 && (field.patch_size()[1] - 4.0).abs() < 1e-12);
+    assert!(field.pixel_size()[0] <= 0.07 && field.pixel_size()[1] <= 0.09);
+    assert!((field.range().1 - 0.25).abs() < 1e-3);
+}
+
+#[test]
+fn what_cannot_be_made_is_refused_with_exit_code_2() {
+    let base = Spec::new(Kind::Elaphe);
+    let mut wrong = vec![
+        Spec { period: Some(1.0), ..Spec::new(Kind::Flat) },
+        Spec { height: Some(1.0), ..Spec::new(Kind::Flat) },
+        Spec { patch: Some([0.2, 65.0]), ..base },
+        Spec { pixel_size: Some([0.9, 0.1]), ..base },
+        Spec { pixel_size: Some([1e-9, 0.1]), ..base },
+        Spec { patch: Some([1e9, 65.0]), ..base },
+    ];
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        wrong.push(Spec { patch: Some([bad, 1.0]), ..base });
+        wrong.push(Spec { pixel_size: Some([0.1, bad]), ..base });
+        wrong.push(Spec { period: Some(bad), ..base });
+        wrong.push(Spec { height: Some(bad), ..base });
+    }
+    wrong.push(Spec { period: Some(f64::MIN_POSITIVE), ..base });
+    wrong.push(Spec { period: Some(f64::MAX), ..base });
+    for spec in wrong {
+        let e = generate(&spec).unwrap_err();
+        assert_eq!(e.exit_code(), 2, "{spec:?}: {e}");
+    }
+}
