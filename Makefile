@@ -1,0 +1,37 @@
+# ARGS is handed on: make run ARGS="--tolerance 1e-2", make test ARGS="--test images".
+.PHONY: help run test build setup lint clean
+
+ARGS =
+export PATH := $(PATH):$(or $(CARGO_HOME),$(HOME)/.cargo)/bin
+
+help:
+	@echo 'make run     build diffract and show it: a window, or diffract.png where there is no display'
+	@echo 'make test    all tests, on the CPU with lavapipe, with Vulkan validation'
+	@echo 'make build   target/release/diffract'
+	@echo 'make setup   get what the above need; each of them does so by itself'
+	@echo 'make lint    formatting, clippy and rustdoc, warnings denied'
+	@echo 'make clean   remove what was built'
+
+run:
+	@tools/setup.sh run
+	@tools/run.sh $(ARGS)
+
+test:
+	@tools/setup.sh test
+	@tools/test.sh $(ARGS)
+
+build:
+	@tools/setup.sh build
+	cargo build --release --locked
+
+setup:
+	@tools/setup.sh run test
+
+lint:
+	@tools/setup.sh build
+	cargo fmt --check
+	cargo clippy --all-targets --locked -- -D warnings
+	RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
+
+clean:
+	cargo clean
