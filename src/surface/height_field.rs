@@ -98,8 +98,6 @@ impl HeightField {
 
     /// Lowest and highest height \[µm\].
     pub fn range(&self) -> (f64, f64) {
-        self.heights
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), &h| (lo.min(h), hi.max(h)))
+        self.heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), &h| (lo.min(h), hi.max(h)))
     }
 }
