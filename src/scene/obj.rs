@@ -117,42 +117,43 @@ impl Survey {
     }
 
     fn line(&mut self, number: usize, line: &str) -> Result<()> {
-        let mut words = line.split_whitespace();
-        match words.next() {
-            Some("v") => self.numbers(0, 3, words)?,
-            Some("vt") => self.numbers(1, 2, words)?,
-            Some("vn") => self.numbers(2, 3, words)?,
-            Some("f") => self.face(number, words)?,
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let kept = match words.first() {
+            // A fourth number is a weight; more are colours, which would only be refused for odd counts.
+            Some(&"v") => self.numbers(0, 3, &words[1..]).map(|()| if words.len() == 5 { 5 } else { 4 })?,
+            Some(&"vt") => self.numbers(1, 2, &words[1..]).map(|()| 3)?,
+            Some(&"vn") => self.numbers(2, 3, &words[1..]).map(|()| 4)?,
+            Some(&"f") => self.face(number, &words[1..]).map(|()| words.len())?,
             _ => return Ok(()),
+        };
+        for word in &words[..kept] {
+            self.geometry.push_str(word);
+            self.geometry.push(' ');
         }
-        self.geometry.push_str(line);
         self.geometry.push('\n');
         Ok(())
     }
 
     /// A line of at least `least` numbers.
-    fn numbers<'a>(&mut self, kind: usize, least: usize, words: impl Iterator<Item = &'a str>) -> Result<()> {
-        let mut found = 0;
-        for word in words.take(least) {
+    fn numbers(&mut self, kind: usize, least: usize, words: &[&str]) -> Result<()> {
+        for word in words.iter().take(least) {
             if !word.parse::<f32>().is_ok_and(f32::is_finite) {
                 return Err(Error::failed(format!("{word:.40?} is not a finite number"), "repair the line"));
             }
-            found += 1;
         }
-        if found < least {
-            let what = format!("\"{}\" needs {least} numbers and has {found}", TAGS[kind]);
+        if words.len() < least {
+            let what = format!("\"{}\" needs {least} numbers and has {}", TAGS[kind], words.len());
             return Err(Error::failed(what, "the file may be cut short; export it again"));
         }
         self.counts[kind] += 1;
         Ok(())
     }
 
-    fn face<'a>(&mut self, number: usize, words: impl Iterator<Item = &'a str>) -> Result<()> {
-        let mut corners = 0usize;
+    fn face(&mut self, number: usize, words: &[&str]) -> Result<()> {
         for word in words {
             self.corner(number, word)?;
-            corners += 1;
         }
+        let corners = words.len();
         if corners < 3 {
             let what = format!("a face needs 3 corners and has {corners}");
             return Err(Error::failed(what, "the file may be cut short; export it again"));

@@ -57,7 +57,7 @@ fn one_face_without_texture_coordinates_puts_the_whole_file_under_the_projection
 
 #[test]
 fn windows_line_ends_weights_colours_and_foreign_letters_are_read() {
-    let mut bytes = b"# caf\xe9\r\nv 0 0 0 1\r\nv 2 0 0 2\r\nv 0 1 0 .1 .2 .3\r\nf 1 2 3\r\n".to_vec();
+    let mut bytes = b"# caf\xe9\r\nv 0 0 0 1\r\nv 2 0 0 2\r\nv 0 1 0 .1 .2 .3 1\r\nf 1 2 3\r\n".to_vec();
     assert_eq!(from_bytes(&bytes).unwrap().triangle_count(), 1);
     bytes.push(0);
     assert!(from_bytes(&bytes).unwrap_err().to_string().contains("not a Wavefront OBJ"));

@@ -16,25 +16,27 @@ const BELLY: f64 = 0.8;
 /// Contact distance per sum of half-widths: soft bodies in contact dent each other.
 const SOFTNESS: f64 = 0.95;
 
+/// Steepest slope of the resting body.
+const STEEPEST: f64 = 0.3;
+
 /// The centreline, sampled evenly by arc length from the tail's tip (0) to the snout (`length`).
 pub struct Body {
     points: Vec<DVec3>,
     step: f64,
 }
 
-/// Local frame of the centreline; `forward` points to the head.
+/// Local frame of the centreline.
 pub struct Frame {
     pub centre: DVec3,
-    pub forward: DVec3,
     pub up: DVec3,
-    /// Toward the snake's left: up × forward.
+    /// Toward the snake's left when it looks along its head: y × forward.
     pub left: DVec3,
 }
 
 impl Body {
     /// Lays the coil down.
     pub fn coiled() -> Self {
-        let plan = resample(&plan_curve(), SAMPLES);
+        let plan = resample(&rounded(&resample(&plan_curve(), SAMPLES), 40), SAMPLES);
         let step = length(&plan) / (SAMPLES - 1) as f64;
         let mut body = Self { points: plan, step };
         body.settle();
@@ -60,7 +62,7 @@ impl Body {
         let d = 4.0 * self.step;
         let forward = (self.at(s + d) - self.at(s - d)).normalize();
         let left = DVec3::Y.cross(forward).normalize();
-        Frame { centre, forward, up: forward.cross(left), left }
+        Frame { centre, up: forward.cross(left), left }
     }
 
     /// Skin at arc length `s` and angle `phi` from the back (0) over the left side (π/2) to the belly (π), raised
@@ -99,7 +101,7 @@ impl Body {
         let r: Vec<_> = (0..SAMPLES).map(|i| profile(i as f64 * self.step, total)).collect();
         for _ in 0..6 {
             let raw: Vec<f64> = (0..SAMPLES).map(|i| self.support(i, &r)).collect();
-            for (p, y) in self.points.iter_mut().zip(smooth_over(&raw, (0.16 / self.step) as usize)) {
+            for (p, y) in self.points.iter_mut().zip(smooth_over(&raw, self.step)) {
                 p.y = y;
             }
         }
@@ -203,18 +205,36 @@ fn resample(curve: &[DVec3], count: usize) -> Vec<DVec3> {
     points
 }
 
-/// A smooth curve that stays above `values`: the largest value within `reach`, then averages of the same width.
-fn smooth_over(values: &[f64], reach: usize) -> Vec<f64> {
-    let around = |i: usize, v: &[f64]| i.saturating_sub(reach)..(i + reach + 1).min(v.len());
-    let mut v: Vec<f64> =
-        (0..values.len()).map(|i| values[around(i, values)].iter().copied().fold(0.0, f64::max)).collect();
+/// `curve` with its bends rounded over `reach` samples each way; the ends stay.
+fn rounded(curve: &[DVec3], reach: usize) -> Vec<DVec3> {
+    let mean = |points: &[DVec3]| points.iter().copied().sum::<DVec3>() / points.len() as f64;
+    let mut curve = curve.to_vec();
     for _ in 0..2 {
-        v = (0..v.len())
+        curve = (0..curve.len())
             .map(|i| {
-                let near = &v[around(i, &v)];
-                near.iter().sum::<f64>() / near.len() as f64
+                let near = reach.min(i).min(curve.len() - 1 - i);
+                mean(&curve[i - near..=i + near])
             })
             .collect();
+    }
+    curve
+}
+
+/// Heights that stay above `raw`, bend gently and are never steeper than a heavy body hangs. Samples lie `step` apart.
+fn smooth_over(raw: &[f64], step: f64) -> Vec<f64> {
+    let reach = (0.16 / step) as usize;
+    let around = |i: usize| i.saturating_sub(reach)..(i + reach + 1).min(raw.len());
+    let mut v: Vec<f64> =
+        (0..raw.len()).map(|i| raw[around(i)].iter().copied().fold(0.0, f64::max)).collect();
+    let fall = STEEPEST * step;
+    for i in 1..v.len() {
+        v[i] = v[i].max(v[i - 1] - fall);
+    }
+    for i in (1..v.len()).rev() {
+        v[i - 1] = v[i - 1].max(v[i] - fall);
+    }
+    for _ in 0..2 {
+        v = (0..v.len()).map(|i| v[around(i)].iter().sum::<f64>() / around(i).len() as f64).collect();
     }
     v
 }
@@ -223,4 +243,48 @@ fn smooth_over(values: &[f64], reach: usize) -> Vec<f64> {
 pub fn smoothstep(a: f64, b: f64, x: f64) -> f64 {
     let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn loops_rest_on_each_other_and_do_not_run_through_each_other() {
+        let body = Body::coiled();
+        let stretch = |k: usize| (body.half_width(k as f64 * body.step), body.points[k]);
+        let mut touching = 0;
+        for i in (0..SAMPLES).step_by(8) {
+            for j in (0..i).step_by(8) {
+                let ((r, p), (q, o)) = (stretch(i), stretch(j));
+                if (i - j) as f64 * body.step > 4.0 * (r + q) {
+                    let closeness = p.distance(o) / (r + q);
+                    assert!(closeness > 0.75, "{closeness} at {p} and {o}");
+                    touching += usize::from(closeness < 1.0);
+                }
+            }
+        }
+        assert!(touching > 100, "{touching}");
+    }
+
+    #[test]
+    fn the_body_swells_from_a_pointed_tail_and_narrows_at_the_neck() {
+        let body = Body::coiled();
+        let neck = body.length() - HEAD;
+        assert!(body.half_width(0.0) < 0.01 * GIRTH);
+        assert!(body.half_width(0.65 * neck) > 0.99 * GIRTH);
+        assert!(body.half_width(neck) < 0.55 * GIRTH);
+        assert!(body.half_width(neck + 0.38 * HEAD) > 1.2 * body.half_width(neck));
+    }
+
+    #[test]
+    fn the_frame_is_right_handed_and_the_back_is_up() {
+        let body = Body::coiled();
+        for k in 1..50 {
+            let s = body.length() * k as f64 / 50.0;
+            let f = body.frame(s);
+            assert!((f.up.dot(f.left).abs() < 1e-9) && f.up.y > 0.9);
+            assert!(body.skin(s, 0.0, 0.0).y > f.centre.y && body.skin(s, PI, 0.0).y < f.centre.y);
+        }
+    }
 }

@@ -39,15 +39,6 @@ impl Grid {
         }
         Self { columns, points }
     }
-
-    pub fn points(&self) -> &[Point] {
-        &self.points
-    }
-
-    /// Number of triangles once every quad is split.
-    pub fn triangles(&self) -> usize {
-        2 * (self.columns - 1) * (self.points.len() / self.columns - 1)
-    }
 }
 
 /// Collects grids as OBJ text: short decimals, texture coordinates shared, faces counted back from the end.
@@ -130,4 +121,36 @@ fn decimal(value: f64, digits: usize) -> String {
 
 fn bare(text: &str) -> &str {
     text.strip_prefix('0').filter(|rest| rest.starts_with('.')).unwrap_or(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_are_as_short_as_they_can_be() {
+        let cases = [
+            (0.5, ".5"),
+            (-0.25, "-.25"),
+            (1.0, "1"),
+            (-0.00001, "0"),
+            (10.0, "10"),
+            (-3.1, "-3.1"),
+            (0.0, "0"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(decimal(value, 3), text);
+        }
+    }
+
+    #[test]
+    fn a_flat_grid_is_written_with_shared_texture_coordinates_and_faces_from_the_end() {
+        let grid = Grid::sample([2, 2], |x, y| DVec3::new(x, y, 0.0), |x, _| DVec2::new(x, 0.0));
+        let mut text = ObjText::new("flat");
+        text.push(&grid);
+        let text = text.finish();
+        assert!(text.starts_with("# flat\nvt 0 0\nvt 1 0\nv 0 0 0\nv 1 0 0\n"), "{text}");
+        assert!(text.contains("vn 0 0 1\n"));
+        assert!(text.ends_with("f -4/1/-4 -3/2/-3 -1/2/-1 -2/1/-2\n"), "{text}");
+    }
 }

@@ -48,7 +48,7 @@ pub fn obj_text() -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::mesh::tests::assert_sound;
+    use super::super::mesh::{Vertex, tests::assert_sound};
     use super::*;
     use glam::Vec3;
     use std::path::Path;
@@ -98,9 +98,13 @@ mod tests {
         assert!(mesh.vertices().iter().all(|v| v.tangent[3] == 1.0));
         // Along the middle of the back the body's own axes are known: T is its left.
         let s = 0.5 * body.length();
-        let (top, left) = (body.skin(s, 0.0, 0.0).as_vec3(), body.frame(s).left.as_vec3());
-        let near = mesh.vertices().iter().filter(|v| Vec3::from(v.position).distance(top) < 0.06);
+        let top = body.skin(s, 0.0, 0.0).as_vec3();
+        let [up, left] = [body.frame(s).up, body.frame(s).left].map(|d| d.as_vec3());
+        // The flank of another loop may be near; it does not look up.
+        let on_back =
+            |v: &&Vertex| Vec3::from(v.position).distance(top) < 0.06 && Vec3::from(v.normal).dot(up) > 0.8;
+        let near = mesh.vertices().iter().filter(on_back);
         let ways: Vec<f32> = near.map(|v| Vec3::from_slice(&v.tangent).dot(left)).collect();
-        assert!(ways.len() > 10 && ways.iter().all(|&w| w > 0.9), "{ways:?}");
+        assert!(ways.len() > 10 && ways.iter().all(|&w| w > 0.85), "{ways:?}");
     }
 }

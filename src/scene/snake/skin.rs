@@ -12,7 +12,7 @@ const LOWEST: f64 = 2.3;
 /// Length of a scale's visible part, per distance between rows.
 const ELONGATION: f64 = 2.7;
 /// Height of a scale's free edge, per half-width of the body.
-const LIFT: f64 = 0.085;
+const LIFT: f64 = 0.075;
 
 /// Where a scale sits.
 struct Seat {
@@ -93,9 +93,9 @@ pub fn tube(body: &Body) -> Grid {
 pub fn head(body: &Body) -> Grid {
     // Rings gather where the snout is round, and the first is too small to see through.
     let arc = |y: f64| body.length() - 1.1 * HEAD * (0.004 + 0.996 * y).powi(2);
-    wrap(body, [49, 36], arc, |s, phi| {
-        let front = 1.0 - smoothstep(0.6 * HEAD, 0.75 * HEAD, body.length() - s);
-        -0.07 * front * (-((phi.abs() - 1.75) / 0.09).powi(2)).exp()
+    wrap(body, [61, 44], arc, |s, phi| {
+        let front = 1.0 - smoothstep(0.62 * HEAD, 0.72 * HEAD, body.length() - s);
+        -0.08 * front * (-((phi.abs() - 1.75) / 0.09).powi(2)).exp()
     })
 }
 
