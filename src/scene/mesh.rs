@@ -182,7 +182,7 @@ pub(super) mod tests {
 
     /// Fails unless `mesh` keeps what [`Mesh`] promises.
     pub fn assert_sound(mesh: &Mesh) {
-        assert!(!mesh.indices.is_empty() && mesh.indices.len() % 3 == 0);
+        assert!(!mesh.indices.is_empty() && mesh.indices.len().is_multiple_of(3));
         assert!(mesh.indices.iter().all(|&i| (i as usize) < mesh.vertices.len()));
         for v in &mesh.vertices {
             assert!(bytemuck::cast::<Vertex, [f32; 12]>(*v).iter().all(|x| x.is_finite()), "{v:?}");

@@ -194,8 +194,8 @@ impl Survey {
             }
             given[kind] = true;
         }
-        for kind in 0..3 {
-            self.lacks[kind] |= !given[kind];
+        for (lacks, given) in self.lacks.iter_mut().zip(given) {
+            *lacks |= !given;
         }
         Ok(())
     }

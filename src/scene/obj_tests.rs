@@ -126,6 +126,25 @@ fn a_file_cut_anywhere_is_read_or_refused_and_never_panics() {
     }
 }
 
+#[test]
+fn a_face_of_a_hundred_thousand_corners_neither_hangs_nor_overflows_the_stack() {
+    let count = 100_000;
+    let angle = |i: usize| std::f64::consts::TAU * i as f64 / count as f64;
+    let mut text: String =
+        (0..count).map(|i| format!("v {} {} 0\n", angle(i).cos(), angle(i).sin())).collect();
+    text += &(0..count).fold("f".to_string(), |line, i| line + &format!(" {}", i + 1));
+    // A point of the circle may lie too close to the first for its triangle to count.
+    let fan = parse(&text).unwrap();
+    assert!(fan.triangle_count() > count / 2, "{}", fan.triangle_count());
+    // The same circle as spokes around one hub, and a heap of equal triangles.
+    text = text[..text.find('f').unwrap()].to_string() + "v 0 0 0\n";
+    text += &(0..count)
+        .map(|i| format!("f {} {} {}\n", count + 1, i + 1, (i + 1) % count + 1))
+        .collect::<String>();
+    assert_sound(&parse(&text).unwrap());
+    assert_sound(&parse(&format!("{SQUARE}{}", "f 1 2 3\n".repeat(count))).unwrap());
+}
+
 proptest! {
     #[test]
     fn any_lines_of_obj_words_are_read_or_refused(

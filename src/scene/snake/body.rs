@@ -258,8 +258,9 @@ mod tests {
             for j in (0..i).step_by(8) {
                 let ((r, p), (q, o)) = (stretch(i), stretch(j));
                 if (i - j) as f64 * body.step > 4.0 * (r + q) {
+                    // Flat bellies and the flat head bring centrelines closer than half-widths add up to.
                     let closeness = p.distance(o) / (r + q);
-                    assert!(closeness > 0.75, "{closeness} at {p} and {o}");
+                    assert!(closeness > 0.7, "{closeness} at {p} and {o}");
                     touching += usize::from(closeness < 1.0);
                 }
             }
