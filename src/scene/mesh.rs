@@ -1,0 +1,266 @@
+//! The triangle mesh with a tangent frame at every vertex.
+
+use super::{surfacing, tangents};
+use crate::error::{Error, Result};
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec3, Vec2, Vec3};
+use std::collections::HashMap;
+
+/// The most triangles that a mesh may have: about a gigabyte while it is built.
+pub const MAX_TRIANGLES: usize = 8_000_000;
+
+/// The largest absolute coordinate: squares of products of coordinates still fit an `f32`.
+const MAX_COORDINATE: f32 = 1e9;
+
+/// Sine of the smallest angle that a triangle is kept for; anything thinner has no direction that an `f32` can hold.
+const THINNEST: f64 = 1e-6;
+
+/// One vertex, laid out as the vertex buffer holds it: 48 bytes, no padding.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Vertex {
+    /// Position in model space, y up.
+    pub position: [f32; 3],
+    /// Unit normal N.
+    pub normal: [f32; 3],
+    /// Unit tangent T (xyz), orthogonal to N, and the handedness w = ±1: B = w · (N × T).
+    pub tangent: [f32; 4],
+    /// Texture coordinates; T points along growing u, B along growing v.
+    pub uv: [f32; 2],
+}
+
+/// One corner of a triangle before it has a frame. Normals and texture coordinates may be missing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corner {
+    /// Position in model space, y up.
+    pub position: [f32; 3],
+    /// Normal of any length; missing or zero: the smooth one is computed.
+    pub normal: Option<[f32; 3]>,
+    /// Texture coordinates; missing: projected from the box side that the triangle faces, one unit per unit of length.
+    pub uv: Option<[f32; 2]>,
+}
+
+/// A sphere around a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Centre of the mesh's axis-aligned box.
+    pub centre: Vec3,
+    /// Distance from `centre` to the farthest vertex; positive.
+    pub radius: f32,
+}
+
+/// Triangles with unit normals and tangents orthogonal to them, everything finite and every index in range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    vertices: Vec<Vertex>,
+    indices: Vec<u32>,
+}
+
+impl Mesh {
+    /// Builds a mesh from loose triangles, counter-clockwise as seen from outside.
+    ///
+    /// Triangles without area are dropped. Missing normals are averages over the triangles that share a position,
+    /// weighted by their angle there, so edges come out smooth. Tangents follow MikkTSpace; where the texture
+    /// coordinates give no direction, T is any unit vector orthogonal to N. Equal vertices are shared.
+    ///
+    /// # Errors
+    /// More than [`MAX_TRIANGLES`], a coordinate that is not finite or beyond ±10⁹, no triangle with an area.
+    pub fn from_triangles(mut triangles: Vec<[Corner; 3]>) -> Result<Self> {
+        if triangles.len() > MAX_TRIANGLES {
+            return Err(Error::failed(
+                format!("the mesh has {} triangles, more than {MAX_TRIANGLES}", triangles.len()),
+                "simplify it first",
+            ));
+        }
+        for (i, triangle) in triangles.iter().enumerate() {
+            triangle.iter().try_for_each(check).map_err(|e| e.at(format!("triangle {}", i + 1)))?;
+        }
+        triangles.retain(has_area);
+        if triangles.is_empty() {
+            return Err(Error::failed(
+                "the mesh has no triangle with an area",
+                "give it at least one real face",
+            ));
+        }
+        let surfaced = surfacing::complete(&triangles);
+        let tangents = tangents::generate(&surfaced);
+        Ok(weld(surfaced.iter().flatten().zip(tangents.iter().flatten()).map(|(corner, &tangent)| Vertex {
+            position: corner.position.to_array(),
+            normal: corner.normal.to_array(),
+            tangent,
+            uv: corner.uv.to_array(),
+        })))
+    }
+
+    /// A mesh whose frames are known already. The caller vouches for what [`Mesh`] promises.
+    pub(super) fn from_parts(vertices: Vec<Vertex>, indices: Vec<u32>) -> Self {
+        Self { vertices, indices }
+    }
+
+    /// All vertices, ready for a vertex buffer.
+    pub fn vertices(&self) -> &[Vertex] {
+        &self.vertices
+    }
+
+    /// Three vertex numbers per triangle, ready for an index buffer.
+    pub fn indices(&self) -> &[u32] {
+        &self.indices
+    }
+
+    /// Number of triangles.
+    pub fn triangle_count(&self) -> usize {
+        self.indices.len() / 3
+    }
+
+    /// A sphere around everything.
+    pub fn bounds(&self) -> Bounds {
+        let points = || self.vertices.iter().map(|v| Vec3::from(v.position));
+        let low = points().fold(Vec3::INFINITY, Vec3::min);
+        let high = points().fold(Vec3::NEG_INFINITY, Vec3::max);
+        let centre = (low + high) * 0.5;
+        Bounds { centre, radius: points().map(|p| p.distance(centre)).fold(0.0, f32::max) }
+    }
+}
+
+/// Refuses coordinates that cannot be computed with.
+fn check(corner: &Corner) -> Result<()> {
+    let sane = |values: &[f32]| values.iter().all(|v| v.abs() <= MAX_COORDINATE);
+    let wrong = |what: &str, values: &[f32]| {
+        Error::failed(
+            format!("the {what} {values:?} is not finite or beyond {MAX_COORDINATE:e}"),
+            "repair or rescale the mesh",
+        )
+    };
+    if !sane(&corner.position) {
+        return Err(wrong("position", &corner.position));
+    }
+    if let Some(normal) = corner.normal.filter(|n| !n.iter().all(|v| v.is_finite())) {
+        return Err(wrong("normal", &normal));
+    }
+    match corner.uv {
+        Some(uv) if !sane(&uv) => Err(wrong("texture coordinate", &uv)),
+        _ => Ok(()),
+    }
+}
+
+/// Whether a triangle spans an area, relative to its own size.
+fn has_area(triangle: &[Corner; 3]) -> bool {
+    let [a, b, c] = triangle.map(|corner| Vec3::from(corner.position).as_dvec3());
+    let longest = [b - a, c - b, a - c].map(DVec3::length_squared).into_iter().fold(0.0, f64::max);
+    (b - a).cross(c - a).length() > THINNEST * longest
+}
+
+/// Shares equal vertices.
+fn weld(corners: impl Iterator<Item = Vertex>) -> Mesh {
+    let mut known: HashMap<[u32; 12], u32> = HashMap::new();
+    let mut mesh = Mesh { vertices: Vec::new(), indices: Vec::new() };
+    for mut vertex in corners {
+        // −0 and 0 are the same place.
+        let floats: &mut [f32; 12] = bytemuck::cast_mut(&mut vertex);
+        floats.iter_mut().for_each(|v| *v += 0.0);
+        let index = *known.entry(floats.map(f32::to_bits)).or_insert_with(|| {
+            mesh.vertices.push(vertex);
+            (mesh.vertices.len() - 1) as u32
+        });
+        mesh.indices.push(index);
+    }
+    mesh
+}
+
+/// A corner that has everything but its tangent.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surfaced {
+    pub position: Vec3,
+    pub normal: Vec3,
+    pub uv: Vec2,
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Fails unless `mesh` keeps what [`Mesh`] promises.
+    pub fn assert_sound(mesh: &Mesh) {
+        assert!(!mesh.indices.is_empty() && mesh.indices.len().is_multiple_of(3));
+        assert!(mesh.indices.iter().all(|&i| (i as usize) < mesh.vertices.len()));
+        for v in &mesh.vertices {
+            assert!(bytemuck::cast::<Vertex, [f32; 12]>(*v).iter().all(|x| x.is_finite()), "{v:?}");
+            let [n, t] = [Vec3::from(v.normal), Vec3::from_slice(&v.tangent)];
+            assert!((n.length() - 1.0).abs() < 1e-5 && (t.length() - 1.0).abs() < 1e-5, "{v:?}");
+            assert!(n.dot(t).abs() < 1e-5, "{v:?}");
+            assert!(v.tangent[3].abs() == 1.0, "{v:?}");
+        }
+    }
+
+    fn corner(position: [f32; 3]) -> Corner {
+        Corner { position, normal: None, uv: None }
+    }
+
+    #[test]
+    fn a_lone_triangle_gets_its_face_normal_and_a_frame() {
+        let triangle = [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]].map(corner);
+        let mesh = Mesh::from_triangles(vec![triangle]).unwrap();
+        assert_sound(&mesh);
+        assert_eq!((mesh.vertices.len(), mesh.triangle_count()), (3, 1));
+        assert_eq!(mesh.vertices[0].normal, [0.0, 0.0, 1.0]);
+        assert_eq!(mesh.vertices[0].tangent, [1.0, 0.0, 0.0, 1.0]);
+        let bounds = mesh.bounds();
+        assert_eq!(bounds.centre, Vec3::new(1.0, 1.0, 0.0));
+        assert!((bounds.radius - 2f32.sqrt()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn triangles_without_area_are_dropped_and_a_mesh_of_them_is_refused() {
+        let good = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(corner);
+        let line = [[0.0; 3], [1.0, 1.0, 1.0], [2.0, 2.0, 2.0]].map(corner);
+        let point = [corner([5.0; 3]); 3];
+        assert_eq!(Mesh::from_triangles(vec![line, good, point]).unwrap().triangle_count(), 1);
+        assert!(
+            Mesh::from_triangles(vec![line, point])
+                .unwrap_err()
+                .to_string()
+                .contains("no triangle with an area")
+        );
+        assert!(Mesh::from_triangles(vec![]).is_err());
+    }
+
+    #[test]
+    fn coordinates_that_are_not_finite_are_named() {
+        for bad in [f32::NAN, f32::INFINITY, 1e30] {
+            let mut triangle = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(corner);
+            triangle[1].position[2] = bad;
+            let e = Mesh::from_triangles(vec![triangle]).unwrap_err().to_string();
+            assert!(e.contains("triangle 1") && e.contains("position"), "{e}");
+        }
+        let mut triangle = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(corner);
+        triangle[2].normal = Some([f32::NAN, 0.0, 0.0]);
+        assert!(Mesh::from_triangles(vec![triangle]).is_err());
+        triangle[2].normal = None;
+        triangle[0].uv = Some([f32::NAN, 0.0]);
+        assert!(Mesh::from_triangles(vec![triangle]).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn any_triangles_with_any_attributes_come_out_sound(
+            raw in prop::collection::vec((prop::array::uniform3(0usize..12), any::<[bool; 2]>(), 0usize..12), 1..40),
+            pool in prop::collection::vec(prop::array::uniform8(-2i8..=2), 12),
+            exponent in -20i32..8,
+        ) {
+            let scale = 10f32.powi(exponent);
+            let triangles: Vec<_> = raw.iter().map(|(at, has, other)| at.map(|i| {
+                let p = pool[i].map(f32::from);
+                let q = pool[*other].map(f32::from);
+                Corner {
+                    position: [p[0] * scale, p[1] * scale, p[2] * scale],
+                    normal: has[0].then_some([q[3], p[4], p[5]]),
+                    uv: has[1].then_some([p[6], p[7]]),
+                }
+            })).collect();
+            if let Ok(mesh) = Mesh::from_triangles(triangles) {
+                assert_sound(&mesh);
+            }
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! Wavefront OBJ files.
+//!
+//! All objects and groups of a file become one mesh; materials, lines, points and colours are left out. Polygons are
+//! cut into fans, which suits convex ones. If a single face has no texture coordinates, those of the whole file are
+//! projected as [`Corner::uv`] says, so that one rule holds for all of it; normals likewise become smooth ones.
+
+use super::mesh::{Corner, MAX_TRIANGLES, Mesh};
+use crate::error::{Error, Result};
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::Path;
+
+/// The largest file that is read, in bytes.
+pub const MAX_BYTES: u64 = 512 << 20;
+
+/// Reads the mesh in the OBJ file at `path`.
+///
+/// # Errors
+/// A file that cannot be read, is not a plain file or is larger than [`MAX_BYTES`]; otherwise as [`from_bytes`]. The
+/// error names the file.
+pub fn load(path: &Path) -> Result<Mesh> {
+    read(path).and_then(|bytes| from_bytes(&bytes)).map_err(|e| e.at(path.display()))
+}
+
+/// The mesh in the text of an OBJ file.
+///
+/// # Errors
+/// Text that is empty or not an OBJ, a line that is cut short or malformed (named by its number), an index that points
+/// at nothing, no faces, more than [`MAX_TRIANGLES`]; and as [`Mesh::from_triangles`].
+pub fn from_bytes(bytes: &[u8]) -> Result<Mesh> {
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Err(Error::failed("the file is empty", "export the mesh as Wavefront OBJ again"));
+    }
+    if bytes.contains(&0) {
+        return Err(not_an_obj());
+    }
+    // Names and comments may be in any encoding; what matters is ASCII. A line that ends in a backslash goes on.
+    let text = String::from_utf8_lossy(bytes).replace("\\\r\n", " ").replace("\\\n", " ");
+    let survey = Survey::of(&text)?;
+    let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
+    let (models, _) = tobj::load_obj_buf(&mut survey.geometry.as_bytes(), &options, |_| {
+        Err(tobj::LoadError::GenericFailure)
+    })
+    .map_err(|e| Error::failed(e.to_string(), "export the mesh as Wavefront OBJ again"))?;
+    Mesh::from_triangles(models.iter().flat_map(|m| triangles(&m.mesh, &survey)).collect())
+}
+
+/// The bytes of the file, if it is one and not too large.
+fn read(path: &Path) -> Result<Vec<u8>> {
+    let failed = |e: std::io::Error| Error::failed(format!("cannot read the mesh ({e})"), "check the path");
+    let about = fs::metadata(path).map_err(failed)?;
+    if !about.is_file() {
+        let what = if about.is_dir() { "this is a directory" } else { "this is not a plain file" };
+        return Err(Error::failed(what, "name a Wavefront OBJ file"));
+    }
+    let too_large = |size: u64| {
+        Error::failed(
+            format!("the file of {size} bytes is larger than {MAX_BYTES}"),
+            "simplify the mesh first",
+        )
+    };
+    if about.len() > MAX_BYTES {
+        return Err(too_large(about.len()));
+    }
+    let mut bytes = Vec::new();
+    // The file may grow while it is read.
+    File::open(path).and_then(|f| f.take(MAX_BYTES + 1).read_to_end(&mut bytes)).map_err(failed)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(too_large(bytes.len() as u64));
+    }
+    Ok(bytes)
+}
+
+fn not_an_obj() -> Error {
+    Error::failed("this is not a Wavefront OBJ", "export the mesh as OBJ; other formats are not read")
+}
+
+/// What a first pass finds. tobj trusts indices and invents what faces lack, so each line is judged before it sees it.
+#[derive(Default)]
+struct Survey {
+    /// The lines that make the mesh, as they are, without what tobj would act upon besides.
+    geometry: String,
+    /// Numbers of v, vt and vn lines so far.
+    counts: [usize; 3],
+    /// The largest index of each kind, and its line.
+    largest: [(usize, usize); 3],
+    /// Whether a face has no vt, no vn.
+    lacks: [bool; 3],
+    triangles: usize,
+}
+
+const TAGS: [&str; 3] = ["v", "vt", "vn"];
+
+impl Survey {
+    fn of(text: &str) -> Result<Self> {
+        let mut survey = Self::default();
+        for (i, line) in text.lines().enumerate() {
+            survey.line(i + 1, line).map_err(|e| e.at(format!("line {}", i + 1)))?;
+        }
+        if survey.counts == [0; 3] && survey.triangles == 0 {
+            return Err(not_an_obj());
+        }
+        if survey.triangles == 0 {
+            return Err(Error::failed(
+                "the OBJ has no faces",
+                "export it with faces; a point cloud has no surface",
+            ));
+        }
+        for kind in 0..3 {
+            let (index, line) = survey.largest[kind];
+            if index > survey.counts[kind] {
+                let e = no_such(index as i64, kind, survey.counts[kind]);
+                return Err(e.at(format!("line {line}")));
+            }
+        }
+        Ok(survey)
+    }
+
+    fn line(&mut self, number: usize, line: &str) -> Result<()> {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let kept = match words.first() {
+            // A fourth number is a weight; more are colours, which would only be refused for odd counts.
+            Some(&"v") => self.numbers(0, 3, &words[1..]).map(|()| if words.len() == 5 { 5 } else { 4 })?,
+            Some(&"vt") => self.numbers(1, 2, &words[1..]).map(|()| 3)?,
+            Some(&"vn") => self.numbers(2, 3, &words[1..]).map(|()| 4)?,
+            Some(&"f") => self.face(number, &words[1..]).map(|()| words.len())?,
+            _ => return Ok(()),
+        };
+        for word in &words[..kept] {
+            self.geometry.push_str(word);
+            self.geometry.push(' ');
+        }
+        self.geometry.push('\n');
+        Ok(())
+    }
+
+    /// A line of at least `least` numbers.
+    fn numbers(&mut self, kind: usize, least: usize, words: &[&str]) -> Result<()> {
+        for word in words.iter().take(least) {
+            if !word.parse::<f32>().is_ok_and(f32::is_finite) {
+                return Err(Error::failed(format!("{word:.40?} is not a finite number"), "repair the line"));
+            }
+        }
+        if words.len() < least {
+            let what = format!("\"{}\" needs {least} numbers and has {}", TAGS[kind], words.len());
+            return Err(Error::failed(what, "the file may be cut short; export it again"));
+        }
+        self.counts[kind] += 1;
+        Ok(())
+    }
+
+    fn face(&mut self, number: usize, words: &[&str]) -> Result<()> {
+        for word in words {
+            self.corner(number, word)?;
+        }
+        let corners = words.len();
+        if corners < 3 {
+            let what = format!("a face needs 3 corners and has {corners}");
+            return Err(Error::failed(what, "the file may be cut short; export it again"));
+        }
+        self.triangles += corners - 2;
+        if self.triangles > MAX_TRIANGLES {
+            return Err(Error::failed(
+                format!("more than {MAX_TRIANGLES} triangles"),
+                "simplify the mesh first",
+            ));
+        }
+        Ok(())
+    }
+
+    /// One of `v`, `v/vt`, `v//vn`, `v/vt/vn`, counted from 1, or back from the latest with −1.
+    fn corner(&mut self, number: usize, word: &str) -> Result<()> {
+        let malformed = || {
+            Error::failed(
+                format!("{word:.40?} is not a corner of a face"),
+                "write it as v, v/vt, v//vn or v/vt/vn",
+            )
+        };
+        let mut given = [false; 3];
+        for (kind, part) in word.split('/').enumerate() {
+            if kind > 2 || (kind == 0 && part.is_empty()) {
+                return Err(malformed());
+            }
+            if part.is_empty() {
+                continue;
+            }
+            let index: i64 = part.parse().map_err(|_| malformed())?;
+            let count = self.counts[kind];
+            if index == 0 || (index < 0 && index.unsigned_abs() > count as u64) {
+                return Err(no_such(index, kind, count));
+            }
+            if index > self.largest[kind].0 as i64 {
+                self.largest[kind] = (index as usize, number);
+            }
+            given[kind] = true;
+        }
+        for (lacks, given) in self.lacks.iter_mut().zip(given) {
+            *lacks |= !given;
+        }
+        Ok(())
+    }
+}
+
+fn no_such(index: i64, kind: usize, count: usize) -> Error {
+    let what = format!("a face asks for \"{}\" number {index} of {count}", TAGS[kind]);
+    Error::failed(what, "count from 1, or back from -1; the file may be cut short")
+}
+
+/// The triangles of one tobj mesh, each attribute looked up by its own index.
+fn triangles<'a>(mesh: &'a tobj::Mesh, survey: &Survey) -> impl Iterator<Item = [Corner; 3]> + use<'a> {
+    let [_, no_uv, no_normal] = survey.lacks;
+    let corner = move |k: usize| {
+        let three = |values: &[f32], i: u32| [0, 1, 2].map(|c| values[3 * i as usize + c]);
+        Corner {
+            position: three(&mesh.positions, mesh.indices[k]),
+            normal: (!no_normal).then(|| three(&mesh.normals, mesh.normal_indices[k])),
+            uv: (!no_uv).then(|| [0, 1].map(|c| mesh.texcoords[2 * mesh.texcoord_indices[k] as usize + c])),
+        }
+    };
+    (0..mesh.indices.len() / 3).map(move |t| [3 * t, 3 * t + 1, 3 * t + 2].map(corner))
+}
+
+#[cfg(test)]
+#[path = "obj_tests.rs"]
+mod tests;

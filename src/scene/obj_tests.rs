@@ -1,0 +1,168 @@
+//! Sound and hostile OBJ files.
+
+use super::super::mesh::tests::assert_sound;
+use super::*;
+use proptest::prelude::*;
+
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+fn parse(text: &str) -> Result<Mesh> {
+    from_bytes(text.as_bytes())
+}
+
+/// The error of `text`, which must name `part`.
+fn assert_refused(text: &str, part: &str) {
+    let e = parse(text).map(|m| m.triangle_count()).unwrap_err().to_string();
+    assert!(e.contains(part) && e.contains("; ") && !e.contains('\n'), "{text:?}: {e}");
+}
+
+#[test]
+fn separate_indices_for_position_texture_and_normal_are_followed() {
+    let text = format!("{SQUARE}vt 5 5\nvt 1 0\nvt 0 0\nvn 0 1 0\nvn 0 0 2\nf 1/3/2 2/2/2 3/1/2\n");
+    let mesh = parse(&text).unwrap();
+    assert_sound(&mesh);
+    let uvs: Vec<_> = mesh.vertices().iter().map(|v| v.uv).collect();
+    assert_eq!(uvs, [[0.0, 0.0], [1.0, 0.0], [5.0, 5.0]]);
+    assert!(mesh.vertices().iter().all(|v| v.normal == [0.0, 0.0, 1.0]));
+}
+
+#[test]
+fn objects_are_merged_and_polygons_cut_into_triangles() {
+    let text = format!(
+        "mtllib none.mtl\no one\n{SQUARE}usemtl x\nf 1 2 3 4\nl 1 2 3\np 1\ns off\no two\nv 0 0 5\nv 1 0 5\nv 1 1 5\nv .5 2 5\nv 0 1 5\n\
+         f -5 -4 -3 \\\n -2 -1\n"
+    );
+    let mesh = parse(&text).unwrap();
+    assert_sound(&mesh);
+    assert_eq!(mesh.triangle_count(), 5);
+}
+
+#[test]
+fn without_normals_and_texture_coordinates_both_are_made() {
+    let mesh = parse(&format!("{SQUARE}f 1 2 3 4\n")).unwrap();
+    assert_eq!(mesh.vertices().len(), 4);
+    for v in mesh.vertices() {
+        assert_eq!((v.normal, v.tangent), ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 1.0]));
+        assert_eq!(v.uv[..], v.position[..2]);
+    }
+}
+
+#[test]
+fn one_face_without_texture_coordinates_puts_the_whole_file_under_the_projection() {
+    let text = format!("{SQUARE}vt 9 9\nvt 8 9\nvt 9 8\nf 1/1 2/2 3/3\nf 1 3 4\n");
+    let mesh = parse(&text).unwrap();
+    assert_sound(&mesh);
+    assert!(mesh.vertices().iter().all(|v| v.uv[..] == v.position[..2]));
+}
+
+#[test]
+fn windows_line_ends_weights_colours_and_foreign_letters_are_read() {
+    let mut bytes = b"# caf\xe9\r\nv 0 0 0 1\r\nv 2 0 0 2\r\nv 0 1 0 .1 .2 .3 1\r\nf 1 2 3\r\n".to_vec();
+    assert_eq!(from_bytes(&bytes).unwrap().triangle_count(), 1);
+    bytes.push(0);
+    assert!(from_bytes(&bytes).unwrap_err().to_string().contains("not a Wavefront OBJ"));
+}
+
+#[test]
+fn what_is_not_a_mesh_is_refused_with_a_reason() {
+    assert_refused("", "empty");
+    assert_refused(" \n\n", "empty");
+    assert_refused("hello\nworld\n", "not a Wavefront OBJ");
+    assert_refused(SQUARE, "no faces");
+    assert_refused(&format!("{SQUARE}f 1 1 2\n"), "no triangle with an area");
+}
+
+#[test]
+fn a_malformed_line_is_named_by_its_number() {
+    assert_refused("v 0 0\n", "line 1: \"v\" needs 3 numbers and has 2");
+    assert_refused("v 0 0 nan\n", "line 1");
+    assert_refused("v 0 1e99 0\n", "line 1");
+    assert_refused("vt\n", "line 1: \"vt\" needs 2");
+    assert_refused(&format!("{SQUARE}vn 0 x 0\n"), "line 5");
+    for face in
+        ["f", "f 1 2", "f 1 2 x", "f 1 2 3/4/5/6", "f 1 2 /1/1", "f 1 2 3.5", "f 1 2 99999999999999999999"]
+    {
+        assert_refused(&format!("{SQUARE}{face}\n"), "line 5");
+    }
+}
+
+#[test]
+fn an_index_that_points_at_nothing_is_refused() {
+    let huge = i64::MAX;
+    for face in ["1 2 5", "1 2 0", "1 2 -5", "1/1 2/1 3/1", "1//1 2//1 3//1", "1/-1 2/-1 3/-1"] {
+        assert_refused(&format!("{SQUARE}f {face}\n"), "line 5: a face asks for");
+    }
+    assert_refused(&format!("{SQUARE}vt 0 0\nf 1/{huge} 2/1 3/1\n"), "line 6: a face asks for \"vt\"");
+    assert_refused(&format!("{SQUARE}f 1 2 {}\n", i64::MIN), "line 5");
+}
+
+#[test]
+fn a_weight_of_zero_and_coordinates_out_of_reach_are_refused() {
+    assert_refused("v 0 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "scaling (w) by zero");
+    assert_refused("v 1e20 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "beyond");
+    assert_refused("v 1 0 0 1e-30\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "beyond");
+}
+
+#[test]
+fn files_that_are_missing_directories_or_huge_are_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = folder.path().join("none.obj");
+    let e = load(&missing).unwrap_err().to_string();
+    assert!(e.contains("none.obj") && e.contains("check the path"), "{e}");
+    assert!(load(folder.path()).unwrap_err().to_string().contains("directory"));
+    let huge = folder.path().join("huge.obj");
+    File::create(&huge).unwrap().set_len(MAX_BYTES + 1).unwrap();
+    assert!(load(&huge).unwrap_err().to_string().contains("larger than"));
+}
+
+#[test]
+fn a_file_cut_anywhere_is_read_or_refused_and_never_panics() {
+    let text =
+        format!("{SQUARE}vt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1\nf -4//-1 -2//-1 -1//-1\n");
+    for end in 0..text.len() {
+        if let Ok(mesh) = parse(&text[..end]) {
+            assert_sound(&mesh);
+        }
+    }
+}
+
+#[test]
+fn a_face_of_a_hundred_thousand_corners_neither_hangs_nor_overflows_the_stack() {
+    let count = 100_000;
+    let angle = |i: usize| std::f64::consts::TAU * i as f64 / count as f64;
+    let mut text: String =
+        (0..count).map(|i| format!("v {} {} 0\n", angle(i).cos(), angle(i).sin())).collect();
+    text += &(0..count).fold("f".to_string(), |line, i| line + &format!(" {}", i + 1));
+    // A point of the circle may lie too close to the first for its triangle to count.
+    let fan = parse(&text).unwrap();
+    assert!(fan.triangle_count() > count / 2, "{}", fan.triangle_count());
+    // The same circle as spokes around one hub, and a heap of equal triangles.
+    text = text[..text.find('f').unwrap()].to_string() + "v 0 0 0\n";
+    text += &(0..count)
+        .map(|i| format!("f {} {} {}\n", count + 1, i + 1, (i + 1) % count + 1))
+        .collect::<String>();
+    assert_sound(&parse(&text).unwrap());
+    assert_sound(&parse(&format!("{SQUARE}{}", "f 1 2 3\n".repeat(count))).unwrap());
+}
+
+proptest! {
+    #[test]
+    fn any_lines_of_obj_words_are_read_or_refused(
+        lines in prop::collection::vec(
+            ("(v|vt|vn|f|f|f|l|o|g|usemtl|mtllib|#|p|)", prop::collection::vec("(-?[0-9]{1,2}|-?[0-4](/-?[0-4]?){0,3}|1e40|nan|\\\\)", 0..7)),
+            0..20,
+        ),
+    ) {
+        let tail: Vec<_> = lines.iter().map(|(tag, words)| format!("{tag} {}\n", words.join(" "))).collect();
+        for head in ["", SQUARE, "v 1 2 3\nv 3 2 2\nv 0 1 9\nvt 0 1\nvt 1 1\nvn 0 1 0\n"] {
+            if let Ok(mesh) = parse(&format!("{head}{}", tail.concat())) {
+                assert_sound(&mesh);
+            }
+        }
+    }
+
+    #[test]
+    fn any_bytes_are_read_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        let _ = from_bytes(&bytes);
+    }
+}
