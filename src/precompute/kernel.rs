@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn the_error_falls_with_the_square_and_the_fourth_power_of_the_length() {
-        let fall = |k: Kernel| k.amplitude_error(12.0) / k.amplitude_error(24.0);
+        let fall = |k: Kernel| k.amplitude_error(24.0) / k.amplitude_error(48.0);
         assert!((fall(Kernel::Bilinear) / 4.0 - 1.0).abs() < 0.15, "{}", fall(Kernel::Bilinear));
         assert!((fall(Kernel::Bspline) / 16.0 - 1.0).abs() < 0.3, "{}", fall(Kernel::Bspline));
     }
