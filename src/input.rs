@@ -64,6 +64,8 @@ mod tests {
         std::fs::write(&binary, [0xff, 0xfe, 0x00]).unwrap();
         assert!(read_text(&binary, "x").unwrap_err().to_string().contains("not text"));
         assert!(open(&binary, "x", 2).unwrap_err().to_string().contains("3 bytes"));
-        assert!(read_text(Path::new("/dev/zero"), "x").unwrap_err().to_string().contains("not a regular file"));
+        assert!(
+            read_text(Path::new("/dev/zero"), "x").unwrap_err().to_string().contains("not a regular file")
+        );
     }
 }

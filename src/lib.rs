@@ -14,4 +14,5 @@ pub mod precompute;
 pub mod render;
 pub mod scene;
 pub mod surface;
+pub mod units;
 pub mod vk;

@@ -1,3 +1,7 @@
 //! The `diffract` program; everything is in the library.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    diffract::cli::main()
+}

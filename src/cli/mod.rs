@@ -1,3 +1,81 @@
-//! cli.
+//! The command line: one file per command; raw arguments in, validated settings with units out.
 
-pub mod units;
+mod devices;
+mod eval;
+mod options;
+mod prepare;
+mod render;
+mod surface;
+mod write;
+
+use crate::error::{Error, Result};
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Structural colour from a measured height field.
+#[derive(Parser, Debug)]
+#[command(
+    name = "diffract",
+    version,
+    about = "Structural colour from a measured height field: Stam's wave-optics BRDF, as pictures and as numbers",
+    after_help = "Examples:
+  diffract render -o snake.png
+  diffract render sphere --surface scan.png --pixel-size 97.66nm --height 434.7nm -o scan.exr
+  diffract eval blaze --queries directions.csv --method reference
+  diffract surface info xenopeltis
+
+Lengths are written with their unit: 65um, 434.7nm. `diffract COMMAND --help` says more.",
+    disable_help_subcommand = true
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// Draw a scene into a PNG or EXR file
+    Render(render::Arguments),
+    /// BRDF numbers for given directions
+    Eval(eval::Arguments),
+    /// What is in a height field and what it will cost; generated height fields
+    #[command(subcommand)]
+    Surface(surface::Command),
+    /// What Vulkan offers here and why one device is chosen
+    Devices(devices::Arguments),
+}
+
+/// Runs the program on the process's own arguments.
+pub fn main() -> ExitCode {
+    // clap prints help to stdout with code 0, and wrong use to stderr with code 2.
+    let arguments = Arguments::parse();
+    let done = match arguments.command {
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Eval(arguments) => eval::run(&arguments),
+        Command::Surface(command) => surface::run(&command),
+        Command::Devices(arguments) => devices::run(&arguments),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("diffract: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+/// Whether Vulkan validation is asked for; then each of its messages is an error.
+fn validation() -> bool {
+    std::env::var_os("DIFFRACT_VALIDATION").is_some_and(|v| !v.is_empty() && v != "0")
+}
+
+/// Fails if validation had anything to say.
+fn check_validation(messages: &[String]) -> Result<()> {
+    match messages {
+        [] => Ok(()),
+        [first, ..] => Err(Error::failed(
+            format!("Vulkan validation has {} message(s), the first: {first}", messages.len()),
+            "report this as a bug of diffract",
+        )),
+    }
+}

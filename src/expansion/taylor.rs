@@ -162,7 +162,9 @@ mod tests {
         let z_max = 33.0;
         assert_eq!(taylor.terms_at(z_max, 16, z_max), 16);
         let half = taylor.terms_at(z_max / 2.0, 16, z_max);
-        assert!(half < 16 && taylor.truncation_bound(z_max / 2.0, half) <= taylor.truncation_bound(z_max, 16));
+        assert!(
+            half < 16 && taylor.truncation_bound(z_max / 2.0, half) <= taylor.truncation_bound(z_max, 16)
+        );
         assert_eq!(taylor.terms_at(0.0, 16, z_max), 1);
     }
 }

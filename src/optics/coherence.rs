@@ -119,8 +119,7 @@ pub fn periodic_factor(copies: u32, phase: f64) -> Complex64 {
     let phase = phase - 2.0 * PI * (phase / (2.0 * PI)).round();
     let half = phase / 2.0;
     // Dirichlet kernel sin(nφ/2)/sin(φ/2) → n; below this the first dropped term, (nφ)²/24, is under the rounding.
-    let magnitude =
-        if (n * half).abs() < 1e-8 { n } else { (n * half).sin() / half.sin() };
+    let magnitude = if (n * half).abs() < 1e-8 { n } else { (n * half).sin() / half.sin() };
     Complex64::from_polar(1.0, (n - 1.0) * half) * magnitude
 }
 

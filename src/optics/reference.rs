@@ -79,7 +79,7 @@ impl<'a> Reference<'a> {
             return Ok(DVec3::ZERO);
         }
         let count = self.colour_nodes(pair)?;
-        let nodes = Nodes::trapezoid(illuminant, count);
+        let nodes = Nodes::catmull_rom(illuminant, count);
         let spectrum = self.cosine_weighted_spectrum(pair, nodes.first, nodes.step, count);
         Ok(nodes.weights.iter().zip(spectrum).map(|(w, f)| *w * f).sum())
     }

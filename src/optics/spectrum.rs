@@ -46,7 +46,10 @@ impl<const N: usize> Table<N> {
             table.values.push(values);
         }
         if table.wavelengths.len() < 2 {
-            return Err(Error::failed("the spectrum has fewer than two rows", "give at least two wavelengths"));
+            return Err(Error::failed(
+                "the spectrum has fewer than two rows",
+                "give at least two wavelengths",
+            ));
         }
         Ok(table)
     }
@@ -141,10 +144,7 @@ impl Illuminant {
     /// ∫ S ȳ dλ \[nm\], the normalisation of every colour.
     pub fn luminance(&self) -> f64 {
         // Half-nanometre midpoints: exact to 1e-6 on tables that are linear between whole nanometres.
-        (0..800)
-            .map(|i| 380.25 + 0.5 * f64::from(i))
-            .map(|x| 0.5 * self.power(x) * observer(x).y)
-            .sum()
+        (0..800).map(|i| 380.25 + 0.5 * f64::from(i)).map(|x| 0.5 * self.power(x) * observer(x).y).sum()
     }
 
     /// S (x̄, ȳ, z̄) / ∫ S ȳ dλ at `wavelength` \[nm\], in nm⁻¹, given the normalisation from [`Self::luminance`].
@@ -164,7 +164,8 @@ mod tests {
 
     #[test]
     fn the_built_in_tables_are_whole() {
-        let observer: Table<3> = Table::parse(include_str!("../../assets/spectra/cie-1931-2deg.csv")).unwrap();
+        let observer: Table<3> =
+            Table::parse(include_str!("../../assets/spectra/cie-1931-2deg.csv")).unwrap();
         assert_eq!(observer.wavelengths.len(), 401);
         let d65: Table<1> = Table::parse(include_str!("../../assets/spectra/d65.csv")).unwrap();
         assert_eq!((d65.wavelengths[0], d65.wavelengths[80]), (380.0, 780.0));
@@ -182,9 +183,11 @@ mod tests {
     #[test]
     fn the_illuminants_have_their_published_white_points() {
         // CIE 15:2004, 2° observer: D65 (0.3127, 0.3290), A (0.4476, 0.4074), E (1/3, 1/3).
-        for (light, x, y) in
-            [(Illuminant::D65, 0.3127, 0.3290), (Illuminant::A, 0.4476, 0.4074), (Illuminant::E, 1.0 / 3.0, 1.0 / 3.0)]
-        {
+        for (light, x, y) in [
+            (Illuminant::D65, 0.3127, 0.3290),
+            (Illuminant::A, 0.4476, 0.4074),
+            (Illuminant::E, 1.0 / 3.0, 1.0 / 3.0),
+        ] {
             let white = white_of(&light);
             let sum = white.element_sum();
             assert!((white.x / sum - x).abs() < 2e-4, "{light:?}: x {}", white.x / sum);

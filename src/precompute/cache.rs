@@ -1,0 +1,212 @@
+//! Layers kept on disk, in the user's cache folder, under a key made of everything that they depend on.
+//!
+//! A file is written beside its place and renamed, so another process sees all of it or nothing; a check sum over the
+//! whole is compared when it is read, and a file that does not match is made anew.
+
+use super::kernel::{Interpolation, Kernel};
+use super::layers::{Errors, Layers, Settings};
+use crate::error::Result;
+use crate::output;
+use crate::surface::HeightField;
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+
+/// First bytes of a file; the number changes whenever the layers of the same key would change.
+const MAGIC: &[u8; 20] = b"diffract layers 0001";
+/// Bytes of the check sum and of the key.
+const HASH: usize = blake3::OUT_LEN;
+/// Numbers of 8 bytes that describe the layers in front of the texels.
+const HEADER: usize = 18;
+
+/// The folder: `$XDG_CACHE_HOME/diffract`, else `~/.cache/diffract`; `None` where the user has neither.
+pub fn folder() -> Option<PathBuf> {
+    let absolute = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
+    absolute("XDG_CACHE_HOME")
+        .or_else(|| absolute("HOME").map(|home| home.join(".cache")))
+        .map(|base| base.join("diffract"))
+}
+
+/// The key of the layers of `field` under `settings`: a hash of every height and every number that matters.
+pub fn key(field: &HeightField, settings: &Settings) -> blake3::Hash {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(MAGIC);
+    let terms = settings.terms.map_or(-1.0, |n| n as f64);
+    let [dx, dy] = field.pixel_size();
+    let numbers = [
+        field.columns() as f64,
+        field.rows() as f64,
+        dx,
+        dy,
+        settings.sigma,
+        settings.shortest_wavelength,
+        settings.tolerance,
+        terms,
+    ];
+    hasher.update(bytemuck::cast_slice(&numbers));
+    hasher.update(bytemuck::cast_slice(field.heights()));
+    hasher.finalize()
+}
+
+/// Where the layers of `key` are kept in `folder`.
+pub fn path(folder: &Path, key: &blake3::Hash) -> PathBuf {
+    folder.join(format!("{}.layers", key.to_hex()))
+}
+
+/// The layers of `key` from `folder`, if they are there and whole. A damaged file counts as absent; it is replaced by the
+/// next [`store`].
+pub fn load(folder: &Path, key: &blake3::Hash, memory_limit: usize) -> Option<Layers> {
+    let mut file = File::open(path(folder, key)).ok()?;
+    let size = usize::try_from(file.metadata().ok()?.len()).ok()?;
+    let overhead = MAGIC.len() + HASH + HEADER * 8 + HASH;
+    let texel_bytes = size.checked_sub(overhead).filter(|n| n % 16 == 0 && *n <= memory_limit)?;
+    let mut head = vec![0u8; MAGIC.len() + HASH + HEADER * 8];
+    file.read_exact(&mut head).ok()?;
+    let mut texels = vec![0f32; texel_bytes / 4];
+    file.read_exact(bytemuck::cast_slice_mut(&mut texels)).ok()?;
+    let mut sum = [0u8; HASH];
+    file.read_exact(&mut sum).ok()?;
+    let own = &head[..MAGIC.len() + HASH];
+    if own != [MAGIC.as_slice(), key.as_bytes().as_slice()].concat() || check_sum(&head, &texels) != sum {
+        return None;
+    }
+    let numbers: Vec<f64> = bytemuck::pod_collect_to_vec(&head[MAGIC.len() + HASH..]);
+    from_numbers(&numbers, texels)
+}
+
+/// Writes the layers of `key` into `folder`.
+///
+/// # Errors
+/// Where the folder or the file cannot be written; the layers are still good.
+pub fn store(folder: &Path, key: &blake3::Hash, layers: &Layers) -> Result<()> {
+    let place = path(folder, key);
+    std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, &e))?;
+    let mut head = MAGIC.to_vec();
+    head.extend_from_slice(key.as_bytes());
+    head.extend_from_slice(bytemuck::cast_slice(&to_numbers(layers)));
+    let sum = check_sum(&head, &layers.texels);
+    output::write_atomically(&place, |file| {
+        [&head, bytemuck::cast_slice(&layers.texels), &sum]
+            .into_iter()
+            .try_for_each(|part| file.write_all(part))
+            .map_err(|e| output::write_failed(&place, &e))
+    })
+}
+
+fn check_sum(head: &[u8], texels: &[f32]) -> [u8; HASH] {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(head);
+    hasher.update_rayon(bytemuck::cast_slice(texels));
+    *hasher.finalize().as_bytes()
+}
+
+fn to_numbers(l: &Layers) -> [f64; HEADER] {
+    let kernel = match l.interpolation.kernel {
+        Kernel::Bilinear => 0.0,
+        Kernel::Bspline => 1.0,
+    };
+    let [sx, sy] = l.size.map(|n| n as f64);
+    let [ox, oy] = l.origin.map(|n| n as f64);
+    let e = &l.errors;
+    [
+        sx,
+        sy,
+        ox,
+        oy,
+        l.length[0],
+        l.length[1],
+        l.band[0],
+        l.band[1],
+        l.sigma,
+        l.terms as f64,
+        l.half_range,
+        l.z_max,
+        kernel,
+        l.interpolation.ratio,
+        e.expansion,
+        e.interpolation,
+        e.truncation_bound,
+        e.rounding_bound,
+    ]
+}
+
+fn from_numbers(n: &[f64], texels: Vec<f32>) -> Option<Layers> {
+    let kernel = if n[12] == 0.0 { Kernel::Bilinear } else { Kernel::Bspline };
+    let layers = Layers {
+        size: [n[0] as usize, n[1] as usize],
+        origin: [n[2] as usize, n[3] as usize],
+        length: [n[4], n[5]],
+        band: [n[6], n[7]],
+        sigma: n[8],
+        terms: n[9] as usize,
+        half_range: n[10],
+        z_max: n[11],
+        interpolation: Interpolation { kernel, ratio: n[13] },
+        errors: Errors {
+            expansion: n[14],
+            interpolation: n[15],
+            truncation_bound: n[16],
+            rounding_bound: n[17],
+        },
+        texels,
+    };
+    (layers.texels.len() == layers.size[0] * layers.size[1] * 4 * layers.pairs()).then_some(layers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::precompute::compute;
+
+    fn sample() -> (HeightField, Settings, Layers) {
+        let heights = (0..256).map(|i| 0.05 * f64::from(i * 7 % 13) / 13.0).collect();
+        let field = HeightField::new(16, 16, [0.1, 0.1], heights).unwrap();
+        let settings = Settings {
+            sigma: 1.0,
+            shortest_wavelength: 0.38,
+            tolerance: 1e-1,
+            terms: None,
+            memory_limit: 1 << 28,
+        };
+        let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
+        (field, settings, layers)
+    }
+
+    #[test]
+    fn what_is_stored_is_loaded_and_any_changed_byte_makes_it_absent() {
+        let folder = tempfile::tempdir().unwrap();
+        let (field, settings, layers) = sample();
+        let key = key(&field, &settings);
+        assert!(load(folder.path(), &key, 1 << 28).is_none());
+        store(folder.path(), &key, &layers).unwrap();
+        assert_eq!(load(folder.path(), &key, 1 << 28).as_ref(), Some(&layers));
+        let place = path(folder.path(), &key);
+        let whole = std::fs::read(&place).unwrap();
+        for position in [0, 30, 60, 200, whole.len() / 2, whole.len() - 1] {
+            let mut damaged = whole.clone();
+            damaged[position] ^= 1;
+            std::fs::write(&place, &damaged).unwrap();
+            assert!(load(folder.path(), &key, 1 << 28).is_none(), "byte {position}");
+        }
+        for length in [0, 10, 100, whole.len() - 1] {
+            std::fs::write(&place, &whole[..length]).unwrap();
+            assert!(load(folder.path(), &key, 1 << 28).is_none(), "cut to {length}");
+        }
+        store(folder.path(), &key, &layers).unwrap();
+        assert!(load(folder.path(), &key, 1 << 28).is_some());
+    }
+
+    #[test]
+    fn every_input_changes_the_key() {
+        let (field, settings, _) = sample();
+        let first = key(&field, &settings);
+        let mut heights = field.heights().to_vec();
+        heights[17] += 1e-12;
+        let other = HeightField::new(16, 16, [0.1, 0.1], heights).unwrap();
+        assert_ne!(key(&other, &settings), first);
+        assert_ne!(key(&field, &Settings { sigma: 1.1, ..settings }), first);
+        assert_ne!(key(&field, &Settings { tolerance: 2e-1, ..settings }), first);
+        assert_ne!(key(&field, &Settings { terms: Some(4), ..settings }), first);
+        assert_ne!(key(&field, &Settings { shortest_wavelength: 0.4, ..settings }), first);
+    }
+}

@@ -176,8 +176,8 @@ pub fn compute(
             return Err(too_large((texels.len() * 4 + pair_bytes) as f64, settings));
         }
         let (even, odd) = (terms, terms + 1);
-        let spectrum =
-            transformer.spectrum(|i| Complex64::new(taylor.basis(even, heights[i]), taylor.basis(odd, heights[i])));
+        let spectrum = transformer
+            .spectrum(|i| Complex64::new(taylor.basis(even, heights[i]), taylor.basis(odd, heights[i])));
         texels.extend(pack(&spectrum, size, &transformer, interpolation.kernel));
         audit.add(&spectrum);
         terms = (terms + 2).min(most_terms);
@@ -372,7 +372,8 @@ mod tests {
 
     #[test]
     fn work_ends_where_progress_says_so() {
-        let stop = |done: usize, _| if done > 1 { Err(Error::failed("stopped", "start again")) } else { Ok(()) };
+        let stop =
+            |done: usize, _| if done > 1 { Err(Error::failed("stopped", "start again")) } else { Ok(()) };
         assert!(compute(&bumpy(0.1), &settings(1e-2), &stop).is_err());
     }
 

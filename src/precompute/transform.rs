@@ -67,7 +67,14 @@ impl PaddedAxis {
                 if upward { samples - 1 - index } else { index }
             })
             .collect();
-        Self { samples: padded, length, bins: (band * length).ceil() as usize + kernel.guard(), window, patch_index, shift }
+        Self {
+            samples: padded,
+            length,
+            bins: (band * length).ceil() as usize + kernel.guard(),
+            window,
+            patch_index,
+            shift,
+        }
     }
 
     /// Bins kept along the whole axis, negative frequencies included.
@@ -146,11 +153,6 @@ impl<'a> Transformer<'a> {
         Self { field, x, y, along_x, along_y }
     }
 
-    /// Host memory that one transform takes \[bytes\].
-    pub fn memory(x: &PaddedAxis, y: &PaddedAxis) -> usize {
-        (y.samples * x.kept() + y.kept() * x.kept()) * size_of::<Complex64>()
-    }
-
     /// The spectrum of window · `value`(sample of the patch, by row and column), relative to the window's mirror peak.
     pub fn spectrum(&self, value: impl Fn(usize) -> Complex64 + Sync) -> Spectrum {
         let (x, y) = (&self.x, &self.y);
@@ -158,7 +160,12 @@ impl<'a> Transformer<'a> {
         // Every padded row, transformed; only the kept columns stay.
         let mut rows_done = vec![Complex64::ZERO; y.samples * columns];
         rows_done.par_chunks_mut(columns).enumerate().for_each_init(
-            || (vec![Complex64::ZERO; x.samples], vec![Complex64::ZERO; self.along_x.get_inplace_scratch_len()]),
+            || {
+                (
+                    vec![Complex64::ZERO; x.samples],
+                    vec![Complex64::ZERO; self.along_x.get_inplace_scratch_len()],
+                )
+            },
             |(buffer, scratch), (row, kept)| {
                 let first = y.patch_index[row] * self.field.columns();
                 for (m, slot) in buffer.iter_mut().enumerate() {
@@ -174,7 +181,12 @@ impl<'a> Transformer<'a> {
         // Neighbouring columns share cache lines of `rows_done`.
         const TOGETHER: usize = 8;
         values.par_chunks_mut(TOGETHER * y.kept()).enumerate().for_each_init(
-            || (vec![Complex64::ZERO; TOGETHER * y.samples], vec![Complex64::ZERO; self.along_y.get_inplace_scratch_len()]),
+            || {
+                (
+                    vec![Complex64::ZERO; TOGETHER * y.samples],
+                    vec![Complex64::ZERO; self.along_y.get_inplace_scratch_len()],
+                )
+            },
             |(buffer, scratch), (block, out)| {
                 let here = out.len() / y.kept();
                 for row in 0..y.samples {
@@ -228,7 +240,8 @@ mod tests {
                         if px.abs() > x.length / 2.0 || py.abs() > y.length / 2.0 {
                             continue;
                         }
-                        let h = field.row(j.rem_euclid(rows as i64) as usize)[i.rem_euclid(columns as i64) as usize];
+                        let h = field.row(j.rem_euclid(rows as i64) as usize)
+                            [i.rem_euclid(columns as i64) as usize];
                         let g = (-(px * px + py * py) / (2.0 * sigma * sigma)).exp()
                             / (kernel.transform(px / x.length) * kernel.transform(py / y.length));
                         sum += Complex64::from_polar(g, 9.0 * h + 2.0 * PI * (fx * px + fy * py));

@@ -1,1 +1,21 @@
-//! render.
+//! Joins optics and Vulkan: the layers as a texture, the tables that the shaders read, passes, frames, targets. Only this
+//! floor knows both sides.
+
+pub mod evaluator;
+pub mod frame;
+pub mod interface;
+pub mod picture;
+pub mod reference_picture;
+pub mod resources;
+pub mod shading;
+pub mod tables;
+pub mod target;
+mod upload;
+
+/// SPIR-V of a shader, by the name of its file.
+macro_rules! shader {
+    ($name:literal) => {
+        ($name, include_bytes!(concat!(env!("OUT_DIR"), "/", $name, ".spv")).as_slice())
+    };
+}
+pub(crate) use shader;

@@ -97,6 +97,17 @@ impl Mesh {
         Self { vertices, indices }
     }
 
+    /// The mesh in another frame: `turn` is a rotation, applied to positions, normals and tangents.
+    #[must_use]
+    pub fn turned(mut self, turn: impl Fn([f32; 3]) -> [f32; 3]) -> Self {
+        for v in &mut self.vertices {
+            let [x, y, z, w] = v.tangent;
+            let [tx, ty, tz] = turn([x, y, z]);
+            (v.position, v.normal, v.tangent) = (turn(v.position), turn(v.normal), [tx, ty, tz, w]);
+        }
+        self
+    }
+
     /// All vertices, ready for a vertex buffer.
     pub fn vertices(&self) -> &[Vertex] {
         &self.vertices

@@ -1,1 +1,31 @@
-//! vk.
+//! Raw Vulkan through ash: one object a file, each owning its handle and freeing it when dropped. Nothing here knows
+//! what is drawn.
+//!
+//! Lifetimes nest: instance → device → resources, pipelines, command buffers. Children hold an `Arc` of their parent, so
+//! the order of destruction follows from ownership; inside a struct it is the order of the fields.
+
+pub mod access;
+pub mod buffer;
+pub mod commands;
+pub mod descriptors;
+pub mod device;
+pub mod image;
+pub mod instance;
+pub mod pipeline;
+pub mod sampler;
+pub mod selection;
+
+use crate::error::Error;
+use ash::vk;
+
+/// Turns a Vulkan result code into an error: what was being done, and what helps.
+pub fn failure(doing: &str, code: vk::Result) -> Error {
+    let remedy = match code {
+        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
+            "ask for a smaller --size, a larger --tolerance or a shorter --coherence, or use --device cpu"
+        }
+        vk::Result::ERROR_DEVICE_LOST => "try again; if it recurs, update the driver or use --device cpu",
+        _ => "see `diffract devices`, update the driver, or use --device cpu",
+    };
+    Error::failed(format!("Vulkan could not {doing} ({code})"), remedy)
+}

@@ -1,0 +1,22 @@
+// Colour: the twin of src/optics/color.rs, with IEC 61966-2-1 as the source.
+
+const mat3 LINEAR_SRGB_FROM_XYZ = mat3(
+    3.2409699419, -0.9692436363, 0.0556300797,
+    -1.5373831776, 1.8759675015, -0.2039769589,
+    -0.4986107603, 0.0415550574, 1.0569715142);
+
+const vec3 LUMINANCE = vec3(0.2126390059, 0.7151686788, 0.0721923154);
+
+// Along the line to the grey of the same luminance, so that hue stays and saturation gives way.
+vec3 map_to_gamut(vec3 rgb) {
+    float grey = clamp(dot(LUMINANCE, rgb), 0.0, 1.0);
+    vec3 away = rgb - grey;
+    vec3 room = mix(vec3(grey), vec3(1.0 - grey), greaterThan(away, vec3(0.0)));
+    // Where a component does not move, it has room for any step; the floor only keeps 0/0 away.
+    vec3 reach = room / max(abs(away), vec3(1e-30));
+    return clamp(grey + away * min(1.0, min(reach.x, min(reach.y, reach.z))), 0.0, 1.0);
+}
+
+vec3 srgb_transfer(vec3 linear) {
+    return mix(1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, 12.92 * linear, lessThanEqual(linear, vec3(0.0031308)));
+}

@@ -1,0 +1,46 @@
+// Everything that shaders and Rust share: limits, blocks, bindings. Its twin is src/render/interface.rs; the test
+// `blocks_mean_the_same_to_rust_and_to_shaders` sends every field through the device and back.
+
+const int MAX_LIGHTS = 4;
+const int UV_BINS = 256; // entries of `combs` over |(u, v)| in 0 ... 2
+
+const int KERNEL_BILINEAR = 0;
+const int KERNEL_BSPLINE = 1;
+
+layout(set = 0, binding = 0, std140) uniform Frame {
+    mat4 clip_from_world;
+    vec4 eye;                       // xyz: position of the viewer in the world
+    vec4 lights[MAX_LIGHTS];        // xyz: unit vector to the light in the world; w: irradiance / pi
+    vec4 base_color;                // rgb: albedo of the pigment, linear sRGB; w: 1 where the pigment texture counts
+    ivec4 counts;                   // x: lights
+} frame;
+
+layout(set = 0, binding = 1, std140) uniform Optics {
+    vec2 texture_size;              // texels of a layer along f_x and f_y
+    vec2 origin;                    // centre of the texel of f = 0, in texels from the texture's corner
+    vec2 texels_per_frequency;      // L_x, L_y [um]
+    vec2 band;                      // largest |f_x|, |f_y| that holds anything [1/um]
+    float sigma;                    // standard deviation of the Gaussian window [um]
+    float normal_reflectance;       // R0 of Schlick
+    float entries_per_z;            // entries of `coefficients` per unit of k|w| [um]
+    int kernel;                     // KERNEL_*
+    int pairs;                      // layers: pairs of terms
+    int entries;                    // entries of `coefficients` and `pairs_needed`
+} optics;
+
+// Spectra of the basis functions: RGBA = Re, Im of term 2p, Re, Im of term 2p + 1, relative to the flat mirror's peak.
+layout(set = 0, binding = 2) uniform sampler2DArray layers;
+
+// c_2p, c_2p+1 as (Re, Im, Re, Im) at z = entry / entries_per_z: [entry * pairs + p].
+layout(set = 0, binding = 3, std430) readonly buffer Coefficients { vec4 coefficients[]; };
+
+// How many pairs a z up to the entry's end needs.
+layout(set = 0, binding = 4, std430) readonly buffer PairsNeeded { int pairs_needed[]; };
+
+// Wavelength combs: first node and number of nodes for each bin of |(u, v)|.
+layout(set = 0, binding = 5, std430) readonly buffer Combs { ivec2 combs[]; };
+
+// Nodes of all combs: XYZ weight and wavenumber 1/lambda [1/um], growing within a comb.
+layout(set = 0, binding = 6, std430) readonly buffer Nodes { vec4 nodes[]; };
+
+layout(set = 0, binding = 7) uniform sampler2D pigment;

@@ -1,0 +1,26 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Takes view and lights into the tangent frame of each vertex; the fragment stage interpolates and normalises them.
+#include "interface.glsl"
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec4 tangent; // w: handedness, B = w N x T
+layout(location = 3) in vec2 uv;
+
+layout(location = 0) out vec3 view;
+layout(location = 1) out vec2 pigment_uv;
+layout(location = 2) out vec3 lights[MAX_LIGHTS];
+
+// The depth pass and the shading pass must agree to the last bit.
+invariant gl_Position;
+
+void main() {
+    mat3 tangent_from_world = transpose(mat3(tangent.xyz, tangent.w * cross(normal, tangent.xyz), normal));
+    view = tangent_from_world * normalize(frame.eye.xyz - position);
+    for (int i = 0; i < MAX_LIGHTS; ++i) {
+        lights[i] = tangent_from_world * frame.lights[i].xyz;
+    }
+    pigment_uv = uv;
+    gl_Position = frame.clip_from_world * vec4(position, 1.0);
+}

@@ -1,0 +1,46 @@
+//! `diffract devices`: what Vulkan offers here.
+
+use super::options::DeviceOptions;
+use super::{check_validation, validation, write};
+use crate::error::Result;
+use crate::vk::instance::Instance;
+use crate::vk::selection::{candidates, choose, kind_name};
+use ash::vk;
+use clap::Args;
+
+/// Arguments of `devices`.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    #[command(flatten)]
+    device: DeviceOptions,
+}
+
+/// Lists the devices, the chosen one marked, with the reason.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let instance = Instance::new(validation())?;
+    let list = candidates(&instance)?;
+    let choice = choose(&list, &arguments.device.wish());
+    let mut text = String::new();
+    for (index, device) in list.iter().enumerate() {
+        let mark = if choice.as_ref().is_ok_and(|c| c.0 == index) { '*' } else { ' ' };
+        let (major, minor) = (vk::api_version_major(device.version), vk::api_version_minor(device.version));
+        text += &format!(
+            "{mark} {index}  {}\n     {}, Vulkan {major}.{minor}.{}, driver {}\n     {:.1} GiB, images up to {} x {} x {} layers\n",
+            device.name,
+            kind_name(device.kind),
+            vk::api_version_patch(device.version),
+            device.driver,
+            device.memory as f64 / f64::from(1 << 30),
+            device.max_side,
+            device.max_side,
+            device.max_layers,
+        );
+        if !device.missing.is_empty() {
+            text += &format!("     cannot be used: it lacks {}\n", device.missing.join(", "));
+        }
+    }
+    write::stdout(&text)?;
+    let (index, reason) = choice?;
+    write::stdout(&format!("chosen: {index}, {reason}\n"))?;
+    check_validation(&instance.messages())
+}

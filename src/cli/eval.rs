@@ -1,0 +1,234 @@
+//! `diffract eval`: BRDF numbers for the directions of a CSV file.
+
+use super::options::{DeviceOptions, Method, OpticsOptions, SurfaceOptions};
+use super::{prepare, write};
+use crate::error::{Error, Result};
+use crate::input;
+use crate::optics::geometry::{Pair, direction};
+use crate::optics::reference::Reference;
+use crate::optics::spectrum::SHORTEST;
+use crate::output;
+use crate::render::evaluator::{Evaluator, Query};
+use crate::render::shading::Shading;
+use crate::surface::HeightField;
+use clap::Args;
+use glam::DVec3;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Columns of every query file, in degrees.
+const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_r", "phi_r"];
+/// Column that asks for one wavelength \[nm\].
+const WAVELENGTH: &str = "wavelength";
+/// Wavelengths that can be asked for \[nm\]: from hard ultraviolet to far infrared.
+const WAVELENGTHS: (f64, f64) = (10.0, 1e5);
+
+/// Arguments of `eval`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "The query file is CSV with the header theta_i,phi_i,theta_r,phi_r[,wavelength], degrees and nm.
+The answer repeats its columns and adds brdf [1/sr] where there is a wavelength, X,Y,Z of the colour where there is none.
+
+Examples:
+  diffract eval blaze --queries q.csv --method reference
+  diffract eval scan.png --pixel-size 97.66nm --height 434.7nm --queries q.csv -o answers.csv"
+)]
+pub struct Arguments {
+    /// Height field: a file or a built-in name
+    surface_name: Option<String>,
+    /// Directions to evaluate
+    #[arg(long, value_name = "FILE")]
+    queries: PathBuf,
+    /// Where the answers go, instead of stdout
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    surface: SurfaceOptions,
+    #[command(flatten)]
+    optics: OpticsOptions,
+    #[command(flatten)]
+    device: DeviceOptions,
+}
+
+/// Evaluates and writes.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    if let Some(path) = &arguments.output {
+        write::check_target(path)?;
+    }
+    let shading = arguments.optics.shading()?;
+    let table = Table::read(&arguments.queries)?;
+    let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
+    let values = match arguments.optics.method {
+        Method::Reference => by_reference(&field, &shading, &table.queries)?,
+        Method::Spectral => by_layers(arguments, &field, &shading, &table.queries)?,
+    };
+    let text = table.answered(&values);
+    match &arguments.output {
+        None => write::stdout(&text),
+        Some(path) => output::write_atomically(path, |file| {
+            file.write_all(text.as_bytes()).map_err(|e| output::write_failed(path, &e))
+        }),
+    }
+}
+
+/// The file's columns as they were, and what they ask.
+struct Table {
+    header: Vec<String>,
+    rows: Vec<Vec<String>>,
+    queries: Vec<Query>,
+    single_wavelengths: bool,
+}
+
+impl Table {
+    fn read(path: &Path) -> Result<Self> {
+        let text = input::read_text(path, "a CSV file of directions")?;
+        Self::parse(&text).map_err(|e| e.at(path.display()))
+    }
+
+    fn parse(text: &str) -> Result<Self> {
+        let remedy = "write the header theta_i,phi_i,theta_r,phi_r with wavelength (nm) or not, then numbers";
+        let bad = |line: u64, what: String| Error::failed(format!("line {line}: {what}"), remedy);
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text); // spreadsheets write a byte order mark
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+        let fail = |e: csv::Error| bad(e.position().map_or(1, csv::Position::line), e.to_string());
+        let header: Vec<String> = reader.headers().map_err(fail)?.iter().map(str::to_owned).collect();
+        let column = |name: &str| match header.iter().filter(|h| *h == name).count() {
+            0 | 1 => Ok(header.iter().position(|h| h == name)),
+            _ => Err(bad(1, format!("the column {name} stands twice"))),
+        };
+        let mut angles = [0; 4];
+        for (place, name) in angles.iter_mut().zip(ANGLES) {
+            *place = column(name)?.ok_or_else(|| bad(1, format!("there is no column {name}")))?;
+        }
+        let wavelength = column(WAVELENGTH)?;
+        let mut table = Self {
+            header: header.clone(),
+            rows: Vec::new(),
+            queries: Vec::new(),
+            single_wavelengths: wavelength.is_some(),
+        };
+        for record in reader.records() {
+            let record = record.map_err(fail)?;
+            let line = record.position().map_or(0, csv::Position::line);
+            let number = |column: usize| {
+                let cell = record.get(column).unwrap_or_default();
+                cell.parse::<f64>()
+                    .ok()
+                    .filter(|x| x.is_finite())
+                    .ok_or_else(|| bad(line, format!("`{cell}` in {} is not a number", header[column])))
+            };
+            let [theta_i, phi_i, theta_r, phi_r] = angles.map(number);
+            let wavelength = wavelength.map(number).transpose()?;
+            if let Some(nm) = wavelength.filter(|x| !(WAVELENGTHS.0..=WAVELENGTHS.1).contains(x)) {
+                return Err(bad(line, format!("the wavelength {nm} nm is not within 10 to 100000 nm")));
+            }
+            let pair = Pair::new(direction(theta_i?, phi_i?), direction(theta_r?, phi_r?));
+            table.queries.push(Query { pair, wavelength: wavelength.map(|nm| nm / 1e3) });
+            table.rows.push(record.iter().map(str::to_owned).collect());
+        }
+        if table.queries.is_empty() {
+            return Err(bad(1, "there are no queries".to_owned()));
+        }
+        Ok(table)
+    }
+
+    /// The table with the answers: f, or XYZ.
+    fn answered(&self, values: &[DVec3]) -> String {
+        let quote = |cell: &String| {
+            if cell.contains([',', '"', '\n', '\r']) {
+                format!("\"{}\"", cell.replace('"', "\"\""))
+            } else {
+                cell.clone()
+            }
+        };
+        let line = |cells: &[String]| cells.iter().map(quote).collect::<Vec<_>>().join(",");
+        let added = if self.single_wavelengths { "brdf" } else { "X,Y,Z" };
+        let mut text = format!("{},{added}\n", line(&self.header));
+        for (row, v) in self.rows.iter().zip(values) {
+            let answer = if self.single_wavelengths {
+                format!("{:e}", v.x)
+            } else {
+                format!("{:e},{:e},{:e}", v.x, v.y, v.z)
+            };
+            text += &format!("{},{answer}\n", line(row));
+        }
+        text
+    }
+}
+
+/// f from f·cos θ_i; 0 below the horizon.
+fn without_cosine(pair: &Pair, weighted: DVec3) -> DVec3 {
+    if pair.above_horizon() { weighted / pair.light.z } else { DVec3::ZERO }
+}
+
+fn by_reference(field: &HeightField, shading: &Shading, queries: &[Query]) -> Result<Vec<DVec3>> {
+    prepare::warn_of_coarse_samples(field, shortest(queries));
+    let reference = Reference::new(field, shading.coherence, shading.windows, shading.ior);
+    let bar = prepare::progress_bar("directions");
+    bar.set_length(queries.len() as u64);
+    let values = queries
+        .iter()
+        .map(|query| {
+            bar.inc(1);
+            match query.wavelength {
+                Some(wavelength) => Ok(DVec3::splat(reference.brdf(&query.pair, wavelength))),
+                None => {
+                    let weighted = reference.cosine_weighted_xyz(&query.pair, &shading.illuminant)?;
+                    Ok(without_cosine(&query.pair, weighted))
+                }
+            }
+        })
+        .collect();
+    bar.finish_and_clear();
+    values
+}
+
+fn by_layers(
+    arguments: &Arguments,
+    field: &HeightField,
+    shading: &Shading,
+    queries: &[Query],
+) -> Result<Vec<DVec3>> {
+    let device = prepare::device(&arguments.device.wish())?;
+    let layers = prepare::layers(field, shading, shortest(queries), &device)?;
+    let mut evaluator = Evaluator::new(&device, &layers, shading)?;
+    let weighted = evaluator.cosine_weighted(queries)?;
+    drop(evaluator);
+    prepare::finish(&device)?;
+    Ok(queries.iter().zip(weighted).map(|(query, f)| without_cosine(&query.pair, f)).collect())
+}
+
+/// The shortest wavelength that is asked for \[µm\]; colours ask for all.
+fn shortest(queries: &[Query]) -> f64 {
+    queries.iter().map(|q| q.wavelength.unwrap_or(SHORTEST)).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn queries_are_read_in_any_column_order_and_answered_beside_their_own_columns() {
+        let table =
+            Table::parse("name,phi_r,theta_r,theta_i,phi_i,wavelength\n\"a,b\",90,30,10,0,550\n").unwrap();
+        assert_eq!(table.queries[0].wavelength, Some(0.55));
+        assert_eq!(table.queries[0].pair.view, direction(30.0, 90.0));
+        let answer = table.answered(&[DVec3::splat(0.5)]);
+        assert_eq!(answer, "name,phi_r,theta_r,theta_i,phi_i,wavelength,brdf\n\"a,b\",90,30,10,0,550,5e-1\n");
+        let colour = Table::parse("theta_i,phi_i,theta_r,phi_r\n0,0,0,0\n").unwrap();
+        assert!(colour.answered(&[DVec3::ONE]).contains("phi_r,X,Y,Z\n0,0,0,0,1e0,1e0,1e0\n"));
+    }
+
+    #[test]
+    fn bad_rows_are_refused_by_line() {
+        let error = |text: &str| Table::parse(text).err().unwrap().to_string();
+        let header = "theta_i,phi_i,theta_r,phi_r,wavelength";
+        assert!(error(&format!("{header}\n0,0,0,0,550\n0,0,x,0,550\n")).contains("line 3"));
+        assert!(error(&format!("{header}\n0,0,0,0,-550\n")).contains("-550"));
+        assert!(error(&format!("{header}\n0,0,0,nan,550\n")).contains("nan"));
+        assert!(error(&format!("{header}\n0,0,0\n")).contains("line 2"));
+        assert!(error("theta_i,phi_i,theta_r\n0,0,0\n").contains("phi_r"));
+        assert!(error(&format!("{header}\n")).contains("no queries"));
+        assert!(error("").contains("theta_i"));
+    }
+}

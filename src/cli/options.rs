@@ -1,0 +1,281 @@
+//! Options that several commands share, with the same word and meaning in each.
+
+use crate::error::{Error, Result};
+use crate::optics::coherence::Coherence;
+use crate::optics::spectrum::Illuminant;
+use crate::render::shading::Shading;
+use crate::scene::Scene;
+use crate::surface::synth::{self, Kind, Spec};
+use crate::surface::{HeightField, Level, image_file};
+use crate::units;
+use crate::vk::selection::Wish;
+use clap::{Args, ValueEnum};
+use std::path::Path;
+
+/// Smallest and largest tolerance that mean something: below the first, 32-bit floats are in the way everywhere.
+const TOLERANCES: (f64, f64) = (1e-6, 1.0);
+/// Most terms that can be named.
+const MAX_TERMS: usize = 128;
+/// Fewest and most wavelengths that can be named.
+const WAVELENGTHS: (usize, usize) = (4, 4096);
+/// Refractive indices of real materials, with room.
+const IORS: (f64, f64) = (1.0, 10.0);
+/// Coherence lengths that make a window: from less than a wavelength to a laser's.
+const COHERENCE_LENGTHS: (f64, f64) = (0.01, 1e5);
+/// Most copies of the patch along an axis, and most windows.
+const MAX_REPEATS: u32 = 10_000;
+const MAX_WINDOWS: u32 = 64;
+
+/// How the optics is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// Vulkan: sums wavelengths over precomputed spectra
+    #[default]
+    Spectral,
+    /// The direct sum in 64-bit floats, on the CPU
+    Reference,
+}
+
+/// Which expansion the layers hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Basis {
+    /// Powers of the height, as in the thesis
+    #[default]
+    Taylor,
+}
+
+/// The height field.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Surface")]
+pub struct SurfaceOptions {
+    /// Height field: a PNG or TIFF file, or flat, sinusoid, blaze, bumps, elaphe, xenopeltis
+    #[arg(long, value_name = "FILE|BUILTIN")]
+    pub surface: Option<String>,
+    /// Distance between samples, as in 97.66nm or 80nmx90nm
+    #[arg(long, value_name = "LENGTH", value_parser = units::length_pair)]
+    pub pixel_size: Option<[f64; 2]>,
+    /// Height that the file's largest code stands for, as in 434.7nm; full height of a built-in
+    #[arg(long, value_name = "LENGTH", value_parser = units::length)]
+    pub height: Option<f64>,
+    /// What to subtract from the heights: none, mean or plane
+    #[arg(long, value_name = "LEVEL", value_parser = level, default_value = "none")]
+    pub level: Level,
+    /// Which one of the many skins of one kind
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+}
+
+fn level(text: &str) -> Result<Level> {
+    Level::from_name(text)
+        .ok_or_else(|| Error::usage(format!("there is no level `{text}`"), "give none, mean or plane"))
+}
+
+impl SurfaceOptions {
+    /// The height field that the options name, or `scene`'s, or `fallback`.
+    pub fn load(
+        &self,
+        positional: Option<&str>,
+        scene: Option<&Scene>,
+        fallback: &str,
+    ) -> Result<HeightField> {
+        if positional.is_some() && self.surface.is_some() {
+            return Err(Error::usage(
+                "the surface is given twice",
+                "give it as an argument or by --surface, not both",
+            ));
+        }
+        let own = positional.or(self.surface.as_deref());
+        let name = own.or(scene.map(|s| s.surface.as_str())).unwrap_or(fallback);
+        // A scene's units belong to the scene's surface.
+        let of_scene = scene.filter(|_| own.is_none());
+        let pixel_size = self.pixel_size.or(of_scene.and_then(|s| s.pixel_size));
+        let height = self.height.or(of_scene.and_then(|s| s.full_height));
+        let field = match Kind::from_name(name) {
+            Some(kind) => synth::generate(&Spec { seed: self.seed, pixel_size, height, ..Spec::new(kind) })?,
+            None => from_file(name, pixel_size, height)?,
+        };
+        field.levelled(self.level)
+    }
+}
+
+fn from_file(name: &str, pixel_size: Option<[f64; 2]>, height: Option<f64>) -> Result<HeightField> {
+    let path = Path::new(name);
+    let known = Kind::ALL.map(Kind::name).join(", ");
+    if path.extension().is_none() && !path.exists() {
+        return Err(Error::usage(
+            format!("there is no surface `{name}`"),
+            format!("give a PNG or TIFF file, or one of {known}"),
+        ));
+    }
+    let missing = |option: &str, example: &str| {
+        Error::usage(
+            format!("the height image {name} carries no units"),
+            format!("add {option}, as in {option} {example}"),
+        )
+    };
+    let pixel_size = pixel_size.ok_or_else(|| missing("--pixel-size", "97.66nm"))?;
+    let height = height.ok_or_else(|| missing("--height", "434.7nm"))?;
+    image_file::read(path, pixel_size, height)
+}
+
+/// The optics.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Optics")]
+pub struct OpticsOptions {
+    /// How the optics is computed
+    #[arg(long, value_enum, default_value_t)]
+    pub method: Method,
+    /// Which expansion the precomputed spectra hold
+    #[arg(long, value_enum, default_value_t)]
+    pub basis: Basis,
+    /// Relative error that you accept; everything else follows from it unless named
+    #[arg(long, value_name = "E", value_parser = tolerance, default_value = "1e-2")]
+    pub tolerance: f64,
+    /// Terms of the expansion, instead of what the tolerance asks for
+    #[arg(long, value_name = "N", value_parser = terms)]
+    pub terms: Option<usize>,
+    /// Wavelengths of a colour, instead of what the tolerance asks for
+    #[arg(long, value_name = "N", value_parser = wavelengths)]
+    pub wavelengths: Option<usize>,
+    /// What surrounds the patch: gaussian:LENGTH or repeats:NxM
+    #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
+    pub coherence: Coherence,
+    /// Window centres to average over
+    #[arg(long, value_name = "NxM", value_parser = windows, default_value = "1x1")]
+    pub windows: [u32; 2],
+    /// Refractive index of the surface
+    #[arg(long, value_name = "N", value_parser = ior, default_value = "1.5")]
+    pub ior: f64,
+    /// The light's spectrum: d65, a, e, or a CSV file of wavelength in nm and power
+    #[arg(long, value_name = "NAME|FILE", default_value = "d65")]
+    pub illuminant: String,
+}
+
+impl OpticsOptions {
+    /// The settings that the options stand for.
+    pub fn shading(&self) -> Result<Shading> {
+        Ok(Shading {
+            coherence: self.coherence,
+            windows: self.windows,
+            ior: self.ior,
+            illuminant: Illuminant::from_name_or_file(&self.illuminant)?,
+            tolerance: self.tolerance,
+            terms: self.terms,
+            wavelengths: self.wavelengths,
+        })
+    }
+}
+
+/// The Vulkan device.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Device")]
+pub struct DeviceOptions {
+    /// Vulkan device: a part of its name, its number in `diffract devices`, or cpu for a software one
+    #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = Wish::parse)]
+    pub device: Option<Wish>,
+}
+
+impl DeviceOptions {
+    /// What the user wishes for.
+    pub fn wish(&self) -> Wish {
+        self.device.clone().unwrap_or_default()
+    }
+}
+
+fn real(text: &str, range: (f64, f64), what: &str) -> Result<f64> {
+    let value = text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    value.filter(|x| (range.0..=range.1).contains(x)).ok_or_else(|| {
+        Error::usage(
+            format!("`{text}` is no {what}"),
+            format!("give a number from {} to {}", range.0, range.1),
+        )
+    })
+}
+
+fn whole(text: &str, range: (usize, usize), what: &str) -> Result<usize> {
+    text.trim().parse::<usize>().ok().filter(|n| (range.0..=range.1).contains(n)).ok_or_else(|| {
+        Error::usage(
+            format!("`{text}` is no number of {what}"),
+            format!("give a whole number from {} to {}", range.0, range.1),
+        )
+    })
+}
+
+fn tolerance(text: &str) -> Result<f64> {
+    real(text, TOLERANCES, "tolerance")
+}
+
+fn terms(text: &str) -> Result<usize> {
+    whole(text, (1, MAX_TERMS), "terms")
+}
+
+fn wavelengths(text: &str) -> Result<usize> {
+    whole(text, WAVELENGTHS, "wavelengths")
+}
+
+fn ior(text: &str) -> Result<f64> {
+    real(text, IORS, "refractive index")
+}
+
+/// Exposure in stops.
+pub fn exposure(text: &str) -> Result<f64> {
+    real(text, (-40.0, 40.0), "exposure in stops")
+}
+
+fn windows(text: &str) -> Result<[u32; 2]> {
+    units::counts(text).and_then(|n| bounded(text, n, MAX_WINDOWS, "windows"))
+}
+
+fn bounded(text: &str, counts: [u32; 2], most: u32, what: &str) -> Result<[u32; 2]> {
+    if counts.iter().all(|&n| n <= most) {
+        return Ok(counts);
+    }
+    Err(Error::usage(format!("`{text}` are too many {what}"), format!("give at most {most}x{most}")))
+}
+
+fn coherence(text: &str) -> Result<Coherence> {
+    const FORM: &str = "give gaussian:LENGTH as in gaussian:65um, or repeats:NxM as in repeats:3x3";
+    match text.split_once(':') {
+        Some(("gaussian", length)) => {
+            let length = units::length(length)?;
+            if (COHERENCE_LENGTHS.0..=COHERENCE_LENGTHS.1).contains(&length) {
+                return Ok(Coherence::Gaussian { length });
+            }
+            Err(Error::usage(format!("the coherence length `{text}` is out of range"), "give 10nm to 100mm"))
+        }
+        Some(("repeats", n)) => {
+            let n = units::counts(n).and_then(|n| bounded(text, n, MAX_REPEATS, "repeats"))?;
+            Ok(Coherence::Repeats(n))
+        }
+        _ => Err(Error::usage(format!("`{text}` is no coherence"), FORM)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_without_meaning_are_refused_and_others_kept() {
+        for bad in ["", "nan", "inf", "0", "-1", "2", "x", "1e-9"] {
+            assert!(tolerance(bad).is_err(), "tolerance {bad}");
+        }
+        assert_eq!(tolerance("1e-3").unwrap(), 1e-3);
+        for bad in ["0", "-1", "1.5", "999", "x", ""] {
+            assert!(terms(bad).is_err(), "terms {bad}");
+        }
+        for bad in
+            ["gaussian", "gaussian:65", "gaussian:0um", "repeats:0x1", "repeats:3", "laser:3", "gaussian:1m"]
+        {
+            assert!(coherence(bad).is_err(), "coherence {bad}");
+        }
+        assert_eq!(coherence("gaussian:65um").unwrap(), Coherence::SUNLIGHT);
+        assert_eq!(coherence("repeats:3x2").unwrap(), Coherence::Repeats([3, 2]));
+        assert!(
+            ior("0.5").is_err()
+                && exposure("99").is_err()
+                && windows("0x1").is_err()
+                && windows("65x1").is_err()
+        );
+    }
+}

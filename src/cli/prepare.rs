@@ -1,0 +1,96 @@
+//! What commands need before they can shade: a device, and the layers, from the cache or made with a progress bar.
+
+use super::{check_validation, validation};
+use crate::error::{Error, Result};
+use crate::optics::coherence::Coherence;
+use crate::precompute::{self, Layers, Settings, cache};
+use crate::render::shading::Shading;
+use crate::surface::HeightField;
+use crate::vk::device::Device;
+use crate::vk::instance::Instance;
+use crate::vk::selection::Wish;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::sync::Arc;
+
+/// Share of the device's memory that the layers may take; pictures and the rest need some.
+const DEVICE_SHARE: f64 = 0.75;
+
+/// Opens the device that `wish` means.
+pub fn device(wish: &Wish) -> Result<Arc<Device>> {
+    Device::open(Arc::new(Instance::new(validation())?), wish)
+}
+
+/// Fails if validation had anything to say about `device` so far.
+pub fn finish(device: &Device) -> Result<()> {
+    check_validation(&device.instance().messages())
+}
+
+/// Layers of `field` for wavelengths from `shortest` \[µm\] on `device`.
+pub fn layers(field: &HeightField, shading: &Shading, shortest: f64, device: &Device) -> Result<Layers> {
+    let Coherence::Gaussian { length } = shading.coherence else {
+        return Err(Error::usage(
+            "--method spectral does not do --coherence repeats yet",
+            "use --coherence gaussian:LENGTH or --method reference",
+        ));
+    };
+    if shading.windows != [1, 1] {
+        return Err(Error::usage(
+            "--method spectral does one window only",
+            "leave --windows away or use --method reference",
+        ));
+    }
+    warn_of_coarse_samples(field, shortest);
+    let memory_limit = (device.candidate().memory as f64 * DEVICE_SHARE) as usize;
+    let settings = Settings {
+        sigma: length / 4.0,
+        shortest_wavelength: shortest,
+        tolerance: shading.tolerance,
+        terms: shading.terms,
+        memory_limit,
+    };
+    let folder = cache::folder();
+    let key = cache::key(field, &settings);
+    if let Some(layers) = folder.as_ref().and_then(|f| cache::load(f, &key, memory_limit)) {
+        return Ok(layers);
+    }
+    let bar = progress_bar("spectra");
+    let layers = precompute::compute(field, &settings, &|done, of| {
+        bar.set_length(of as u64);
+        bar.set_position(done as u64);
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    if let Some(folder) = folder
+        && let Err(error) = cache::store(&folder, &key, &layers)
+    {
+        eprintln!("diffract: the spectra are not kept for next time: {error}");
+    }
+    Ok(layers)
+}
+
+/// A height field sampled at dx knows nothing above 1/(2dx); directions ask for up to 2/λ.
+pub fn warn_of_coarse_samples(field: &HeightField, shortest: f64) {
+    let coarsest = field.pixel_size().into_iter().fold(0.0, f64::max);
+    let needed = shortest / 4.0;
+    // Spacings like 97.66 nm are meant to be enough; only what loses a visible part is told.
+    if coarsest > needed * 1.001 {
+        let limit = (shortest / (2.0 * coarsest)).min(2.0);
+        eprintln!(
+            "diffract: samples {:.1} nm apart hold |u| up to {limit:.2} at {:.0} nm (2 needs {:.1} nm); beyond that the \
+             surface is taken as dark",
+            coarsest * 1e3,
+            shortest * 1e3,
+            needed * 1e3
+        );
+    }
+}
+
+/// A progress bar on stderr, drawn on a terminal only.
+pub fn progress_bar(what: &'static str) -> ProgressBar {
+    let bar = ProgressBar::new(1);
+    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {
+        bar.set_style(style);
+    }
+    bar.set_message(what);
+    bar
+}

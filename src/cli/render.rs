@@ -1,0 +1,160 @@
+//! `diffract render`: a scene into a file.
+
+use super::options::{DeviceOptions, Method, OpticsOptions, SurfaceOptions, exposure};
+use super::{prepare, write};
+use crate::error::{Error, Result};
+use crate::optics::color;
+use crate::optics::spectrum::SHORTEST;
+use crate::render::frame::View;
+use crate::render::picture::{Painter, Picture};
+use crate::render::reference_picture::reference_picture;
+use crate::render::resources::Pigment;
+use crate::render::shading::Shading;
+use crate::scene::{Light, MAX_LIGHTS, Scene};
+use crate::surface::HeightField;
+use crate::{input, units};
+use clap::Args;
+use glam::DVec3;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `render`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  diffract render -o snake.png
+  diffract render disc --surface blaze --light 20,90 --size 800x800 -o disc.png
+  diffract render --tolerance 1e-3 -o exact.exr        EXR: linear radiance, before exposure")]
+pub struct Arguments {
+    /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
+    #[arg(default_value = "snake")]
+    scene: String,
+    /// Where the picture goes: .png as displayed, .exr linear and signed
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", value_parser = units::size, default_value = "1280x720")]
+    size: [u32; 2],
+    /// Exposure in stops, instead of the scene's
+    #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true)]
+    exposure: Option<f64>,
+    /// A light instead of the scene's, in degrees from up and around it; up to four
+    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light)]
+    light: Vec<Light>,
+    #[command(flatten)]
+    surface: SurfaceOptions,
+    #[command(flatten)]
+    optics: OpticsOptions,
+    #[command(flatten)]
+    device: DeviceOptions,
+}
+
+/// Draws and writes.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let format = write::PictureFormat::of(&arguments.output)?;
+    write::check_target(&arguments.output)?;
+    if arguments.light.len() > MAX_LIGHTS {
+        return Err(Error::usage("there are too many lights", format!("give at most {MAX_LIGHTS}")));
+    }
+    let shading = arguments.optics.shading()?;
+    let scene = Scene::open(&arguments.scene)?;
+    let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
+    let picture = draw(arguments, &scene, &field, &shading)?;
+    write::picture(&arguments.output, format, &picture)
+}
+
+fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Shading) -> Result<Picture> {
+    let reference = arguments.optics.method == Method::Reference;
+    if reference && scene.pigment.is_some() {
+        return Err(Error::usage(
+            "--method reference knows no pigment texture",
+            "leave `pigment` out of the scene",
+        ));
+    }
+    let device = prepare::device(&arguments.device.wish())?;
+    // The reference needs the frame's directions only; the layers for them are the smallest there are.
+    let layers = if reference {
+        let flat = HeightField::new(1, 1, field.pixel_size(), vec![0.0])?;
+        prepare::layers(&flat, &Shading { tolerance: 1e-1, ..Shading::default() }, SHORTEST, &device)?
+    } else {
+        prepare::layers(field, shading, SHORTEST, &device)?
+    };
+    let pigment = scene.pigment.as_deref().map(read_pigment).transpose()?;
+    let bounds = scene.mesh.bounds();
+    let view = View {
+        camera: scene.camera,
+        centre: bounds.centre,
+        radius: bounds.radius,
+        lights: if arguments.light.is_empty() { scene.lights.clone() } else { arguments.light.clone() },
+        base_color: scene.base_color,
+        pigment: pigment.is_some(),
+    };
+    let pigment = pigment.unwrap_or_else(Pigment::white);
+    let mut painter = Painter::new(&device, &layers, shading, &scene.mesh, &pigment, arguments.size)?;
+    let exposure = arguments.exposure.unwrap_or(scene.exposure);
+    let picture = if reference {
+        let radiance = reference_radiance(&mut painter, &view, field, shading)?;
+        displayed(arguments.size, radiance, exposure, scene.background)
+    } else {
+        painter.paint(&view, exposure, scene.background)?
+    };
+    drop(painter);
+    prepare::finish(&device)?;
+    Ok(picture)
+}
+
+fn reference_radiance(
+    painter: &mut Painter,
+    view: &View,
+    field: &HeightField,
+    shading: &Shading,
+) -> Result<Vec<[f32; 4]>> {
+    prepare::warn_of_coarse_samples(field, SHORTEST);
+    let directions =
+        (0..view.lights.len()).map(|light| painter.directions(view, light)).collect::<Result<Vec<_>>>()?;
+    let bar = prepare::progress_bar("pixels");
+    let radiance = reference_picture(field, shading, view, &directions, &|done, of| {
+        bar.set_length(of as u64);
+        bar.set_position(done as u64);
+        Ok(())
+    });
+    bar.finish_and_clear();
+    radiance
+}
+
+/// The display of `radiance` by the f64 twin of the display pass.
+fn displayed(size: [u32; 2], radiance: Vec<[f32; 4]>, exposure: f64, background: DVec3) -> Picture {
+    let display = radiance
+        .iter()
+        .map(|&[r, g, b, a]| {
+            let [r, g, b] = if a > 0.0 {
+                color::display(DVec3::new(r.into(), g.into(), b.into()), exposure)
+            } else {
+                color::display(background, 0.0)
+            };
+            [r, g, b, 255]
+        })
+        .collect();
+    Picture { size, radiance, display }
+}
+
+/// Largest side of a pigment texture \[pixels\].
+const MAX_PIGMENT: u32 = 8192;
+
+fn read_pigment(path: &Path) -> Result<Pigment> {
+    const EXPECTED: &str = "a PNG or TIFF picture for the pigment";
+    let mut bytes = Vec::new();
+    let file = input::open(path, EXPECTED, input::MAX_TEXT)?;
+    let bad = |e: &dyn std::fmt::Display| {
+        Error::failed(format!("it cannot be read as a picture ({e})"), format!("give {EXPECTED}"))
+            .at(path.display())
+    };
+    file.take(input::MAX_TEXT).read_to_end(&mut bytes).map_err(|e| bad(&e))?;
+    let mut reader =
+        image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().map_err(|e| bad(&e))?;
+    let mut limits = image::Limits::default();
+    limits.max_image_width = Some(MAX_PIGMENT);
+    limits.max_image_height = Some(MAX_PIGMENT);
+    reader.limits(limits);
+    let picture = reader.decode().map_err(|e| bad(&e))?.to_rgba8();
+    Ok(Pigment { size: [picture.width(), picture.height()], texels: picture.into_raw() })
+}

@@ -1,0 +1,136 @@
+//! `diffract surface`: what is in a height field, and generated ones.
+
+use super::options::SurfaceOptions;
+use super::write;
+use crate::error::{Error, Result};
+use crate::expansion::HeightScale;
+use crate::expansion::taylor::{F32_ROUNDOFF, terms_for, thesis_bound};
+use crate::optics::spectrum::SHORTEST;
+use crate::precompute::layers::largest_z;
+use crate::surface::synth::{self, Kind, Spec};
+use crate::surface::{HeightField, Statistics, image_file};
+use crate::units;
+use clap::{Args, Subcommand};
+use std::path::PathBuf;
+
+/// What to do with a surface.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// What is in a height field, and what it will cost
+    Info(Info),
+    /// Write a generated height field to a PNG or TIFF file
+    Synth(Synth),
+}
+
+/// Arguments of `surface info`.
+#[derive(Args, Debug)]
+pub struct Info {
+    /// Height field: a file or a built-in name
+    surface_name: Option<String>,
+    #[command(flatten)]
+    surface: SurfaceOptions,
+}
+
+/// Arguments of `surface synth`.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:
+  diffract surface synth elaphe --seed 7 -o skin.png      prints the options that read it back")]
+pub struct Synth {
+    /// flat, sinusoid, blaze, bumps, elaphe or xenopeltis
+    #[arg(value_parser = kind)]
+    kind: Kind,
+    /// Where it goes: .png or .tif, 16-bit grey
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Which one of the many skins of one kind
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Side of the patch, rounded to whole periods, as in 20um or 20umx10um
+    #[arg(long, value_name = "LENGTH", value_parser = units::length_pair)]
+    patch: Option<[f64; 2]>,
+    /// Largest distance between samples
+    #[arg(long, value_name = "LENGTH", value_parser = units::length_pair)]
+    pixel_size: Option<[f64; 2]>,
+    /// Period along x
+    #[arg(long, value_name = "LENGTH", value_parser = units::length)]
+    period: Option<f64>,
+    /// Full height
+    #[arg(long, value_name = "LENGTH", value_parser = units::length)]
+    height: Option<f64>,
+}
+
+fn kind(name: &str) -> Result<Kind> {
+    let known = Kind::ALL.map(Kind::name).join(", ");
+    Kind::from_name(name).ok_or_else(|| {
+        Error::usage(format!("there is no generated surface `{name}`"), format!("give one of {known}"))
+    })
+}
+
+/// Runs `surface info` or `surface synth`.
+pub fn run(command: &Command) -> Result<()> {
+    match command {
+        Command::Info(arguments) => {
+            let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
+            write::stdout(&describe(&field))
+        }
+        Command::Synth(arguments) => synthesise(arguments),
+    }
+}
+
+fn synthesise(arguments: &Synth) -> Result<()> {
+    let &Synth { kind, seed, patch, pixel_size, period, height, ref output } = arguments;
+    write::check_target(output)?;
+    let field = synth::generate(&Spec { kind, seed, patch, pixel_size, period, height })?;
+    let full_height = image_file::write(output, &field)?;
+    let [dx, dy] = field.pixel_size();
+    let [columns, rows] = [field.columns(), field.rows()];
+    // Enough digits that the file read back has the same frequencies to a millionth.
+    let options =
+        format!("--pixel-size {:.7}nmx{:.7}nm --height {:.7}nm", dx * 1e3, dy * 1e3, full_height * 1e3);
+    write::stdout(&format!("{}: {columns} x {rows} samples; read it with {options}\n", output.display()))
+}
+
+/// The numbers of a height field, for reading by eye.
+fn describe(field: &HeightField) -> String {
+    let s = Statistics::of(field);
+    let nm = |x: f64| format!("{:.1} nm", x * 1e3);
+    let pair =
+        |[x, y]: [f64; 2], unit: &str, factor: f64| format!("{:.4} x {:.4} {unit}", x * factor, y * factor);
+    let period = |p: Option<f64>| p.map_or("none found".to_owned(), |p| format!("{p:.3} um"));
+    let mut lines = vec![
+        ("samples", format!("{} x {}", s.samples[0], s.samples[1])),
+        ("spacing", pair(s.pixel_size, "nm", 1e3)),
+        ("patch", pair(s.patch_size, "um", 1.0)),
+        ("height range", format!("{} ({} to {})", nm(s.range.1 - s.range.0), nm(s.range.0), nm(s.range.1))),
+        ("mean, RMS roughness", format!("{}, {}", nm(s.mean), nm(s.roughness))),
+        ("distinct heights", s.levels.to_string()),
+        ("beyond 3 sigma", format!("{:.2} %", s.outliers * 100.0)),
+        ("period along x, y", format!("{}, {}", period(s.period[0]), period(s.period[1]))),
+        ("holds frequencies to", pair(s.largest_frequency, "1/um", 1.0)),
+    ];
+    let needed = SHORTEST / 4.0;
+    let coarsest = s.pixel_size[0].max(s.pixel_size[1]);
+    lines.push((
+        "directions held at 380 nm",
+        if coarsest <= needed {
+            "all".to_owned()
+        } else {
+            format!("|u| up to {:.2}; all need {} between samples", SHORTEST / (2.0 * coarsest), nm(needed))
+        },
+    ));
+    let half_range = HeightScale::of(field).half_range;
+    let x = largest_z(SHORTEST) * half_range;
+    lines.push(("largest phase k|w|a", format!("{x:.2}")));
+    for tolerance in [1e-1, 1e-2, 1e-3, 1e-4] {
+        let bound = match terms_for(x, tolerance, F32_ROUNDOFF) {
+            Ok(terms) => {
+                let thesis = (1..=4096).find(|&n| thesis_bound(2.0 * x, n - 1) <= tolerance);
+                let thesis = thesis.map_or("more than 4096".to_owned(), |n| n.to_string());
+                format!("{terms} terms (tight bound, centred; the thesis' bound asks for {thesis})")
+            }
+            Err(_) => "not in 32-bit floats".to_owned(),
+        };
+        lines.push(("taylor", format!("sup error {tolerance:.0e}: {bound}")));
+    }
+    lines.iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect()
+}

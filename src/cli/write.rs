@@ -1,0 +1,81 @@
+//! Results to files and to stdout.
+
+use crate::error::{Error, Result};
+use crate::output;
+use crate::render::picture::Picture;
+use image::{ExtendedColorType, ImageEncoder};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// A picture file's format, by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// 8-bit sRGB, as displayed.
+    Png,
+    /// Linear radiance, signed 32-bit float RGBA, before exposure.
+    Exr,
+}
+
+impl PictureFormat {
+    /// The format that a file name asks for.
+    pub fn of(path: &Path) -> Result<Self> {
+        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("exr") => Ok(Self::Exr),
+            _ => Err(Error::usage(
+                format!("{}: the format of the picture is not clear", path.display()),
+                "name it .png or .exr",
+            )),
+        }
+    }
+}
+
+/// Fails before long work whose result could not be written: the folder has to exist and `path` must not be one.
+pub fn check_target(path: &Path) -> Result<()> {
+    let folder =
+        path.parent().filter(|p| !p.as_os_str().is_empty()).map_or(PathBuf::from("."), PathBuf::from);
+    if path.is_dir() {
+        return Err(Error::failed("it is a folder", "name a file").at(path.display()));
+    }
+    if !folder.is_dir() {
+        return Err(Error::failed("its folder does not exist", "make the folder first").at(path.display()));
+    }
+    Ok(())
+}
+
+/// Writes `picture` whole or not at all.
+pub fn picture(path: &Path, format: PictureFormat, picture: &Picture) -> Result<()> {
+    let [width, height] = picture.size;
+    output::write_atomically(path, |file| {
+        let encoded = match format {
+            PictureFormat::Png => {
+                let rgb: Vec<u8> = picture.display.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
+                image::codecs::png::PngEncoder::new(file).write_image(
+                    &rgb,
+                    width,
+                    height,
+                    ExtendedColorType::Rgb8,
+                )
+            }
+            PictureFormat::Exr => image::codecs::openexr::OpenExrEncoder::new(file).write_image(
+                bytemuck::cast_slice(&picture.radiance),
+                width,
+                height,
+                ExtendedColorType::Rgba32F,
+            ),
+        };
+        encoded.map_err(|e| {
+            Error::failed(format!("cannot be written ({e})"), "check the disk").at(path.display())
+        })
+    })
+}
+
+/// Writes a result to stdout. A closed pipe is not an error: the reader has what it wanted.
+pub fn stdout(text: &str) -> Result<()> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Error::failed(format!("stdout cannot be written ({e})"), "check where it goes"))
+        }
+        _ => Ok(()),
+    }
+}

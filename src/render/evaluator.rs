@@ -1,0 +1,96 @@
+//! Answers to single directions, by the same optics that frames shade with.
+
+use super::interface::{QueryBlock, binding};
+use super::resources::{Pigment, Resources};
+use super::shader;
+use super::shading::Shading;
+use crate::error::Result;
+use crate::optics::geometry::Pair;
+use crate::precompute::Layers;
+use crate::vk::access::Access;
+use crate::vk::buffer::Buffer;
+use crate::vk::commands::Commands;
+use crate::vk::device::Device;
+use crate::vk::pipeline::Pipeline;
+use ash::vk;
+use glam::DVec3;
+use gpu_allocator::MemoryLocation;
+use std::sync::Arc;
+
+/// Queries of one submission: a software device answers as many in a few seconds.
+const AT_ONCE: usize = 16_384;
+/// `local_size_x` of `eval.comp`.
+const GROUP: usize = 64;
+
+/// What is asked of a pair of directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Query {
+    /// The directions.
+    pub pair: Pair,
+    /// Wavelength \[µm\]; `None` asks for the colour.
+    pub wavelength: Option<f64>,
+}
+
+/// Evaluates queries on the device.
+pub struct Evaluator {
+    commands: Commands,
+    pipeline: Pipeline,
+    queries: Buffer,
+    answers: Buffer,
+    resources: Resources,
+}
+
+impl Evaluator {
+    /// Uploads `layers` and the tables for `shading`.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn new(device: &Arc<Device>, layers: &Layers, shading: &Shading) -> Result<Self> {
+        let resources = Resources::new(device, layers, shading, &Pigment::white())?;
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let bytes = |one: usize| (AT_ONCE * one) as u64;
+        let queries = Buffer::new(
+            device,
+            "queries",
+            bytes(size_of::<QueryBlock>()),
+            storage,
+            MemoryLocation::CpuToGpu,
+        )?;
+        let answers = Buffer::new(device, "answers", bytes(16), storage, MemoryLocation::GpuToCpu)?;
+        resources.descriptors.buffer(binding::QUERIES, &queries);
+        resources.descriptors.buffer(binding::ANSWERS, &answers);
+        let pipeline = Pipeline::compute(device, shader!("eval.comp"), &resources.descriptors, 4)?;
+        Ok(Self { commands: Commands::new(device, "evaluation")?, pipeline, queries, answers, resources })
+    }
+
+    /// f·cos θ_i \[sr⁻¹\] of every query, in order: at a wavelength in the first component, as XYZ otherwise.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
+        let mut all = Vec::with_capacity(queries.len());
+        for part in queries.chunks(AT_ONCE) {
+            let blocks: Vec<QueryBlock> = part.iter().map(block).collect();
+            self.queries.write(bytemuck::cast_slice(&blocks))?;
+            self.commands.run(|record| {
+                record.bind(&self.pipeline, &self.resources.descriptors);
+                record.push(&self.pipeline, &(part.len() as u32).to_ne_bytes());
+                record.dispatch(part.len().div_ceil(GROUP) as u32);
+                record.memory(Access::ComputeWrite, Access::HostRead);
+                Ok(())
+            })?;
+            let answers: Vec<[f32; 4]> =
+                bytemuck::pod_collect_to_vec(&self.answers.bytes()?[..part.len() * 16]);
+            all.extend(answers.into_iter().map(|[x, y, z, _]| DVec3::new(x.into(), y.into(), z.into())));
+        }
+        Ok(all)
+    }
+}
+
+fn block(query: &Query) -> QueryBlock {
+    let wavenumber = query.wavelength.map_or(0.0, |x| 1.0 / x) as f32;
+    QueryBlock {
+        light: query.pair.light.as_vec3().extend(wavenumber).to_array(),
+        view: query.pair.view.as_vec3().extend(0.0).to_array(),
+    }
+}

@@ -1,0 +1,108 @@
+//! Blocks and bindings that Rust and the shaders share. Its twin is `shaders/interface.glsl`.
+
+use crate::scene::MAX_LIGHTS;
+use crate::vk::descriptors::Binding;
+use ash::vk;
+use bytemuck::{Pod, Zeroable};
+
+/// Bins of |(u, v)| over 0 … 2 for which a wavelength comb is chosen; `UV_BINS` of the shaders.
+pub const UV_BINS: usize = 256;
+
+/// Binding numbers of set 0.
+pub mod binding {
+    /// Camera, lights, pigment.
+    pub const FRAME: u32 = 0;
+    /// Layers and window.
+    pub const OPTICS: u32 = 1;
+    /// The layers' texture.
+    pub const LAYERS: u32 = 2;
+    /// c_n(z).
+    pub const COEFFICIENTS: u32 = 3;
+    /// Pairs of terms that z needs.
+    pub const PAIRS_NEEDED: u32 = 4;
+    /// Wavelength combs by |(u, v)|.
+    pub const COMBS: u32 = 5;
+    /// Nodes of all combs.
+    pub const NODES: u32 = 6;
+    /// Pigment texture.
+    pub const PIGMENT: u32 = 7;
+    /// Directions to evaluate.
+    pub const QUERIES: u32 = 8;
+    /// What they evaluate to.
+    pub const ANSWERS: u32 = 9;
+}
+
+/// The `Frame` block (std140).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct FrameBlock {
+    /// World to clip space, column by column.
+    pub clip_from_world: [[f32; 4]; 4],
+    /// Position of the viewer; w unused.
+    pub eye: [f32; 4],
+    /// Unit vector to each light, and its irradiance over π.
+    pub lights: [[f32; 4]; MAX_LIGHTS],
+    /// Albedo of the pigment; w: 1 where the texture counts.
+    pub base_color: [f32; 4],
+    /// x: number of lights.
+    pub counts: [i32; 4],
+}
+
+/// The `Optics` block (std140).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct OpticsBlock {
+    /// Texels of a layer.
+    pub texture_size: [f32; 2],
+    /// Centre of the texel of f = 0.
+    pub origin: [f32; 2],
+    /// L_x, L_y \[µm\].
+    pub texels_per_frequency: [f32; 2],
+    /// Largest frequencies \[µm⁻¹\].
+    pub band: [f32; 2],
+    /// σ of the window \[µm\].
+    pub sigma: f32,
+    /// R₀ of Schlick.
+    pub normal_reflectance: f32,
+    /// Entries of the coefficient table per unit of k|w|.
+    pub entries_per_z: f32,
+    /// 0: bilinear, 1: cubic B-spline.
+    pub kernel: i32,
+    /// Pairs of terms.
+    pub pairs: i32,
+    /// Entries of the coefficient table.
+    pub entries: i32,
+    /// std140 rounds a block up to 16 bytes.
+    pub padding: [i32; 2],
+}
+
+/// A direction to evaluate.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct QueryBlock {
+    /// To the light; w: wavenumber \[µm⁻¹\], or 0 for the colour.
+    pub light: [f32; 4],
+    /// To the viewer; w unused.
+    pub view: [f32; 4],
+}
+
+/// All bindings of the optics, for graphics and compute.
+pub fn optics_bindings() -> Vec<Binding> {
+    use vk::DescriptorType as T;
+    let stages =
+        vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT | vk::ShaderStageFlags::COMPUTE;
+    [
+        (binding::FRAME, T::UNIFORM_BUFFER),
+        (binding::OPTICS, T::UNIFORM_BUFFER),
+        (binding::LAYERS, T::COMBINED_IMAGE_SAMPLER),
+        (binding::COEFFICIENTS, T::STORAGE_BUFFER),
+        (binding::PAIRS_NEEDED, T::STORAGE_BUFFER),
+        (binding::COMBS, T::STORAGE_BUFFER),
+        (binding::NODES, T::STORAGE_BUFFER),
+        (binding::PIGMENT, T::COMBINED_IMAGE_SAMPLER),
+        (binding::QUERIES, T::STORAGE_BUFFER),
+        (binding::ANSWERS, T::STORAGE_BUFFER),
+    ]
+    .map(|(number, kind)| Binding { number, kind, stages })
+    .to_vec()
+}

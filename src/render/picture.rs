@@ -1,0 +1,121 @@
+//! One picture, offscreen: what `diffract render` writes.
+
+use super::frame::{DeviceMesh, DirectionsPass, DisplayPass, SurfacePass, View};
+use super::resources::{Pigment, Resources};
+use super::shading::Shading;
+use super::target::{self, Target};
+use crate::error::Result;
+use crate::precompute::Layers;
+use crate::scene::Mesh;
+use crate::vk::access::Access;
+use crate::vk::commands::Commands;
+use crate::vk::device::Device;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Draws pictures of one mesh with one surface.
+pub struct Painter {
+    commands: Commands,
+    surface: SurfacePass,
+    display: DisplayPass,
+    target: Target,
+    mesh: DeviceMesh,
+    resources: Resources,
+    device: Arc<Device>,
+}
+
+/// A finished picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Width and height.
+    pub size: [u32; 2],
+    /// Linear radiance, signed, RGBA, row by row from the top; alpha is 1 where the mesh covers.
+    pub radiance: Vec<[f32; 4]>,
+    /// What is displayed, sRGB-encoded RGBA.
+    pub display: Vec<[u8; 4]>,
+}
+
+/// The directions that a frame shades.
+#[derive(Clone, Debug)]
+pub struct Directions {
+    /// ω_i per pixel (w: covered).
+    pub light: Vec<[f32; 4]>,
+    /// ω_r per pixel (w: covered).
+    pub view: Vec<[f32; 4]>,
+}
+
+impl Painter {
+    /// Uploads everything for pictures of `size` pixels.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn new(
+        device: &Arc<Device>,
+        layers: &Layers,
+        shading: &Shading,
+        mesh: &Mesh,
+        pigment: &Pigment,
+        size: [u32; 2],
+    ) -> Result<Self> {
+        let resources = Resources::new(device, layers, shading, pigment)?;
+        let target = Target::new(device, size)?;
+        let display = DisplayPass::new(device, target::DISPLAY)?;
+        display.read_from(&target);
+        Ok(Self {
+            commands: Commands::new(device, "frame")?,
+            surface: SurfacePass::new(device, &resources.descriptors)?,
+            display,
+            target,
+            mesh: DeviceMesh::new(device, mesh)?,
+            resources,
+            device: device.clone(),
+        })
+    }
+
+    /// Draws `view` and leaves the result on the device.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn draw(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<()> {
+        self.resources.frame.write(bytemuck::bytes_of(&view.block(self.target.size())))?;
+        let (target, resources) = (&self.target, &self.resources);
+        self.commands.run(|record| {
+            self.surface.record(record, target, &resources.descriptors, &self.mesh);
+            self.display.record(record, target, &target.display, exposure, background);
+            Ok(())
+        })
+    }
+
+    /// Draws `view` and reads the picture back.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn paint(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<Picture> {
+        self.draw(view, exposure, background)?;
+        let radiance = target::read_back(&self.device, &self.target.radiance, Access::ShaderRead)?;
+        let display = target::read_back(&self.device, &self.target.display, Access::ColorAttachment)?;
+        Ok(Picture {
+            size: self.target.size(),
+            radiance: bytemuck::pod_collect_to_vec(&radiance),
+            display: bytemuck::pod_collect_to_vec(&display),
+        })
+    }
+
+    /// The directions of light number `light` in `view`, as the shading interpolates them.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn directions(&mut self, view: &View, light: usize) -> Result<Directions> {
+        self.resources.frame.write(bytemuck::bytes_of(&view.block(self.target.size())))?;
+        let pass = DirectionsPass::new(&self.device, &self.resources.descriptors, self.target.size())?;
+        self.commands.run(|record| {
+            pass.record(record, &self.resources.descriptors, &self.mesh, light as i32);
+            Ok(())
+        })?;
+        let read = |i: usize| {
+            let bytes = target::read_back(&self.device, &pass.images()[i], Access::ColorAttachment)?;
+            Ok(bytemuck::pod_collect_to_vec(&bytes))
+        };
+        Ok(Directions { light: read(0)?, view: read(1)? })
+    }
+}

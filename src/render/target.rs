@@ -1,0 +1,81 @@
+//! Where a frame is drawn to: a linear HDR colour image with depth, and the 8-bit image that is displayed.
+
+use crate::error::{Error, Result};
+use crate::vk::access::Access;
+use crate::vk::buffer::Buffer;
+use crate::vk::commands::Commands;
+use crate::vk::device::Device;
+use crate::vk::image::{Description, Image};
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use std::sync::Arc;
+
+/// Format of radiance: signed, and as exact as the reference that judges it.
+pub const RADIANCE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+/// Format of depth.
+pub const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
+/// Format of the displayed picture; the shader applies the transfer function.
+pub const DISPLAY: vk::Format = vk::Format::R8G8B8A8_UNORM;
+
+/// The images of one picture size.
+pub struct Target {
+    /// Linear radiance; alpha 1 where covered.
+    pub radiance: Image,
+    /// Depth.
+    pub depth: Image,
+    /// Displayed picture, where it is drawn offscreen.
+    pub display: Image,
+}
+
+impl Target {
+    /// Images of `size` pixels.
+    ///
+    /// # Errors
+    /// Where the device has no room or does not make images of that size.
+    pub fn new(device: &Arc<Device>, size: [u32; 2]) -> Result<Self> {
+        let attachment = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
+        let make = |name, format, usage| {
+            Image::new(device, &Description { name, format, size, layers: 1, array: false, usage })
+        };
+        Ok(Self {
+            radiance: make("radiance", RADIANCE, attachment | vk::ImageUsageFlags::SAMPLED)?,
+            depth: make("depth", DEPTH, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT)?,
+            display: make("display", DISPLAY, attachment)?,
+        })
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> [u32; 2] {
+        self.radiance.size()
+    }
+}
+
+/// Bytes per texel of the formats that are read back.
+fn texel_size(format: vk::Format) -> Result<u64> {
+    match format {
+        vk::Format::R32G32B32A32_SFLOAT => Ok(16),
+        vk::Format::R8G8B8A8_UNORM => Ok(4),
+        other => {
+            Err(Error::failed(format!("{other:?} cannot be read back"), "report this as a bug of diffract"))
+        }
+    }
+}
+
+/// Reads an image back to the host, tightly packed; `last` is its last use.
+///
+/// # Errors
+/// Where the device is lost or out of memory.
+pub fn read_back(device: &Arc<Device>, image: &Image, last: Access) -> Result<Vec<u8>> {
+    let [width, height] = image.size();
+    let bytes = u64::from(width) * u64::from(height) * texel_size(image.format())?;
+    let usage = vk::BufferUsageFlags::TRANSFER_DST;
+    let host = Buffer::new(device, "read back", bytes, usage, MemoryLocation::GpuToCpu)?;
+    Commands::new(device, "read back")?.run(|record| {
+        record.images(&[(image, last, Access::TransferRead)]);
+        record.copy_from_image(image, &host);
+        record.images(&[(image, Access::TransferRead, last)]);
+        record.memory(Access::TransferWrite, Access::HostRead);
+        Ok(())
+    })?;
+    Ok(host.bytes()?.to_vec())
+}

@@ -1,0 +1,66 @@
+//! From host memory into device memory, through a staging buffer of bounded size.
+
+use crate::error::Result;
+use crate::vk::access::Access;
+use crate::vk::buffer::Buffer;
+use crate::vk::commands::Commands;
+use crate::vk::device::Device;
+use crate::vk::image::Image;
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use std::sync::Arc;
+
+/// Size of the staging buffer \[bytes\]: a few rows of the largest texture, and little beside it.
+const STAGING: usize = 32 << 20;
+
+/// A device-local buffer that holds `data`.
+pub fn buffer(device: &Arc<Device>, name: &str, usage: vk::BufferUsageFlags, data: &[u8]) -> Result<Buffer> {
+    let usage = usage | vk::BufferUsageFlags::TRANSFER_DST;
+    let target = Buffer::new(device, name, data.len() as u64, usage, MemoryLocation::GpuOnly)?;
+    if data.is_empty() {
+        return Ok(target);
+    }
+    let staging = Buffer::with_data(device, "staging", vk::BufferUsageFlags::TRANSFER_SRC, data)?;
+    Commands::new(device, "upload")?.run(|record| {
+        record.copy_buffer(&staging, &target, data.len() as u64);
+        record.memory(Access::TransferWrite, Access::ShaderRead);
+        record.memory(Access::TransferWrite, Access::VertexRead);
+        Ok(())
+    })?;
+    Ok(target)
+}
+
+/// Fills every layer of `image` with tightly packed `data`, layer by layer, and leaves it ready for shaders.
+pub fn image(device: &Arc<Device>, image: &Image, layers: u32, data: &[u8]) -> Result<()> {
+    let [_, height] = image.size();
+    let row_bytes = data.len() / (layers as usize * height as usize);
+    let rows_at_once = (STAGING / row_bytes).clamp(1, height as usize);
+    let usage = vk::BufferUsageFlags::TRANSFER_SRC;
+    let size = (rows_at_once * row_bytes) as u64;
+    let mut staging = Buffer::new(device, "staging", size, usage, MemoryLocation::CpuToGpu)?;
+    let mut commands = Commands::new(device, "upload")?;
+    commands.run(|record| {
+        record.images(&[(image, Access::Nothing, Access::TransferWrite)]);
+        Ok(())
+    })?;
+    for (layer, texels) in data.chunks(row_bytes * height as usize).enumerate() {
+        for (part, rows) in texels.chunks(rows_at_once * row_bytes).enumerate() {
+            staging.write(rows)?;
+            let first_row = (part * rows_at_once) as u32;
+            commands.run(|record| {
+                record.copy_to_image(
+                    &staging,
+                    image,
+                    layer as u32,
+                    first_row,
+                    (rows.len() / row_bytes) as u32,
+                );
+                Ok(())
+            })?;
+        }
+    }
+    commands.run(|record| {
+        record.images(&[(image, Access::TransferWrite, Access::ShaderRead)]);
+        Ok(())
+    })
+}

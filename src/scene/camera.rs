@@ -1,0 +1,93 @@
+//! An orbit camera: where it is, what it looks at, how wide.
+
+use crate::error::{Error, Result};
+use glam::camera::rh::{proj::vulkan, view::look_at_mat4};
+use glam::{Mat4, Vec3};
+
+/// A perspective camera that orbits a target. The world's up is +z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Point looked at.
+    pub target: Vec3,
+    /// Distance of the eye from the target.
+    pub distance: f32,
+    /// Polar angle of the eye from +z, seen from the target \[rad\].
+    pub theta: f32,
+    /// Azimuth of the eye from +x toward +y \[rad\].
+    pub phi: f32,
+    /// Vertical field of view \[rad\].
+    pub field_of_view: f32,
+}
+
+/// The eye stays this far from the poles, where up and view direction coincide \[rad\].
+const POLE_MARGIN: f32 = 1e-3;
+
+impl Camera {
+    /// The camera at `eye` that looks at `target` under `field_of_view` \[rad\].
+    ///
+    /// # Errors
+    /// Where the numbers are not finite, eye and target coincide, or the field of view is not within 1° … 170°.
+    pub fn looking(eye: Vec3, target: Vec3, field_of_view: f32) -> Result<Self> {
+        let offset = eye - target;
+        let distance = offset.length();
+        if !(eye.is_finite() && target.is_finite() && distance.is_finite() && distance > 0.0) {
+            return Err(Error::usage(
+                "the camera's eye and target are not two points",
+                "give two different points",
+            ));
+        }
+        if !(1f32.to_radians()..=170f32.to_radians()).contains(&field_of_view) {
+            return Err(Error::usage(
+                "the field of view is not within 1deg to 170deg",
+                "35deg is a good start",
+            ));
+        }
+        let theta = (offset.z / distance).clamp(-1.0, 1.0).acos();
+        Ok(Self { target, distance, theta, phi: offset.y.atan2(offset.x), field_of_view })
+    }
+
+    /// Where the eye is.
+    pub fn eye(&self) -> Vec3 {
+        let theta = self.theta.clamp(POLE_MARGIN, std::f32::consts::PI - POLE_MARGIN);
+        let (sin, cos) = theta.sin_cos();
+        self.target + self.distance * Vec3::new(sin * self.phi.cos(), sin * self.phi.sin(), cos)
+    }
+
+    /// World to Vulkan clip space (y down, depth 0 … 1) for a picture of `size` pixels that shows a scene of `radius`
+    /// around `centre`.
+    pub fn clip_from_world(&self, size: [u32; 2], centre: Vec3, radius: f32) -> Mat4 {
+        /// Depth precision falls with far/near; nothing nearer than this part of the far distance is shown.
+        const NEAREST: f32 = 1e-3;
+        let eye = self.eye();
+        let far = (centre - eye).length() + radius.max(1e-6);
+        let near = ((centre - eye).length() - radius).max(far * NEAREST) * 0.99;
+        let aspect = size[0] as f32 / size[1] as f32;
+        let projection = vulkan::perspective(self.field_of_view, aspect, near, far * 1.01);
+        projection * look_at_mat4(eye, self.target, Vec3::Z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_target_is_in_the_middle_and_up_is_up() {
+        let camera = Camera::looking(Vec3::new(3.0, 1.0, 2.0), Vec3::new(0.5, 0.0, 0.1), 0.6).unwrap();
+        assert!((camera.eye() - Vec3::new(3.0, 1.0, 2.0)).length() < 1e-5);
+        let clip = camera.clip_from_world([200, 100], Vec3::ZERO, 1.0);
+        let middle = clip.project_point3(Vec3::new(0.5, 0.0, 0.1));
+        assert!(middle.x.abs() < 1e-5 && middle.y.abs() < 1e-5 && (0.0..1.0).contains(&middle.z));
+        // Vulkan's y grows downward.
+        assert!(clip.project_point3(Vec3::new(0.5, 0.0, 0.3)).y < middle.y);
+    }
+
+    #[test]
+    fn impossible_cameras_are_refused_and_the_pole_is_survived() {
+        assert!(Camera::looking(Vec3::ONE, Vec3::ONE, 0.6).is_err());
+        assert!(Camera::looking(Vec3::ONE, Vec3::ZERO, 0.0).is_err());
+        assert!(Camera::looking(Vec3::NAN, Vec3::ZERO, 0.6).is_err());
+        let above = Camera::looking(Vec3::Z * 2.0, Vec3::ZERO, 0.6).unwrap();
+        assert!(above.clip_from_world([10, 10], Vec3::ZERO, 1.0).is_finite());
+    }
+}

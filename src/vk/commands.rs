@@ -1,0 +1,251 @@
+//! A command buffer that is recorded, submitted and waited for, with the fence that tells when it is done.
+
+use super::access::Access;
+use super::buffer::Buffer;
+use super::descriptors::Descriptors;
+use super::device::Device;
+use super::failure;
+use super::image::Image;
+use super::pipeline::Pipeline;
+use crate::error::{Error, Result};
+use ash::vk;
+use std::sync::Arc;
+
+/// How long the host waits for one submission before it gives the device up \[ns\]: ten minutes, as a software device may
+/// take for a large picture.
+const PATIENCE: u64 = 600 * 1_000_000_000;
+
+/// A command buffer, its pool and its fence.
+pub struct Commands {
+    raw: vk::CommandBuffer,
+    pool: vk::CommandPool,
+    fence: vk::Fence,
+    device: Arc<Device>,
+}
+
+impl Commands {
+    /// A command buffer called `name`.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn new(device: &Arc<Device>, name: &str) -> Result<Self> {
+        let mut own = Self {
+            raw: vk::CommandBuffer::null(),
+            pool: vk::CommandPool::null(),
+            fence: vk::Fence::null(),
+            device: device.clone(),
+        };
+        let failed = |c| failure("make a command buffer", c);
+        let pool = vk::CommandPoolCreateInfo::default().queue_family_index(device.queue_family());
+        // SAFETY: the device is live; what was made when a later call fails is freed by `own`'s drop.
+        unsafe {
+            own.pool = device.raw().create_command_pool(&pool, None).map_err(failed)?;
+            let request = vk::CommandBufferAllocateInfo::default()
+                .command_pool(own.pool)
+                .level(vk::CommandBufferLevel::PRIMARY)
+                .command_buffer_count(1);
+            own.raw = device.raw().allocate_command_buffers(&request).map_err(failed)?[0];
+            own.fence = device.raw().create_fence(&vk::FenceCreateInfo::default(), None).map_err(failed)?;
+        }
+        device.name(own.raw, name);
+        device.name(own.pool, &format!("{name} pool"));
+        device.name(own.fence, &format!("{name} fence"));
+        Ok(own)
+    }
+
+    /// Records with `record`, submits, and waits until the device is done.
+    ///
+    /// # Errors
+    /// What `record` returns, or where the device is lost.
+    pub fn run(&mut self, record: impl FnOnce(&Recorder<'_>) -> Result<()>) -> Result<()> {
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        let device = self.device.raw();
+        // SAFETY: the last submission was waited for, so the pool's buffer is idle and may be reset and recorded anew.
+        unsafe {
+            device
+                .reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty())
+                .and_then(|()| device.begin_command_buffer(self.raw, &begin))
+                .map_err(|c| failure("record commands", c))?;
+        }
+        record(&Recorder { raw: self.raw, device })?;
+        // SAFETY: recording was begun above on this thread.
+        unsafe { device.end_command_buffer(self.raw) }.map_err(|c| failure("record commands", c))?;
+        self.device.submit(&[vk::CommandBufferSubmitInfo::default().command_buffer(self.raw)], self.fence)?;
+        // SAFETY: the fence was just submitted; it is reset only after it was waited for.
+        unsafe {
+            match device.wait_for_fences(&[self.fence], true, PATIENCE) {
+                Ok(()) => device.reset_fences(&[self.fence]).map_err(|c| failure("reset a fence", c)),
+                Err(vk::Result::TIMEOUT) => Err(Error::failed(
+                    "the Vulkan device did not finish within ten minutes",
+                    "ask for a smaller --size or a larger --tolerance",
+                )),
+                Err(c) => Err(failure("finish the work", c)),
+            }
+        }
+    }
+}
+
+impl Drop for Commands {
+    fn drop(&mut self) {
+        // SAFETY: `run` waits for each submission; after a failed wait the device is idled first. Null handles are
+        // allowed, and the pool frees its buffer.
+        unsafe {
+            let _ = self.device.raw().device_wait_idle();
+            self.device.raw().destroy_fence(self.fence, None);
+            self.device.raw().destroy_command_pool(self.pool, None);
+        }
+    }
+}
+
+/// Records commands while a command buffer is open. Resources that are handed in must live until the work is done.
+pub struct Recorder<'a> {
+    raw: vk::CommandBuffer,
+    device: &'a ash::Device,
+}
+
+impl Recorder<'_> {
+    /// Makes `images` ready for their next use.
+    pub fn images(&self, changes: &[(&Image, Access, Access)]) {
+        let barriers: Vec<_> = changes
+            .iter()
+            .map(|(image, from, to)| from.image_barrier(*to, image.raw(), image.range()))
+            .collect();
+        let info = vk::DependencyInfo::default().image_memory_barriers(&barriers);
+        // SAFETY: recording is open; the images are live and in the layouts that `from` says.
+        unsafe { self.device.cmd_pipeline_barrier2(self.raw, &info) };
+    }
+
+    /// Makes what `from` wrote in buffers visible to `to`.
+    pub fn memory(&self, from: Access, to: Access) {
+        let barriers = [from.memory_barrier(to)];
+        let info = vk::DependencyInfo::default().memory_barriers(&barriers);
+        // SAFETY: recording is open.
+        unsafe { self.device.cmd_pipeline_barrier2(self.raw, &info) };
+    }
+
+    /// Copies `bytes` from the start of one buffer into another.
+    pub fn copy_buffer(&self, from: &Buffer, to: &Buffer, bytes: u64) {
+        let regions = [vk::BufferCopy::default().size(bytes)];
+        // SAFETY: recording is open, both buffers are live and hold `bytes`.
+        unsafe { self.device.cmd_copy_buffer(self.raw, from.raw(), to.raw(), &regions) };
+    }
+
+    /// Copies tightly packed texels from the start of `from` into rows `first_row` … of layer `layer` of `to`.
+    pub fn copy_to_image(&self, from: &Buffer, to: &Image, layer: u32, first_row: u32, rows: u32) {
+        let regions = [region(to, layer, first_row, rows)];
+        let layout = Access::TransferWrite.row().2;
+        // SAFETY: recording is open, the image is in the transfer layout, the buffer holds the texels.
+        unsafe { self.device.cmd_copy_buffer_to_image(self.raw, from.raw(), to.raw(), layout, &regions) };
+    }
+
+    /// Copies all texels of layer 0 of `from`, tightly packed, to the start of `to`.
+    pub fn copy_from_image(&self, from: &Image, to: &Buffer) {
+        let regions = [region(from, 0, 0, from.size()[1])];
+        let layout = Access::TransferRead.row().2;
+        // SAFETY: recording is open, the image is in the transfer layout, the buffer is large enough.
+        unsafe { self.device.cmd_copy_image_to_buffer(self.raw, from.raw(), layout, to.raw(), &regions) };
+    }
+
+    /// Binds a pipeline and its resources.
+    pub fn bind(&self, pipeline: &Pipeline, descriptors: &Descriptors) {
+        let sets = [descriptors.set()];
+        // SAFETY: recording is open; the set was made for this pipeline's layout and all it points to is live.
+        unsafe {
+            self.device.cmd_bind_pipeline(self.raw, pipeline.bind_point(), pipeline.raw());
+            self.device.cmd_bind_descriptor_sets(
+                self.raw,
+                pipeline.bind_point(),
+                pipeline.layout(),
+                0,
+                &sets,
+                &[],
+            );
+        }
+    }
+
+    /// Sets push constants of the bound pipeline.
+    pub fn push(&self, pipeline: &Pipeline, data: &[u8]) {
+        // SAFETY: the pipeline's layout declares a range of this size for this stage.
+        unsafe {
+            self.device.cmd_push_constants(self.raw, pipeline.layout(), pipeline.push_stages(), 0, data)
+        };
+    }
+
+    /// Runs `groups` work groups of the bound compute pipeline.
+    pub fn dispatch(&self, groups: u32) {
+        // SAFETY: recording is open and a compute pipeline with its set is bound.
+        unsafe { self.device.cmd_dispatch(self.raw, groups, 1, 1) };
+    }
+
+    /// Draws into cleared `colors` (with their clear values) and cleared `depth`, all of one size.
+    pub fn render(&self, colors: &[(&Image, [f32; 4])], depth: Option<&Image>, draw: impl FnOnce(&Self)) {
+        let Some(size) = colors.first().map(|c| c.0.size()) else { return };
+        let attachment = |image: &Image, access: Access, clear: vk::ClearValue| {
+            vk::RenderingAttachmentInfo::default()
+                .image_view(image.view())
+                .image_layout(access.row().2)
+                .load_op(vk::AttachmentLoadOp::CLEAR)
+                .store_op(vk::AttachmentStoreOp::STORE)
+                .clear_value(clear)
+        };
+        let attachments: Vec<_> = colors
+            .iter()
+            .map(|(image, clear)| {
+                let clear = vk::ClearValue { color: vk::ClearColorValue { float32: *clear } };
+                attachment(image, Access::ColorAttachment, clear)
+            })
+            .collect();
+        let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 } };
+        let depth = depth.map(|image| attachment(image, Access::DepthAttachment, far));
+        let extent = vk::Extent2D { width: size[0], height: size[1] };
+        let area = vk::Rect2D::default().extent(extent);
+        let mut info =
+            vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&attachments);
+        if let Some(depth) = &depth {
+            info = info.depth_attachment(depth);
+        }
+        let viewport = vk::Viewport {
+            width: size[0] as f32,
+            height: size[1] as f32,
+            max_depth: 1.0,
+            ..vk::Viewport::default()
+        };
+        // SAFETY: recording is open outside of rendering; the attachments are live and in attachment layouts.
+        unsafe {
+            self.device.cmd_begin_rendering(self.raw, &info);
+            self.device.cmd_set_viewport(self.raw, 0, &[viewport]);
+            self.device.cmd_set_scissor(self.raw, 0, &[area]);
+        }
+        draw(self);
+        // SAFETY: rendering was begun above.
+        unsafe { self.device.cmd_end_rendering(self.raw) };
+    }
+
+    /// Draws indexed triangles.
+    pub fn draw_indexed(&self, vertices: &Buffer, indices: &Buffer, count: u32) {
+        // SAFETY: rendering is open with a bound pipeline; every index is below the number of vertices.
+        unsafe {
+            self.device.cmd_bind_vertex_buffers(self.raw, 0, &[vertices.raw()], &[0]);
+            self.device.cmd_bind_index_buffer(self.raw, indices.raw(), 0, vk::IndexType::UINT32);
+            self.device.cmd_draw_indexed(self.raw, count, 1, 0, 0, 0);
+        }
+    }
+
+    /// Draws `count` vertices that the shader makes itself.
+    pub fn draw(&self, count: u32) {
+        // SAFETY: rendering is open with a bound pipeline that takes no vertex buffer.
+        unsafe { self.device.cmd_draw(self.raw, count, 1, 0, 0) };
+    }
+}
+
+/// Rows of one layer of an image, against tightly packed texels in a buffer.
+fn region(image: &Image, layer: u32, first_row: u32, rows: u32) -> vk::BufferImageCopy {
+    let subresource = vk::ImageSubresourceLayers::default()
+        .aspect_mask(image.aspect())
+        .base_array_layer(layer)
+        .layer_count(1);
+    vk::BufferImageCopy::default()
+        .image_subresource(subresource)
+        .image_offset(vk::Offset3D { x: 0, y: first_row as i32, z: 0 })
+        .image_extent(vk::Extent3D { width: image.size()[0], height: rows, depth: 1 })
+}

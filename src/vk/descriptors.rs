@@ -1,0 +1,123 @@
+//! A descriptor set with its layout and the pool that it came from: the list of resources that shaders see.
+
+use super::buffer::Buffer;
+use super::device::Device;
+use super::failure;
+use super::image::Image;
+use super::sampler::Sampler;
+use crate::error::Result;
+use ash::vk;
+use std::sync::Arc;
+
+/// One binding of a layout.
+#[derive(Clone, Copy, Debug)]
+pub struct Binding {
+    /// Number in the shaders.
+    pub number: u32,
+    /// Kind of resource.
+    pub kind: vk::DescriptorType,
+    /// Stages that use it.
+    pub stages: vk::ShaderStageFlags,
+}
+
+/// A set, its layout and its pool.
+pub struct Descriptors {
+    set: vk::DescriptorSet,
+    layout: vk::DescriptorSetLayout,
+    pool: vk::DescriptorPool,
+    kinds: Vec<Binding>,
+    device: Arc<Device>,
+}
+
+impl Descriptors {
+    /// A set of `bindings` called `name`.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn new(device: &Arc<Device>, name: &str, bindings: &[Binding]) -> Result<Self> {
+        let rows: Vec<_> = bindings
+            .iter()
+            .map(|b| {
+                vk::DescriptorSetLayoutBinding::default()
+                    .binding(b.number)
+                    .descriptor_type(b.kind)
+                    .descriptor_count(1)
+                    .stage_flags(b.stages)
+            })
+            .collect();
+        let sizes: Vec<_> = bindings
+            .iter()
+            .map(|b| vk::DescriptorPoolSize::default().ty(b.kind).descriptor_count(1))
+            .collect();
+        let mut own = Self {
+            set: vk::DescriptorSet::null(),
+            layout: vk::DescriptorSetLayout::null(),
+            pool: vk::DescriptorPool::null(),
+            kinds: bindings.to_vec(),
+            device: device.clone(),
+        };
+        let failed = |c| failure("make a descriptor set", c);
+        // SAFETY: the device is live, the create structures complete and alive through each call; what was made when a
+        // later call fails is freed by `own`'s drop.
+        unsafe {
+            let raw = device.raw();
+            let layout = vk::DescriptorSetLayoutCreateInfo::default().bindings(&rows);
+            own.layout = raw.create_descriptor_set_layout(&layout, None).map_err(failed)?;
+            let pool = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
+            own.pool = raw.create_descriptor_pool(&pool, None).map_err(failed)?;
+            let layouts = [own.layout];
+            let request =
+                vk::DescriptorSetAllocateInfo::default().descriptor_pool(own.pool).set_layouts(&layouts);
+            own.set = raw.allocate_descriptor_sets(&request).map_err(failed)?[0];
+        }
+        device.name(own.layout, &format!("{name} layout"));
+        device.name(own.pool, &format!("{name} pool"));
+        device.name(own.set, name);
+        Ok(own)
+    }
+
+    /// Points binding `number` at a whole buffer.
+    pub fn buffer(&self, number: u32, buffer: &Buffer) {
+        let infos = [vk::DescriptorBufferInfo::default().buffer(buffer.raw()).range(vk::WHOLE_SIZE)];
+        self.update(self.write(number).buffer_info(&infos));
+    }
+
+    /// Points binding `number` at an image, read through a sampler.
+    pub fn image(&self, number: u32, image: &Image, sampler: &Sampler) {
+        let infos = [vk::DescriptorImageInfo::default()
+            .sampler(sampler.raw())
+            .image_view(image.view())
+            .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)];
+        self.update(self.write(number).image_info(&infos));
+    }
+
+    fn write(&self, number: u32) -> vk::WriteDescriptorSet<'static> {
+        let kind = self.kinds.iter().find(|b| b.number == number).map(|b| b.kind).unwrap_or_default();
+        vk::WriteDescriptorSet::default().dst_set(self.set).dst_binding(number).descriptor_type(kind)
+    }
+
+    fn update(&self, write: vk::WriteDescriptorSet<'_>) {
+        // SAFETY: the set is live and not in use by submitted work: owners update it before they record.
+        unsafe { self.device.raw().update_descriptor_sets(&[write], &[]) };
+    }
+
+    /// The set.
+    pub fn set(&self) -> vk::DescriptorSet {
+        self.set
+    }
+
+    /// Its layout.
+    pub fn layout(&self) -> vk::DescriptorSetLayout {
+        self.layout
+    }
+}
+
+impl Drop for Descriptors {
+    fn drop(&mut self) {
+        // SAFETY: dropped when no submitted work uses the set; null handles are allowed.
+        unsafe {
+            self.device.raw().destroy_descriptor_pool(self.pool, None);
+            self.device.raw().destroy_descriptor_set_layout(self.layout, None);
+        }
+    }
+}

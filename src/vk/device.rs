@@ -1,0 +1,178 @@
+//! The logical device: one queue, one allocator, names for everything.
+
+use super::failure;
+use super::instance::Instance;
+use super::selection::{self, Candidate, Wish};
+use crate::error::{Error, Result};
+use ash::{ext, vk};
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::{
+    Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc,
+};
+use std::sync::{Arc, Mutex};
+
+/// A Vulkan device with its queue and its memory.
+pub struct Device {
+    // Before the device: frees its blocks.
+    allocator: Mutex<Option<Allocator>>,
+    names: Option<ext::debug_utils::Device>,
+    raw: ash::Device,
+    queue: Mutex<vk::Queue>,
+    queue_family: u32,
+    candidate: Candidate,
+    reason: String,
+    // Last: every device goes before its instance.
+    instance: Arc<Instance>,
+}
+
+impl Device {
+    /// Opens the device that `wish` means.
+    ///
+    /// # Errors
+    /// As [`selection::choose`], and where the driver refuses.
+    pub fn open(instance: Arc<Instance>, wish: &Wish) -> Result<Arc<Self>> {
+        let mut candidates = selection::candidates(&instance)?;
+        let (index, reason) = selection::choose(&candidates, wish)?;
+        let candidate = candidates.swap_remove(index);
+        let queue_family = candidate.queue_family.unwrap_or(0); // `choose` takes none without
+        let priorities = [1.0];
+        let queues = [vk::DeviceQueueCreateInfo::default()
+            .queue_family_index(queue_family)
+            .queue_priorities(&priorities)];
+        let mut v13 =
+            vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true);
+        let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut v13);
+        // SAFETY: `candidate.raw` belongs to the live instance; `info` and what it points to outlive the calls; queue 0
+        // of the family was just asked for.
+        let (raw, queue) = unsafe {
+            let raw = instance
+                .raw()
+                .create_device(candidate.raw, &info, None)
+                .map_err(|c| failure(&format!("open `{}`", candidate.name), c))?;
+            let queue = raw.get_device_queue(queue_family, 0);
+            (raw, queue)
+        };
+        let names = instance.validates().then(|| ext::debug_utils::Device::new(instance.raw(), &raw));
+        let allocator = Allocator::new(&AllocatorCreateDesc {
+            instance: instance.raw().clone(),
+            device: raw.clone(),
+            physical_device: candidate.raw,
+            debug_settings: gpu_allocator::AllocatorDebugSettings::default(),
+            buffer_device_address: false,
+            allocation_sizes: gpu_allocator::AllocationSizes::default(),
+        });
+        let mut device = Self {
+            allocator: Mutex::new(None),
+            names,
+            raw,
+            queue: Mutex::new(queue),
+            queue_family,
+            candidate,
+            reason,
+            instance,
+        };
+        device.allocator = Mutex::new(Some(allocator.map_err(|e| memory_failure("device", &e))?));
+        device.name(queue, "queue");
+        Ok(Arc::new(device))
+    }
+
+    /// The ash device.
+    pub fn raw(&self) -> &ash::Device {
+        &self.raw
+    }
+
+    /// The instance.
+    pub fn instance(&self) -> &Arc<Instance> {
+        &self.instance
+    }
+
+    /// What was chosen.
+    pub fn candidate(&self) -> &Candidate {
+        &self.candidate
+    }
+
+    /// Why it was chosen.
+    pub fn reason(&self) -> &str {
+        &self.reason
+    }
+
+    /// The queue's family.
+    pub fn queue_family(&self) -> u32 {
+        self.queue_family
+    }
+
+    /// Submits recorded command buffers; `fence` is signalled when they are done.
+    ///
+    /// # Errors
+    /// Where the device is lost or out of memory.
+    pub fn submit(&self, commands: &[vk::CommandBufferSubmitInfo<'_>], fence: vk::Fence) -> Result<()> {
+        let submits = [vk::SubmitInfo2::default().command_buffer_infos(commands)];
+        let queue = self.queue.lock().map_err(|_| poisoned())?;
+        // SAFETY: the lock gives the external synchronization that a queue needs; the caller's command buffers are
+        // recorded and belong to this device.
+        unsafe { self.raw.queue_submit2(*queue, &submits, fence) }.map_err(|c| failure("submit work", c))
+    }
+
+    /// Takes memory for a resource called `name`.
+    ///
+    /// # Errors
+    /// Where there is not enough.
+    pub fn allocate(
+        &self,
+        name: &str,
+        requirements: vk::MemoryRequirements,
+        location: MemoryLocation,
+        linear: bool,
+    ) -> Result<Allocation> {
+        let mut guard = self.allocator.lock().map_err(|_| poisoned())?;
+        let allocator = guard.as_mut().ok_or_else(poisoned)?;
+        let scheme = AllocationScheme::GpuAllocatorManaged;
+        let request =
+            AllocationCreateDesc { name, requirements, location, linear, allocation_scheme: scheme };
+        allocator.allocate(&request).map_err(|e| memory_failure(name, &e))
+    }
+
+    /// Gives memory back.
+    pub fn free(&self, allocation: Allocation) {
+        if let Ok(mut guard) = self.allocator.lock()
+            && let Some(allocator) = guard.as_mut()
+        {
+            // The only error is a foreign allocation; every one comes from `allocate` above.
+            let _ = allocator.free(allocation);
+        }
+    }
+
+    /// Gives a handle a name that validation and debuggers show.
+    pub fn name(&self, handle: impl vk::Handle, name: &str) {
+        let Some(functions) = &self.names else { return };
+        let Ok(name) = std::ffi::CString::new(name) else { return };
+        let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
+        // SAFETY: the handle is a live child of this device. A name that cannot be set is no loss.
+        let _ = unsafe { functions.set_debug_utils_object_name(&info) };
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        // SAFETY: children hold an `Arc` of this device, so none is left; waiting ends what the queue may still do, the
+        // allocator's blocks go before the device.
+        unsafe {
+            let _ = self.raw.device_wait_idle();
+            if let Ok(mut allocator) = self.allocator.lock() {
+                allocator.take();
+            }
+            self.raw.destroy_device(None);
+        }
+    }
+}
+
+fn poisoned() -> Error {
+    Error::failed("a thread failed while it used the Vulkan device", "start the program again")
+}
+
+fn memory_failure(name: &str, error: &gpu_allocator::AllocationError) -> Error {
+    Error::failed(
+        format!("the Vulkan device has no memory for the {name} ({error})"),
+        "ask for a smaller --size, a larger --tolerance or a shorter --coherence, or use --device cpu",
+    )
+}

@@ -1,0 +1,151 @@
+//! An image with its memory and one view of all of it.
+
+use super::device::Device;
+use super::failure;
+use crate::error::{Error, Result};
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::Allocation;
+use std::sync::Arc;
+
+/// What an image is made for.
+#[derive(Clone, Copy, Debug)]
+pub struct Description<'a> {
+    /// Debug name.
+    pub name: &'a str,
+    /// Texel format.
+    pub format: vk::Format,
+    /// Width and height in texels.
+    pub size: [u32; 2],
+    /// Array layers; with `array`, the view is an array even of one.
+    pub layers: u32,
+    /// Whether shaders see a 2D array.
+    pub array: bool,
+    /// Uses.
+    pub usage: vk::ImageUsageFlags,
+}
+
+/// A 2D image or array of them, device-local, with a view.
+pub struct Image {
+    view: vk::ImageView,
+    raw: vk::Image,
+    allocation: Option<Allocation>,
+    format: vk::Format,
+    size: [u32; 2],
+    layers: u32,
+    device: Arc<Device>,
+}
+
+impl Image {
+    /// Makes an image.
+    ///
+    /// # Errors
+    /// Where it exceeds the device's limits or memory.
+    pub fn new(device: &Arc<Device>, description: &Description<'_>) -> Result<Self> {
+        let Description { name, format, size, layers, array, usage } = *description;
+        let limits = device.candidate();
+        if size[0] > limits.max_side || size[1] > limits.max_side || layers > limits.max_layers {
+            return Err(Error::failed(
+                format!(
+                    "the {name} of {} x {} x {layers} is larger than `{}` holds ({} x {} x {})",
+                    size[0], size[1], limits.name, limits.max_side, limits.max_side, limits.max_layers
+                ),
+                "ask for a smaller --size, a larger --tolerance or a shorter --coherence",
+            ));
+        }
+        let info = vk::ImageCreateInfo::default()
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(format)
+            .extent(vk::Extent3D { width: size[0], height: size[1], depth: 1 })
+            .mip_levels(1)
+            .array_layers(layers)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .tiling(vk::ImageTiling::OPTIMAL)
+            .usage(usage)
+            .sharing_mode(vk::SharingMode::EXCLUSIVE)
+            .initial_layout(vk::ImageLayout::UNDEFINED);
+        // SAFETY: the device is live and `info` is within the limits checked above.
+        let (raw, requirements) = unsafe {
+            let raw = device
+                .raw()
+                .create_image(&info, None)
+                .map_err(|c| failure(&format!("make the {name}"), c))?;
+            (raw, device.raw().get_image_memory_requirements(raw))
+        };
+        let mut image = Self {
+            view: vk::ImageView::null(),
+            raw,
+            allocation: None,
+            format,
+            size,
+            layers,
+            device: device.clone(),
+        };
+        let allocation = device.allocate(name, requirements, MemoryLocation::GpuOnly, false)?;
+        // SAFETY: the allocation fulfils the image's requirements and is bound once.
+        let bound = unsafe { device.raw().bind_image_memory(raw, allocation.memory(), allocation.offset()) };
+        image.allocation = Some(allocation);
+        bound.map_err(|c| failure(&format!("bind the {name}"), c))?;
+        let view = vk::ImageViewCreateInfo::default()
+            .image(raw)
+            .view_type(if array { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D })
+            .format(format)
+            .subresource_range(image.range());
+        // SAFETY: the image is bound, and the view covers just its layers.
+        image.view = unsafe { device.raw().create_image_view(&view, None) }
+            .map_err(|c| failure(&format!("make a view of the {name}"), c))?;
+        device.name(raw, name);
+        device.name(image.view, &format!("{name} view"));
+        Ok(image)
+    }
+
+    /// Depth or colour, by format.
+    pub fn aspect(&self) -> vk::ImageAspectFlags {
+        match self.format {
+            vk::Format::D32_SFLOAT => vk::ImageAspectFlags::DEPTH,
+            _ => vk::ImageAspectFlags::COLOR,
+        }
+    }
+
+    /// All of the image.
+    pub fn range(&self) -> vk::ImageSubresourceRange {
+        vk::ImageSubresourceRange::default()
+            .aspect_mask(self.aspect())
+            .level_count(1)
+            .layer_count(self.layers)
+    }
+
+    /// The handle.
+    pub fn raw(&self) -> vk::Image {
+        self.raw
+    }
+
+    /// The view of all layers.
+    pub fn view(&self) -> vk::ImageView {
+        self.view
+    }
+
+    /// The format.
+    pub fn format(&self) -> vk::Format {
+        self.format
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+}
+
+impl Drop for Image {
+    fn drop(&mut self) {
+        // SAFETY: owners drop images only when no submitted work uses them; view, image, memory in that order. A null
+        // view is allowed.
+        unsafe {
+            self.device.raw().destroy_image_view(self.view, None);
+            self.device.raw().destroy_image(self.raw, None);
+        }
+        if let Some(allocation) = self.allocation.take() {
+            self.device.free(allocation);
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! The Vulkan instance, and the ear for what validation says.
+
+use super::failure;
+use crate::error::{Error, Result};
+use ash::{ext, vk};
+use std::ffi::{CStr, c_void};
+use std::sync::Mutex;
+
+const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
+
+/// The Vulkan version that everything here is written for.
+pub const API_VERSION: u32 = vk::API_VERSION_1_3;
+
+/// What to install where Vulkan is missing.
+pub const INSTALL: &str = "install a Vulkan driver (on Debian and Ubuntu without a GPU: apt-get install libvulkan1 \
+                           mesa-vulkan-drivers)";
+
+/// Messages of the validation layer, in order.
+#[derive(Debug, Default)]
+pub struct Messages(Mutex<Vec<String>>);
+
+impl Messages {
+    /// All messages so far.
+    pub fn all(&self) -> Vec<String> {
+        self.0.lock().map(|list| list.clone()).unwrap_or_default()
+    }
+
+    fn push(&self, message: String) {
+        if let Ok(mut list) = self.0.lock() {
+            list.push(message);
+        }
+    }
+}
+
+/// A Vulkan instance, with validation if asked for.
+pub struct Instance {
+    debug: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
+    raw: ash::Instance,
+    // Boxed: the messenger holds its address.
+    messages: Box<Messages>,
+    // Last: unloads the library.
+    entry: ash::Entry,
+}
+
+impl Instance {
+    /// Loads Vulkan and makes an instance; with `validation`, the Khronos layer listens, synchronization checks included.
+    ///
+    /// # Errors
+    /// No Vulkan library, none of version 1.3, or validation asked for and not installed; each says what to install.
+    pub fn new(validation: bool) -> Result<Self> {
+        // SAFETY: loading runs the system's Vulkan loader, which is what the user asked for; the entry outlives all use.
+        let entry = unsafe { ash::Entry::load() }
+            .map_err(|e| Error::failed(format!("there is no Vulkan on this machine ({e})"), INSTALL))?;
+        let application =
+            vk::ApplicationInfo::default().application_name(c"diffract").api_version(API_VERSION);
+        let layers = [VALIDATION_LAYER.as_ptr()];
+        let extensions = [ext::debug_utils::NAME.as_ptr()];
+        let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
+        let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
+        let mut info = vk::InstanceCreateInfo::default().application_info(&application);
+        if validation {
+            require_validation(&entry)?;
+            info = info
+                .enabled_layer_names(&layers)
+                .enabled_extension_names(&extensions)
+                .push_next(&mut features);
+        }
+        // SAFETY: `info` and all it points to live until the call returns.
+        let raw = unsafe { entry.create_instance(&info, None) }.map_err(|code| match code {
+            vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
+                Error::failed("there is no Vulkan driver of version 1.3 on this machine", INSTALL)
+            }
+            code => failure("start", code),
+        })?;
+        let messages = Box::<Messages>::default();
+        let mut instance = Self { debug: None, raw, messages, entry };
+        if validation {
+            instance.debug = Some(instance.listen()?);
+        }
+        Ok(instance)
+    }
+
+    fn listen(&self) -> Result<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)> {
+        let functions = ext::debug_utils::Instance::new(&self.entry, &self.raw);
+        let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
+            .message_severity(
+                vk::DebugUtilsMessageSeverityFlagsEXT::WARNING | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,
+            )
+            .message_type(
+                vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION
+                    | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE,
+            )
+            .pfn_user_callback(Some(on_message))
+            .user_data(std::ptr::from_ref::<Messages>(&self.messages).cast_mut().cast());
+        // SAFETY: the instance is live; `messages` is boxed and freed only after the messenger is destroyed.
+        let messenger = unsafe { functions.create_debug_utils_messenger(&info, None) }
+            .map_err(|code| failure("listen to validation", code))?;
+        Ok((functions, messenger))
+    }
+
+    /// The ash instance.
+    pub fn raw(&self) -> &ash::Instance {
+        &self.raw
+    }
+
+    /// What validation has said so far; empty without validation.
+    pub fn messages(&self) -> Vec<String> {
+        self.messages.all()
+    }
+
+    /// Whether validation listens.
+    pub fn validates(&self) -> bool {
+        self.debug.is_some()
+    }
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        // SAFETY: every child holds an `Arc` of this instance, so none is left; the messenger goes before its instance.
+        unsafe {
+            if let Some((functions, messenger)) = &self.debug {
+                functions.destroy_debug_utils_messenger(*messenger, None);
+            }
+            self.raw.destroy_instance(None);
+        }
+    }
+}
+
+fn require_validation(entry: &ash::Entry) -> Result<()> {
+    // SAFETY: the entry is loaded.
+    let layers =
+        unsafe { entry.enumerate_instance_layer_properties() }.map_err(|c| failure("list its layers", c))?;
+    if layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER)) {
+        return Ok(());
+    }
+    Err(Error::failed(
+        "Vulkan validation is asked for and not installed",
+        "install it (apt-get install vulkan-validationlayers) or unset DIFFRACT_VALIDATION",
+    ))
+}
+
+/// Keeps a message for the test or the program that will fail on it.
+unsafe extern "system" fn on_message(
+    _severity: vk::DebugUtilsMessageSeverityFlagsEXT,
+    _kind: vk::DebugUtilsMessageTypeFlagsEXT,
+    data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
+    user: *mut c_void,
+) -> vk::Bool32 {
+    // SAFETY: Vulkan passes valid callback data, and the pointer that `listen` gave, to a `Messages` that outlives the
+    // messenger and is only read.
+    unsafe {
+        let text = (*data).message_as_c_str().unwrap_or(c"a message without text");
+        (*user.cast::<Messages>()).push(text.to_string_lossy().into_owned());
+    }
+    vk::FALSE
+}
