@@ -41,10 +41,4 @@ pub trait Expansion: Sync {
 
     /// A bound on |e^{izh} − Σ_{n<terms} c_n b_n| that holds for every height in range.
     fn truncation_bound(&self, z: f64, terms: usize) -> f64;
-
-    /// How many of `terms` layers are needed at z for the truncation that all of them have at `z_max`.
-    fn terms_at(&self, z: f64, terms: usize, z_max: f64) -> usize {
-        let allowed = self.truncation_bound(z_max, terms);
-        (1..terms).find(|&n| self.truncation_bound(z, n) <= allowed).unwrap_or(terms)
-    }
 }

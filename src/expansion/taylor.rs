@@ -155,16 +155,4 @@ mod tests {
         assert!(message.contains("32-bit"), "{message}");
         assert!(terms_for(4.0 * PI / 0.38 * 0.215, 1e-3, F32_ROUNDOFF).is_ok());
     }
-
-    #[test]
-    fn a_fragment_of_small_argument_needs_fewer_terms() {
-        let taylor = Taylor { half_range: 0.2 };
-        let z_max = 33.0;
-        assert_eq!(taylor.terms_at(z_max, 16, z_max), 16);
-        let half = taylor.terms_at(z_max / 2.0, 16, z_max);
-        assert!(
-            half < 16 && taylor.truncation_bound(z_max / 2.0, half) <= taylor.truncation_bound(z_max, 16)
-        );
-        assert_eq!(taylor.terms_at(0.0, 16, z_max), 1);
-    }
 }

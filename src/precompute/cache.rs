@@ -4,7 +4,7 @@
 //! whole is compared when it is read, and a file that does not match is made anew.
 
 use super::kernel::{Interpolation, Kernel};
-use super::layers::{Errors, Layers, Settings};
+use super::layers::{Errors, Layers, PLANES, PlaneTerms, Settings};
 use crate::error::Result;
 use crate::output;
 use crate::surface::HeightField;
@@ -13,11 +13,13 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// First bytes of a file; the number changes whenever the layers of the same key would change.
-const MAGIC: &[u8; 20] = b"diffract layers 0001";
+const MAGIC: &[u8; 20] = b"diffract layers 0002";
 /// Bytes of the check sum and of the key.
 const HASH: usize = blake3::OUT_LEN;
 /// Numbers of 8 bytes that describe the layers in front of the texels.
-const HEADER: usize = 18;
+const HEADER: usize = FIXED + 2 * PLANES.len();
+/// Numbers of it that stand in front of the audited planes.
+const FIXED: usize = 18;
 
 /// The folder: `$XDG_CACHE_HOME/diffract`, else `~/.cache/diffract`; `None` where the user has neither.
 pub fn folder() -> Option<PathBuf> {
@@ -108,7 +110,7 @@ fn to_numbers(l: &Layers) -> [f64; HEADER] {
     let [sx, sy] = l.size.map(|n| n as f64);
     let [ox, oy] = l.origin.map(|n| n as f64);
     let e = &l.errors;
-    [
+    let fixed: [f64; FIXED] = [
         sx,
         sy,
         ox,
@@ -127,7 +129,13 @@ fn to_numbers(l: &Layers) -> [f64; HEADER] {
         e.interpolation,
         e.truncation_bound,
         e.rounding_bound,
-    ]
+    ];
+    let mut numbers = [0.0; HEADER];
+    numbers[..FIXED].copy_from_slice(&fixed);
+    for (slot, plane) in numbers[FIXED..].chunks_mut(2).zip(&l.terms_by_z) {
+        slot.copy_from_slice(&[plane.z, plane.terms as f64]);
+    }
+    numbers
 }
 
 fn from_numbers(n: &[f64], texels: Vec<f32>) -> Option<Layers> {
@@ -141,6 +149,10 @@ fn from_numbers(n: &[f64], texels: Vec<f32>) -> Option<Layers> {
         terms: n[9] as usize,
         half_range: n[10],
         z_max: n[11],
+        terms_by_z: std::array::from_fn(|i| PlaneTerms {
+            z: n[FIXED + 2 * i],
+            terms: n[FIXED + 2 * i + 1] as usize,
+        }),
         interpolation: Interpolation { kernel, ratio: n[13] },
         errors: Errors {
             expansion: n[14],

@@ -74,6 +74,8 @@ pub struct Layers {
     pub half_range: f64,
     /// Largest k|w| served \[rad/µm\].
     pub z_max: f64,
+    /// Terms that k|w| up to each audited plane needs, by growing k|w|.
+    pub terms_by_z: [PlaneTerms; PLANES.len()],
     /// How to read between texels.
     pub interpolation: Interpolation,
     /// What it is accurate to.
@@ -83,7 +85,22 @@ pub struct Layers {
     pub texels: Vec<f32>,
 }
 
+/// What one audited plane of k|w| needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlaneTerms {
+    /// k|w| \[rad/µm\].
+    pub z: f64,
+    /// Terms that keep the error there.
+    pub terms: usize,
+}
+
 impl Layers {
+    /// Terms that k|w| = `z` \[rad/µm\] needs: those of the next audited plane above it. Scattering fades with z as fast
+    /// as the terms do, so the sup bound, which is relative to the mirror peak, would drop terms that are seen.
+    pub fn terms_at(&self, z: f64) -> usize {
+        self.terms_by_z.iter().find(|plane| plane.z >= z).map_or(self.terms, |plane| plane.terms)
+    }
+
     /// Layers of the texture: pairs of terms.
     pub fn pairs(&self) -> usize {
         self.terms.div_ceil(2)
@@ -166,12 +183,12 @@ pub fn compute(
     let transformer = Transformer::new(field, x, y);
     let heights: Vec<f64> = field.heights().iter().map(|&h| scale.normalise(h)).collect();
 
-    let steps = Audit::PLANES.len() + most_terms.div_ceil(2);
+    let steps = PLANES.len() + most_terms.div_ceil(2);
     let mut audit = Audit::new(&transformer, &heights, &taylor, z_max, |i| progress(i, steps))?;
     let mut texels: Vec<f32> = Vec::new();
     let mut terms = 0;
     while terms < most_terms {
-        progress(Audit::PLANES.len() + terms / 2, steps)?;
+        progress(PLANES.len() + terms / 2, steps)?;
         if texels.len() * 4 + pair_bytes > settings.memory_limit {
             return Err(too_large((texels.len() * 4 + pair_bytes) as f64, settings));
         }
@@ -181,12 +198,11 @@ pub fn compute(
         texels.extend(pack(&spectrum, size, &transformer, interpolation.kernel));
         audit.add(&spectrum);
         terms = (terms + 2).min(most_terms);
-        let good_enough = audit.error(&taylor, terms, z_max) <= EXPANSION_SHARE * settings.tolerance;
-        if settings.terms.is_none() && good_enough {
+        if settings.terms.is_none() && audit.error(&taylor, terms) <= EXPANSION_SHARE * settings.tolerance {
             break;
         }
     }
-    let expansion_error = audit.error(&taylor, terms, z_max);
+    let expansion_error = audit.error(&taylor, terms);
     if settings.terms.is_none() && expansion_error > EXPANSION_SHARE * settings.tolerance {
         return Err(Error::failed(
             format!(
@@ -208,6 +224,7 @@ pub fn compute(
         terms,
         half_range: scale.half_range,
         z_max,
+        terms_by_z: audit.terms_by_z(&taylor, terms, EXPANSION_SHARE * settings.tolerance),
         interpolation,
         errors: Errors {
             expansion: expansion_error,
@@ -232,6 +249,10 @@ fn pack(spectrum: &Spectrum, size: [usize; 2], transformer: &Transformer, kernel
     texels
 }
 
+/// The audited k|w|, as parts of the largest, growing: from grazing directions, where only scattering is left, to the
+/// mirror direction at the shortest wavelength.
+pub const PLANES: [f64; 9] = [0.02, 0.06, 0.14, 0.25, 0.4, 0.55, 0.7, 0.85, 0.995];
+
 /// The layers' judge: at a few z, texels that directions can reach, with the transform of e^{izh} there.
 struct Audit {
     planes: Vec<Plane>,
@@ -247,8 +268,6 @@ struct Plane {
 }
 
 impl Audit {
-    /// The judged z over the largest: near the mirror direction at the shortest wavelength, and less.
-    const PLANES: [f64; 4] = [0.995, 0.9, 0.7, 0.4];
     /// Judged texels per plane: the RMS of as many exponentially distributed values is good to a few per cent.
     const TEXELS: usize = 2000;
 
@@ -260,7 +279,7 @@ impl Audit {
         progress: impl Fn(usize) -> Result<()>,
     ) -> Result<Self> {
         let mut planes = Vec::new();
-        for (index, share) in Self::PLANES.into_iter().enumerate() {
+        for (index, share) in PLANES.into_iter().enumerate() {
             progress(index)?;
             let z = share * z_max;
             let spectrum = transformer.spectrum(|i| Complex64::cis(z * taylor.half_range * heights[i]));
@@ -281,24 +300,34 @@ impl Audit {
         }
     }
 
-    /// The worst plane's RMS relative intensity error with `terms` terms, summed in f32 as the shader does.
-    fn error(&self, taylor: &Taylor, terms: usize, z_max: f64) -> f64 {
-        let of_plane = |plane: &Plane| {
-            let used = taylor.terms_at(plane.z, terms, z_max).min(terms);
-            let mut c = vec![Complex64::ZERO; used];
-            taylor.coefficients(plane.z, &mut c);
-            let squares = plane.exact.iter().enumerate().map(|(t, exact)| {
-                let sum: Complex32 = c
-                    .iter()
-                    .zip(&plane.terms)
-                    .map(|(c, term)| Complex32::new(c.re as f32, c.im as f32) * term[t])
-                    .sum();
-                let truth = exact.norm_sqr();
-                ((f64::from(sum.norm_sqr()) - truth) / truth.max(FAINT)).powi(2)
-            });
-            (squares.sum::<f64>() / plane.exact.len().max(1) as f64).sqrt()
-        };
-        self.planes.iter().map(of_plane).fold(0.0, f64::max)
+    /// The worst plane's RMS relative intensity error with `terms` terms.
+    fn error(&self, taylor: &Taylor, terms: usize) -> f64 {
+        self.planes.iter().map(|plane| plane.error(taylor, terms)).fold(0.0, f64::max)
+    }
+
+    /// The smallest number of terms, of `terms`, that keeps each plane within `allowed`; never fewer than a lower plane.
+    fn terms_by_z(&self, taylor: &Taylor, terms: usize, allowed: f64) -> [PlaneTerms; PLANES.len()] {
+        let mut least = 1;
+        std::array::from_fn(|i| {
+            let plane = &self.planes[i];
+            least = (least..terms).find(|&n| plane.error(taylor, n) <= allowed).unwrap_or(terms);
+            PlaneTerms { z: plane.z, terms: least }
+        })
+    }
+}
+
+impl Plane {
+    /// RMS relative intensity error with the first `terms` terms, summed in f32 as the shader does.
+    fn error(&self, taylor: &Taylor, terms: usize) -> f64 {
+        let mut c = vec![Complex64::ZERO; terms];
+        taylor.coefficients(self.z, &mut c);
+        let c: Vec<Complex32> = c.iter().map(|c| Complex32::new(c.re as f32, c.im as f32)).collect();
+        let squares = self.exact.iter().enumerate().map(|(t, exact)| {
+            let sum: Complex32 = c.iter().zip(&self.terms).map(|(c, term)| c * term[t]).sum();
+            let truth = exact.norm_sqr();
+            ((f64::from(sum.norm_sqr()) - truth) / truth.max(FAINT)).powi(2)
+        });
+        (squares.sum::<f64>() / self.exact.len().max(1) as f64).sqrt()
     }
 }
 

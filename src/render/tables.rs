@@ -38,12 +38,8 @@ impl Coefficients {
             row[layers.terms..].fill(Complex64::ZERO); // an odd count leaves half a pair
             values.extend(row.chunks(2).map(|c| [c[0].re, c[0].im, c[1].re, c[1].im].map(|x| x as f32)));
         }
-        let pairs_needed = (0..entries)
-            .map(|entry| {
-                let z = ((entry + 1) as f64 * step).min(layers.z_max);
-                expansion.terms_at(z, layers.terms, layers.z_max).div_ceil(2) as i32
-            })
-            .collect();
+        let pairs_needed =
+            (0..entries).map(|entry| layers.terms_at((entry + 1) as f64 * step).div_ceil(2) as i32).collect();
         Self { values, pairs_needed, entries_per_z: 1.0 / step }
     }
 
