@@ -39,8 +39,10 @@ impl Device {
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(queue_family)
             .queue_priorities(&priorities)];
-        let mut v13 =
-            vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true);
+        let mut v13 = vk::PhysicalDeviceVulkan13Features::default()
+            .dynamic_rendering(true)
+            .synchronization2(true)
+            .maintenance4(true); // SPIR-V 1.6 work group sizes; fragment stages that leave a vertex output unread
         let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut v13);
         // SAFETY: `candidate.raw` belongs to the live instance; `info` and what it points to outlive the calls; queue 0
         // of the family was just asked for.

@@ -136,6 +136,7 @@ fn missing(
         (queue_family.is_some(), "a queue with graphics and compute"),
         (v13.dynamic_rendering == vk::TRUE, "dynamic rendering"),
         (v13.synchronization2 == vk::TRUE, "synchronization2"),
+        (v13.maintenance4 == vk::TRUE, "maintenance4"),
         (
             float.optimal_tiling_features.contains(wanted),
             "linear filtering and drawing of 32-bit float images",

@@ -1,0 +1,25 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Reads every field of the shared blocks and writes it out in order: the tests compare with what Rust wrote.
+#include "interface.glsl"
+
+layout(local_size_x = 1) in;
+
+layout(set = 0, binding = 9, std430) writeonly buffer Answers { vec4 answers[]; };
+
+void main() {
+    int n = 0;
+    for (int i = 0; i < 4; ++i) {
+        answers[n++] = frame.clip_from_world[i];
+    }
+    answers[n++] = frame.eye;
+    for (int i = 0; i < MAX_LIGHTS; ++i) {
+        answers[n++] = frame.lights[i];
+    }
+    answers[n++] = frame.base_color;
+    answers[n++] = vec4(frame.counts);
+    answers[n++] = vec4(optics.texture_size, optics.origin);
+    answers[n++] = vec4(optics.texels_per_frequency, optics.band);
+    answers[n++] = vec4(optics.sigma, optics.normal_reflectance, optics.entries_per_z, float(optics.kernel));
+    answers[n++] = vec4(float(optics.pairs), float(optics.entries), float(MAX_LIGHTS), float(UV_BINS));
+}

@@ -1,0 +1,42 @@
+//! A device with validation for one test.
+
+use diffract::vk::device::Device;
+use diffract::vk::instance::Instance;
+use diffract::vk::selection::Wish;
+use std::sync::Arc;
+
+/// Runs `test` on a device of its own and fails on any validation message, also on those of its clean-up.
+pub fn with_device(test: impl FnOnce(&Arc<Device>)) {
+    let instance =
+        Arc::new(Instance::new(true).expect("tests need a Vulkan driver and the validation layer"));
+    let device = Device::open(instance.clone(), &Wish::Any).expect("tests need a usable Vulkan device");
+    test(&device);
+    assert_eq!(Arc::strong_count(&device), 1, "something still holds the device");
+    drop(device);
+    let messages = instance.messages();
+    assert!(messages.is_empty(), "{} validation messages, the first: {}", messages.len(), messages[0]);
+}
+
+#[test]
+fn validation_speaks_up_when_a_rule_is_broken() {
+    use ash::vk;
+    use diffract::vk::buffer::Buffer;
+    use diffract::vk::commands::Commands;
+    use gpu_allocator::MemoryLocation;
+    let instance = Arc::new(Instance::new(true).unwrap());
+    let device = Device::open(instance.clone(), &Wish::Any).unwrap();
+    let usage = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
+    let make = |name| Buffer::new(&device, name, 64, usage, MemoryLocation::CpuToGpu).unwrap();
+    let (a, b) = (make("a"), make("b"));
+    let mut commands = Commands::new(&device, "hazard").unwrap();
+    // Written and read again with no barrier between: only the synchronization checks can see it.
+    commands
+        .run(|record| {
+            record.copy_buffer(&a, &b, 64);
+            record.copy_buffer(&b, &a, 64);
+            Ok(())
+        })
+        .unwrap();
+    let messages = instance.messages();
+    assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD")), "{messages:?}");
+}

@@ -1,0 +1,58 @@
+//! The display pass against its f64 twin.
+
+use crate::device::with_device;
+use crate::evaluation::{layers, patch, shading};
+use diffract::optics::color::display;
+use diffract::render::frame::View;
+use diffract::render::picture::Painter;
+use diffract::render::resources::Pigment;
+use diffract::scene::Scene;
+use diffract::surface::synth::Kind;
+use glam::DVec3;
+
+#[test]
+fn the_displayed_picture_is_the_twin_s_within_one_code() {
+    let field = patch(Kind::Elaphe, 6.0);
+    let scene = Scene::open("snake").unwrap();
+    let bounds = scene.mesh.bounds();
+    let view = View {
+        camera: scene.camera,
+        centre: bounds.centre,
+        radius: bounds.radius,
+        lights: scene.lights.clone(),
+        base_color: scene.base_color,
+        pigment: false,
+    };
+    let shading = shading(16.0, 1e-1);
+    let background = DVec3::new(0.1, 0.2, 0.3);
+    with_device(|device| {
+        let layers = layers(&field, &shading);
+        let mut painter =
+            Painter::new(device, &layers, &shading, &scene.mesh, &Pigment::white(), [160, 120]).unwrap();
+        for exposure in [-3.0, 0.0, 2.5] {
+            let picture = painter.paint(&view, exposure, background).unwrap();
+            let mut differing = 0;
+            for (linear, code) in picture.radiance.iter().zip(&picture.display) {
+                let [r, g, b, alpha] = linear.map(f64::from);
+                let expected = if alpha > 0.0 {
+                    display(DVec3::new(r, g, b), exposure)
+                } else {
+                    display(background, 0.0)
+                };
+                for (a, b) in code[..3].iter().zip(expected) {
+                    // f32 against f64 may round to the neighbouring code, now and then.
+                    assert!(a.abs_diff(b) <= 1, "{code:?} for {linear:?}, expected {expected:?}");
+                    differing += usize::from(*a != b);
+                }
+            }
+            assert!(
+                differing < picture.display.len() / 50,
+                "{differing} codes differ at exposure {exposure}"
+            );
+        }
+        // The twin is not indifferent: another exposure gives another picture.
+        let (dark, bright) =
+            (painter.paint(&view, -3.0, background).unwrap(), painter.paint(&view, 0.0, background).unwrap());
+        assert!(dark.display != bright.display && dark.radiance == bright.radiance);
+    });
+}

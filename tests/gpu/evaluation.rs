@@ -1,0 +1,196 @@
+//! `spectral` on the device against the direct f64 sum, for single directions.
+
+use crate::device::with_device;
+use crate::measure::per_direction;
+use diffract::optics::coherence::Coherence;
+use diffract::optics::geometry::{Pair, direction};
+use diffract::optics::reference::Reference;
+use diffract::precompute::{Layers, Settings, compute};
+use diffract::render::evaluator::{Evaluator, Query};
+use diffract::render::shading::Shading;
+use diffract::surface::HeightField;
+use diffract::surface::synth::{Kind, Spec, generate};
+use diffract::vk::device::Device;
+use std::sync::Arc;
+
+/// Directions per surface.
+const DIRECTIONS: usize = 2000;
+
+/// What a display shows as black under a light of intensity 1 at exposure 0: DISPLAY_BLACK/π in f cos θ_i.
+const FLOOR: f64 = diffract::optics::color::DISPLAY_BLACK / std::f64::consts::PI;
+
+/// A reproducible stream of numbers in 0 … 1 (splitmix64).
+pub fn uniforms(mut state: u64) -> impl FnMut() -> f64 {
+    move || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// Directions over both hemispheres and wavelengths over the visible, a third of them near the mirror direction, some
+/// below the horizon.
+pub fn queries(seed: u64, count: usize) -> Vec<Query> {
+    let mut uniform = uniforms(seed);
+    (0..count)
+        .map(|i| {
+            let (theta_i, phi_i) = (uniform().acos().to_degrees(), 360.0 * uniform());
+            let (theta_r, phi_r) = match i % 3 {
+                0 => (theta_i + 12.0 * (uniform() - 0.5), phi_i + 180.0 + 12.0 * (uniform() - 0.5)),
+                _ => (uniform().acos().to_degrees(), 360.0 * uniform()),
+            };
+            Query {
+                pair: Pair::new(direction(theta_i, phi_i), direction(theta_r, phi_r)),
+                wavelength: Some(0.38 + 0.4 * uniform()),
+            }
+        })
+        .collect()
+}
+
+/// A small patch of a kind, under a window that sees several copies of it.
+pub fn patch(kind: Kind, side: f64) -> HeightField {
+    generate(&Spec { patch: Some([side, side]), ..Spec::new(kind) }).unwrap()
+}
+
+pub fn shading(length: f64, tolerance: f64) -> Shading {
+    Shading { coherence: Coherence::Gaussian { length }, tolerance, ..Shading::default() }
+}
+
+pub fn layers(field: &HeightField, shading: &Shading) -> Layers {
+    let settings = Settings {
+        sigma: shading.coherence.sigma().unwrap(),
+        shortest_wavelength: 0.38,
+        tolerance: shading.tolerance,
+        terms: shading.terms,
+        memory_limit: 1 << 30,
+    };
+    compute(field, &settings, &|_, _| Ok(())).unwrap()
+}
+
+/// f cos θ_i of every query on the device.
+fn on_device(device: &Arc<Device>, field: &HeightField, shading: &Shading, queries: &[Query]) -> Vec<f64> {
+    let mut evaluator = Evaluator::new(device, &layers(field, shading), shading).unwrap();
+    evaluator.cosine_weighted(queries).unwrap().iter().map(|v| v.x).collect()
+}
+
+/// f cos θ_i of every query by the direct sum.
+fn by_reference(field: &HeightField, shading: &Shading, queries: &[Query]) -> Vec<f64> {
+    let reference = Reference::new(field, shading.coherence, [1, 1], shading.ior);
+    queries.iter().map(|q| reference.brdf(&q.pair, q.wavelength.unwrap()) * q.pair.light.z.max(0.0)).collect()
+}
+
+fn spectral_meets_its_tolerance(kind: Kind, side: f64, length: f64, seed: u64) {
+    let field = patch(kind, side);
+    let queries = queries(seed, DIRECTIONS);
+    let exact = by_reference(&field, &shading(length, 1.0), &queries);
+    with_device(|device| {
+        for tolerance in [1e-1, 1e-2, 1e-3] {
+            let found = on_device(device, &field, &shading(length, tolerance), &queries);
+            let error = per_direction(&found, &exact, FLOOR);
+            eprintln!("{} at {tolerance:e}: {error:.2e}", kind.name());
+            assert!(error <= tolerance, "{} at {tolerance}: {error:e}", kind.name());
+            // The same check has to fail for a surface one per cent higher at the finest tolerance.
+            if tolerance == 1e-3 {
+                let heights = field.heights().iter().map(|h| h * 1.01).collect();
+                let higher =
+                    HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights).unwrap();
+                let wrong = on_device(device, &higher, &shading(length, tolerance), &queries);
+                assert!(per_direction(&wrong, &exact, FLOOR) > tolerance, "a height error of 1 % passes");
+            }
+        }
+    });
+}
+
+#[test]
+fn spectral_meets_its_tolerance_on_an_elaphe_skin() {
+    spectral_meets_its_tolerance(Kind::Elaphe, 24.0, 24.0, 1);
+}
+
+#[test]
+fn spectral_meets_its_tolerance_on_a_blaze() {
+    spectral_meets_its_tolerance(Kind::Blaze, 20.0, 30.0, 2);
+}
+
+#[test]
+fn spectral_meets_its_tolerance_on_bumps_smaller_than_the_window() {
+    spectral_meets_its_tolerance(Kind::Bumps, 4.0, 20.0, 3);
+}
+
+#[test]
+fn every_quarter_of_the_frequency_plane_is_the_right_way_round() {
+    // A surface without any symmetry: one tilted facet per quarter, of different slopes.
+    let side = 64;
+    let heights = (0..side * side)
+        .map(|i| {
+            let (x, y) = ((i % side) as f64 / side as f64, (i / side) as f64 / side as f64);
+            0.05 * (6.283 * (3.0 * x + y)).sin()
+                + 0.04 * (6.283 * (2.0 * y - x) + 0.5).cos()
+                + 0.03 * x * (1.0 - x) * y
+        })
+        .collect();
+    let field = HeightField::new(side, side, [0.09, 0.08], heights).unwrap();
+    let queries = queries(5, 400);
+    let shading = shading(10.0, 1e-3);
+    let exact = by_reference(&field, &shading, &queries);
+    let turned: Vec<Query> = queries
+        .iter()
+        .map(|q| {
+            let half_turn = glam::DVec3::new(-1.0, -1.0, 1.0);
+            Query { pair: Pair::new(q.pair.light * half_turn, q.pair.view * half_turn), ..*q }
+        })
+        .collect();
+    with_device(|device| {
+        assert!(per_direction(&on_device(device, &field, &shading, &queries), &exact, FLOOR) < 1e-3);
+        assert!(per_direction(&on_device(device, &field, &shading, &turned), &exact, FLOOR) > 0.1);
+    });
+}
+
+#[test]
+fn colours_of_single_directions_meet_the_tolerance() {
+    let field = patch(Kind::Elaphe, 12.0);
+    let queries: Vec<Query> = queries(7, 60).into_iter().map(|q| Query { wavelength: None, ..q }).collect();
+    with_device(|device| {
+        for tolerance in [1e-1, 1e-2, 1e-3] {
+            let shading = shading(24.0, tolerance);
+            let reference = Reference::new(&field, shading.coherence, [1, 1], shading.ior);
+            let mut evaluator = Evaluator::new(device, &layers(&field, &shading), &shading).unwrap();
+            let found = evaluator.cosine_weighted(&queries).unwrap();
+            let relative: Vec<f64> = queries
+                .iter()
+                .zip(found)
+                .map(|(q, found)| {
+                    let exact = reference.cosine_weighted_xyz(&q.pair, &shading.illuminant).unwrap();
+                    (found - exact).length() / exact.length().max(FLOOR)
+                })
+                .collect();
+            let error = per_direction(&relative, &vec![0.0; relative.len()], 1.0);
+            eprintln!("colours at {tolerance:e}: {error:.2e}");
+            assert!(error <= tolerance, "{tolerance}: {error:e}");
+        }
+    });
+}
+
+#[test]
+fn nothing_is_reflected_below_the_horizon_or_beyond_the_band() {
+    let field = HeightField::new(32, 32, [0.2, 0.2], vec![0.0; 1024]).unwrap();
+    let shading = shading(8.0, 1e-2);
+    let ask = |theta_i: f64, theta_r: f64, wavelength| Query {
+        pair: Pair::new(direction(theta_i, 0.0), direction(theta_r, 0.0)),
+        wavelength: Some(wavelength),
+    };
+    // |u|/λ = 3.46/µm is beyond 1/(2·0.2 µm) = 2.5/µm, where the periodic copy of the mirror peak would stand at 5/µm.
+    let dark = [
+        ask(91.0, 0.0, 0.5),
+        ask(0.0, 95.0, 0.5),
+        ask(90.0, 90.0, 0.5),
+        ask(60.0, 60.0, 0.5),
+        ask(0.0, 80.0, 0.39),
+    ];
+    with_device(|device| {
+        assert_eq!(on_device(device, &field, &shading, &dark), [0.0; 5]);
+        let mirror = on_device(device, &field, &shading, &[ask(30.0, -30.0, 0.55)]);
+        assert!(mirror[0] > 0.1, "{mirror:?}");
+    });
+}

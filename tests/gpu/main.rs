@@ -1,0 +1,9 @@
+//! The Vulkan side against the f64 side, on whatever device there is (lavapipe in `make test`), with validation and
+//! synchronization checks on: a message is a failure, a missing device too.
+
+mod device;
+mod display;
+mod evaluation;
+mod interface;
+mod measure;
+mod picture;
