@@ -137,3 +137,50 @@ fn the_same_view_gives_the_same_bits_and_every_pixel_is_finite() {
         assert!(first.radiance.iter().flatten().all(|x| x.is_finite()));
     });
 }
+
+/// The point of a unit sphere at the origin that a pixel's ray meets first.
+fn on_sphere(view: &View, pixel: usize) -> Option<DVec3> {
+    let clip = view.camera.clip_from_world(SIZE, view.centre, view.radius).as_dmat4().inverse();
+    let (x, y) = ((pixel % SIZE[0] as usize) as f64 + 0.5, (pixel / SIZE[0] as usize) as f64 + 0.5);
+    let ndc = |z: f64| clip.project_point3(DVec3::new(2.0 * x / 96.0 - 1.0, 2.0 * y / 72.0 - 1.0, z));
+    let eye = view.camera.eye().as_dvec3();
+    let ray = (ndc(0.9) - eye).normalize();
+    let along = -eye.dot(ray);
+    let inside = 1.0 - (eye + ray * along).length_squared();
+    (inside >= 0.0).then(|| eye + ray * (along - inside.sqrt()))
+}
+
+#[test]
+fn interpolated_tangent_space_directions_are_close_to_those_of_exact_frames() {
+    let scene = Scene::open("sphere").unwrap();
+    let light = Light { theta: 45.0, phi: -40.0, intensity: 1.0 };
+    let view = view_of(&scene, vec![light]);
+    with_device(|device| {
+        let (_, directions) = paint(device, &patch(Kind::Flat, 4.0), &shading(4.0, 1e-1), &scene, &view);
+        let mut angles: Vec<f64> = Vec::new();
+        for (pixel, (seen_light, seen_view)) in
+            directions[0].light.iter().zip(&directions[0].view).enumerate()
+        {
+            let Some(normal) = on_sphere(&view, pixel).filter(|_| seen_light[3] == 1.0) else { continue };
+            let to_view = (view.camera.eye().as_dvec3() - normal).normalize();
+            let to_light = light.direction().as_dvec3();
+            // T points east, along growing longitude; B = N x T north.
+            let east = DVec3::new(-normal.y, normal.x, 0.0).normalize();
+            for (exact, seen) in [(to_light, seen_light), (to_view, seen_view)] {
+                let exact = DVec3::new(exact.dot(east), exact.dot(normal.cross(east)), exact.dot(normal));
+                let seen = DVec3::new(seen[0].into(), seen[1].into(), seen[2].into());
+                angles.push(exact.angle_between(seen).to_degrees());
+            }
+        }
+        angles.sort_by(f64::total_cmp);
+        let at = |share: f64| angles[((angles.len() - 1) as f64 * share) as usize];
+        eprintln!(
+            "interpolation of directions: median {:.1e}, p95 {:.1e}, max {:.1e} degrees",
+            at(0.5),
+            at(0.95),
+            at(1.0)
+        );
+        // The sphere's facets are a few degrees wide: linear interpolation over an arc of ε radians errs by about ε²/8.
+        assert!(angles.len() > 2000 && at(0.95) < 0.2, "{:?}", (angles.len(), at(0.5), at(0.95), at(1.0)));
+    });
+}
