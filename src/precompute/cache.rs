@@ -13,7 +13,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// First bytes of a file; the number changes whenever the layers of the same key would change.
-const MAGIC: &[u8; 20] = b"diffract layers 0002";
+const MAGIC: &[u8; 20] = b"diffract layers 0003";
 /// Bytes of the check sum and of the key.
 const HASH: usize = blake3::OUT_LEN;
 /// Numbers of 8 bytes that describe the layers in front of the texels.

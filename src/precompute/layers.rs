@@ -268,8 +268,11 @@ struct Plane {
 }
 
 impl Audit {
-    /// Judged texels per plane: the RMS of as many exponentially distributed values is good to a few per cent.
-    const TEXELS: usize = 2000;
+    /// Texels per plane that are spread evenly: the RMS of as many exponentially distributed values is good to a few per
+    /// cent.
+    const SPREAD: usize = 2000;
+    /// The brightest texels per plane, judged beside them: a grating's orders are few, and all that one sees.
+    const BRIGHTEST: usize = 500;
 
     fn new(
         transformer: &Transformer,
@@ -283,7 +286,9 @@ impl Audit {
             progress(index)?;
             let z = share * z_max;
             let spectrum = transformer.spectrum(|i| Complex64::cis(z * taylor.half_range * heights[i]));
-            let texels = reachable(transformer, z, z_max, Self::TEXELS);
+            let radius = (z_max * z_max - z * z).sqrt() / (2.0 * PI);
+            let mut texels = spread(transformer, radius, Self::SPREAD);
+            texels.extend(brightest(transformer, &spectrum, radius, Self::BRIGHTEST));
             let exact = texels.iter().map(|&[c, r]| spectrum.at(c, r)).collect();
             planes.push(Plane { z, texels, exact, terms: Vec::new() });
         }
@@ -322,19 +327,20 @@ impl Plane {
         let mut c = vec![Complex64::ZERO; terms];
         taylor.coefficients(self.z, &mut c);
         let c: Vec<Complex32> = c.iter().map(|c| Complex32::new(c.re as f32, c.im as f32)).collect();
-        let squares = self.exact.iter().enumerate().map(|(t, exact)| {
+        // Where nothing is seen, nothing can be wrong: such texels would only dilute the mean.
+        let seen = self.exact.iter().enumerate().filter(|(_, exact)| exact.norm_sqr() >= FAINT);
+        let (count, squares) = seen.fold((0usize, 0.0), |(count, squares), (t, exact)| {
             let sum: Complex32 = c.iter().zip(&self.terms).map(|(c, term)| c * term[t]).sum();
             let truth = exact.norm_sqr();
-            ((f64::from(sum.norm_sqr()) - truth) / truth.max(FAINT)).powi(2)
+            (count + 1, squares + ((f64::from(sum.norm_sqr()) - truth) / truth).powi(2))
         });
-        (squares.sum::<f64>() / self.exact.len().max(1) as f64).sqrt()
+        (squares / count.max(1) as f64).sqrt()
     }
 }
 
-/// Kept texels spread evenly over the frequencies that some direction above the horizon and wavelength reach at `z`:
-/// |f|² ≤ (z_max² − z²)/(2π)², from |(u,v,w)| ≤ 2.
-fn reachable(transformer: &Transformer, z: f64, z_max: f64, most: usize) -> Vec<[usize; 2]> {
-    let radius = (z_max * z_max - z * z).sqrt() / (2.0 * PI);
+/// Kept texels spread evenly over |f| ≤ `radius` \[µm⁻¹\], the frequencies that some direction above the horizon and some
+/// wavelength reach at one z: |f|² ≤ (z_max² − z²)/(2π)², from |(u,v,w)| ≤ 2.
+fn spread(transformer: &Transformer, radius: f64, most: usize) -> Vec<[usize; 2]> {
     let (x, y) = (&transformer.x, &transformer.y);
     // The additive recurrence of the plastic number (Roberts 2018) covers a square evenly for any count.
     const PLASTIC: f64 = 1.324_717_957_244_746;
@@ -350,6 +356,22 @@ fn reachable(transformer: &Transformer, z: f64, z_max: f64, most: usize) -> Vec<
             inside.then_some([column as usize, row as usize])
         })
         .collect()
+}
+
+/// The `most` kept texels with |f| ≤ `radius` at which `spectrum` is largest.
+fn brightest(transformer: &Transformer, spectrum: &Spectrum, radius: f64, most: usize) -> Vec<[usize; 2]> {
+    let (x, y) = (&transformer.x, &transformer.y);
+    let frequency = |k: usize, axis: &PaddedAxis| (k as f64 - axis.bins as f64) / axis.length;
+    let mut all: Vec<(f64, [usize; 2])> = (0..x.kept())
+        .flat_map(|column| (0..y.kept()).map(move |row| [column, row]))
+        .filter(|&[column, row]| frequency(column, x).hypot(frequency(row, y)) <= radius)
+        .map(|[column, row]| (spectrum.at(column, row).norm_sqr(), [column, row]))
+        .collect();
+    if all.len() > most {
+        all.select_nth_unstable_by(most, |a, b| b.0.total_cmp(&a.0));
+        all.truncate(most);
+    }
+    all.into_iter().map(|(_, texel)| texel).collect()
 }
 
 #[cfg(test)]
