@@ -7,6 +7,7 @@ pub mod cli;
 pub mod error;
 pub mod expansion;
 pub mod input;
+pub mod measure;
 pub mod memory;
 pub mod optics;
 pub mod output;

@@ -4,6 +4,7 @@ mod devices;
 mod eval;
 mod options;
 mod prepare;
+mod profile;
 mod render;
 mod surface;
 mod write;
@@ -38,6 +39,8 @@ enum Command {
     Render(render::Arguments),
     /// BRDF numbers for given directions
     Eval(eval::Arguments),
+    /// Frame times against the 5 to 15 fps target, and what the device could do
+    Profile(profile::Arguments),
     /// What is in a height field and what it will cost; generated height fields
     #[command(subcommand)]
     Surface(surface::Command),
@@ -52,6 +55,7 @@ pub fn main() -> ExitCode {
     let done = match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
+        Command::Profile(arguments) => profile::run(&arguments),
         Command::Surface(command) => surface::run(&command),
         Command::Devices(arguments) => devices::run(&arguments),
     };

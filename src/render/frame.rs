@@ -277,3 +277,45 @@ impl DirectionsPass {
         });
     }
 }
+
+/// The pass that finds out how fast the device reads the layers.
+pub struct ProbePass {
+    pipeline: Pipeline,
+}
+
+impl ProbePass {
+    /// A pass over the layout of `descriptors`.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn new(device: &Arc<Device>, descriptors: &Descriptors) -> Result<Self> {
+        let drawing = Drawing {
+            vertex_stride: 0,
+            attributes: &[],
+            colors: &[target::RADIANCE],
+            write_colors: true,
+            depth: None,
+        };
+        let fragment = Some(shader!("probe.frag"));
+        Ok(Self {
+            pipeline: Pipeline::graphics(
+                device,
+                shader!("display.vert"),
+                fragment,
+                &drawing,
+                descriptors,
+                4,
+            )?,
+        })
+    }
+
+    /// Records `samples` reads per pixel of `target`.
+    pub fn record(&self, record: &Recorder<'_>, target: &Target, descriptors: &Descriptors, samples: u32) {
+        record.images(&[(&target.radiance, Access::Nothing, Access::ColorAttachment)]);
+        record.render(&[(&target.radiance, [0.0; 4])], None, |draw| {
+            draw.bind(&self.pipeline, descriptors);
+            draw.push(&self.pipeline, &samples.to_ne_bytes());
+            draw.draw(3);
+        });
+    }
+}

@@ -1,8 +1,9 @@
 //! One picture, offscreen: what `diffract render` writes.
 
-use super::frame::{DeviceMesh, DirectionsPass, DisplayPass, SurfacePass, View};
+use super::frame::{DeviceMesh, DirectionsPass, DisplayPass, ProbePass, SurfacePass, View};
 use super::resources::{Pigment, Resources};
 use super::shading::Shading;
+use super::tables::Combs;
 use super::target::{self, Target};
 use crate::error::Result;
 use crate::precompute::Layers;
@@ -10,6 +11,7 @@ use crate::scene::Mesh;
 use crate::vk::access::Access;
 use crate::vk::commands::Commands;
 use crate::vk::device::Device;
+use crate::vk::queries::Timestamps;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -20,6 +22,7 @@ pub struct Painter {
     display: DisplayPass,
     target: Target,
     mesh: DeviceMesh,
+    timestamps: Timestamps,
     resources: Resources,
     device: Arc<Device>,
 }
@@ -67,23 +70,58 @@ impl Painter {
             display,
             target,
             mesh: DeviceMesh::new(device, mesh)?,
+            timestamps: Timestamps::new(device, 3)?,
             resources,
             device: device.clone(),
         })
     }
 
-    /// Draws `view` and leaves the result on the device.
+    /// Draws `view` and leaves the result on the device; milliseconds that the device took for shading and display.
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn draw(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<()> {
+    pub fn draw(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<[f64; 2]> {
         self.resources.frame.write(bytemuck::bytes_of(&view.block(self.target.size())))?;
         let (target, resources) = (&self.target, &self.resources);
         self.commands.run(|record| {
+            record.reset(&self.timestamps);
+            record.timestamp(&self.timestamps, 0);
             self.surface.record(record, target, &resources.descriptors, &self.mesh);
+            record.timestamp(&self.timestamps, 1);
             self.display.record(record, target, &target.display, exposure, background);
+            record.timestamp(&self.timestamps, 2);
             Ok(())
-        })
+        })?;
+        let times = self.timestamps.intervals()?;
+        Ok([times[0], times[1]])
+    }
+
+    /// Milliseconds in which the device reads `samples` bilinear samples per pixel of the layers, neighbours for
+    /// neighbouring pixels, with nothing else to do: what it could reach.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn probe(&mut self, samples: u32) -> Result<f64> {
+        let pass = ProbePass::new(&self.device, &self.resources.descriptors)?;
+        let target = &self.target;
+        let mut best = f64::INFINITY;
+        for _ in 0..5 {
+            self.commands.run(|record| {
+                record.reset(&self.timestamps);
+                record.timestamp(&self.timestamps, 0);
+                pass.record(record, target, &self.resources.descriptors, samples);
+                record.timestamp(&self.timestamps, 1);
+                record.timestamp(&self.timestamps, 2);
+                Ok(())
+            })?;
+            best = best.min(self.timestamps.intervals()?[0]);
+        }
+        Ok(best)
+    }
+
+    /// The wavelength combs that the pictures use.
+    pub fn combs(&self) -> &Combs {
+        &self.resources.combs
     }
 
     /// Draws `view` and reads the picture back.

@@ -84,9 +84,11 @@ impl Combs {
         Self { bins, nodes }
     }
 
-    /// Nodes for a direction at |(u, v)| = `uv`.
-    pub fn count(&self, uv: f64) -> usize {
-        self.bins[((uv * 0.5 * UV_BINS as f64) as usize).min(UV_BINS - 1)][1] as usize
+    /// Nodes that a direction at |(u, v)| = `uv` sums over.
+    pub fn nodes_at(&self, uv: f64) -> &[[f32; 4]] {
+        let bin = ((uv * 0.5 * UV_BINS as f64) as usize).min(UV_BINS - 1);
+        let [first, count] = self.bins[bin].map(|n| n as usize);
+        &self.nodes[first..first + count]
     }
 }
 

@@ -7,6 +7,7 @@ use super::device::Device;
 use super::failure;
 use super::image::Image;
 use super::pipeline::Pipeline;
+use super::queries::Timestamps;
 use crate::error::{Error, Result};
 use ash::vk;
 use std::sync::Arc;
@@ -121,6 +122,19 @@ impl Recorder<'_> {
         let info = vk::DependencyInfo::default().memory_barriers(&barriers);
         // SAFETY: recording is open.
         unsafe { self.device.cmd_pipeline_barrier2(self.raw, &info) };
+    }
+
+    /// Empties `timestamps` before they are written.
+    pub fn reset(&self, timestamps: &Timestamps) {
+        // SAFETY: recording is open outside of rendering; the last work that wrote the pool was waited for.
+        unsafe { self.device.cmd_reset_query_pool(self.raw, timestamps.pool(), 0, timestamps.count()) };
+    }
+
+    /// Writes timestamp `index` when all work recorded so far is done.
+    pub fn timestamp(&self, timestamps: &Timestamps, index: u32) {
+        let all = vk::PipelineStageFlags2::ALL_COMMANDS;
+        // SAFETY: recording is open and the query was reset.
+        unsafe { self.device.cmd_write_timestamp2(self.raw, all, timestamps.pool(), index) };
     }
 
     /// Copies `bytes` from the start of one buffer into another.

@@ -12,6 +12,7 @@ pub mod device;
 pub mod image;
 pub mod instance;
 pub mod pipeline;
+pub mod queries;
 pub mod sampler;
 pub mod selection;
 

@@ -26,6 +26,8 @@ pub struct Candidate {
     pub max_side: u32,
     /// Most array layers.
     pub max_layers: u32,
+    /// Nanoseconds of one tick of its clock.
+    pub timestamp_period: f64,
     /// What is missing, if anything.
     pub missing: Vec<&'static str>,
 }
@@ -106,6 +108,7 @@ fn describe(instance: &Instance, raw: vk::PhysicalDevice) -> Candidate {
         memory: local.map(|h| h.size).max().unwrap_or(0),
         max_side: p.limits.max_image_dimension2_d,
         max_layers: p.limits.max_image_array_layers,
+        timestamp_period: f64::from(p.limits.timestamp_period),
         missing: missing(instance, raw, p.api_version, queue_family),
         driver: format!("{} {}", text(&driver.driver_name), text(&driver.driver_info)),
     }
@@ -237,6 +240,7 @@ mod tests {
             memory: 1 << 30,
             max_side: 16_384,
             max_layers: 256,
+            timestamp_period: 1.0,
             missing,
         }
     }

@@ -1,0 +1,4 @@
+//! What a setting costs: frame times, samples, the device's own limit.
+
+pub mod cost;
+pub mod profile;
