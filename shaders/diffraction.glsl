@@ -48,15 +48,14 @@ bool in_band(Pair pair, float wavenumber) {
 // |P|^2 relative to the flat mirror's peak, at a wavenumber 1/lambda [1/um] within the band.
 float power(Pair pair, float wavenumber) {
     Read read = read_at(pair.toward * wavenumber);
-    float place = 2.0 * PI * wavenumber * pair.w * optics.entries_per_z;
-    int entry = min(int(place), optics.entries - 2);
-    float share = place - float(entry);
-    int count = pairs_needed[entry];
-    int first = entry * optics.pairs;
+    float column = 2.0 * PI * wavenumber * pair.w * optics.columns_per_z + optics.first_column;
+    float row = 1.0 / float(optics.pairs + 1);
+    // The row of counts never falls along z: between two columns, rounding up takes the larger.
+    int count = int(ceil(textureLod(coefficients, vec2(column, 1.0 - 0.5 * row), 0.0).x));
     vec2 p = vec2(0.0);
     for (int layer = 0; layer < count; ++layer) {
         // Interpolating all coefficients alike interpolates e^{izh} itself: an error of (dz a)^2/8 and no cancellation.
-        vec4 c = mix(coefficients[first + layer], coefficients[first + optics.pairs + layer], share);
+        vec4 c = textureLod(coefficients, vec2(column, (float(layer) + 0.5) * row), 0.0);
         c.yw *= pair.conjugate;
         vec4 s = read_layer(read, layer);
         p += vec2(c.x * s.x - c.y * s.y, c.x * s.y + c.y * s.x);
@@ -80,8 +79,8 @@ vec3 cosine_weighted_xyz(Pair pair) {
         return xyz;
     }
     ivec2 comb = combs[min(int(pair.uv * (0.5 * float(UV_BINS))), UV_BINS - 1)];
-    for (int node = comb.x; node < comb.x + comb.y; ++node) {
-        vec4 weight_and_wavenumber = nodes[node];
+    for (int node = 0; node < comb.y; ++node) {
+        vec4 weight_and_wavenumber = texelFetch(nodes, ivec2(node, comb.x), 0);
         float wavenumber = weight_and_wavenumber.w;
         if (!in_band(pair, wavenumber)) {
             break; // wavenumbers grow

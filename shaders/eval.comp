@@ -12,8 +12,8 @@ struct Query {
     vec4 view;  // xyz: to the viewer
 };
 
-layout(set = 0, binding = 8, std430) readonly buffer Queries { Query queries[]; };
-layout(set = 0, binding = 9, std430) writeonly buffer Answers { vec4 answers[]; }; // f cos(theta_i): value or XYZ
+layout(set = 0, binding = 7, std430) readonly buffer Queries { Query queries[]; };
+layout(set = 0, binding = 8, std430) writeonly buffer Answers { vec4 answers[]; }; // f cos(theta_i): value or XYZ
 
 layout(push_constant) uniform Count { uint count; } total;
 

@@ -22,25 +22,23 @@ layout(set = 0, binding = 1, std140) uniform Optics {
     vec2 band;                      // largest |f_x|, |f_y| that holds anything [1/um]
     float sigma;                    // standard deviation of the Gaussian window [um]
     float normal_reflectance;       // R0 of Schlick
-    float entries_per_z;            // entries of `coefficients` per unit of k|w| [um]
+    float columns_per_z;            // texture coordinate in `coefficients` per unit of k|w| [um]
+    float first_column;             // texture coordinate of k|w| = 0
     int kernel;                     // KERNEL_*
     int pairs;                      // layers: pairs of terms
-    int entries;                    // entries of `coefficients` and `pairs_needed`
 } optics;
 
 // Spectra of the basis functions: RGBA = Re, Im of term 2p, Re, Im of term 2p + 1, relative to the flat mirror's peak.
 layout(set = 0, binding = 2) uniform sampler2DArray layers;
 
-// c_2p, c_2p+1 as (Re, Im, Re, Im) at z = entry / entries_per_z: [entry * pairs + p].
-layout(set = 0, binding = 3, std430) readonly buffer Coefficients { vec4 coefficients[]; };
+// Over z = k|w|: row p has c_2p, c_2p+1 as (Re, Im, Re, Im); the row after the last has in x how many pairs z needs.
+// Small tables are textures because software devices read those eight lanes at a time, and buffers lane by lane.
+layout(set = 0, binding = 3) uniform sampler2D coefficients;
 
-// How many pairs a z up to the entry's end needs.
-layout(set = 0, binding = 4, std430) readonly buffer PairsNeeded { int pairs_needed[]; };
+// Wavelength combs: row of `nodes` and number of nodes for each bin of |(u, v)|.
+layout(set = 0, binding = 4, std430) readonly buffer Combs { ivec2 combs[]; };
 
-// Wavelength combs: first node and number of nodes for each bin of |(u, v)|.
-layout(set = 0, binding = 5, std430) readonly buffer Combs { ivec2 combs[]; };
+// A comb a row: XYZ weight and wavenumber 1/lambda [1/um] of each node, the wavenumber growing.
+layout(set = 0, binding = 5) uniform sampler2D nodes;
 
-// Nodes of all combs: XYZ weight and wavenumber 1/lambda [1/um], growing within a comb.
-layout(set = 0, binding = 6, std430) readonly buffer Nodes { vec4 nodes[]; };
-
-layout(set = 0, binding = 7) uniform sampler2D pigment;
+layout(set = 0, binding = 6) uniform sampler2D pigment;

@@ -5,7 +5,7 @@
 
 layout(local_size_x = 1) in;
 
-layout(set = 0, binding = 9, std430) writeonly buffer Answers { vec4 answers[]; };
+layout(set = 0, binding = 8, std430) writeonly buffer Answers { vec4 answers[]; };
 
 void main() {
     int n = 0;
@@ -20,6 +20,6 @@ void main() {
     answers[n++] = vec4(frame.counts);
     answers[n++] = vec4(optics.texture_size, optics.origin);
     answers[n++] = vec4(optics.texels_per_frequency, optics.band);
-    answers[n++] = vec4(optics.sigma, optics.normal_reflectance, optics.entries_per_z, float(optics.kernel));
-    answers[n++] = vec4(float(optics.pairs), float(optics.entries), float(MAX_LIGHTS), float(UV_BINS));
+    answers[n++] = vec4(optics.sigma, optics.normal_reflectance, optics.columns_per_z, optics.first_column);
+    answers[n++] = vec4(float(optics.kernel), float(optics.pairs), float(MAX_LIGHTS), float(UV_BINS));
 }

@@ -16,20 +16,18 @@ pub mod binding {
     pub const OPTICS: u32 = 1;
     /// The layers' texture.
     pub const LAYERS: u32 = 2;
-    /// c_n(z).
+    /// c_n(z), and the pairs of terms that z needs.
     pub const COEFFICIENTS: u32 = 3;
-    /// Pairs of terms that z needs.
-    pub const PAIRS_NEEDED: u32 = 4;
     /// Wavelength combs by |(u, v)|.
-    pub const COMBS: u32 = 5;
+    pub const COMBS: u32 = 4;
     /// Nodes of all combs.
-    pub const NODES: u32 = 6;
+    pub const NODES: u32 = 5;
     /// Pigment texture.
-    pub const PIGMENT: u32 = 7;
+    pub const PIGMENT: u32 = 6;
     /// Directions to evaluate.
-    pub const QUERIES: u32 = 8;
+    pub const QUERIES: u32 = 7;
     /// What they evaluate to.
-    pub const ANSWERS: u32 = 9;
+    pub const ANSWERS: u32 = 8;
 }
 
 /// The `Frame` block (std140).
@@ -64,14 +62,14 @@ pub struct OpticsBlock {
     pub sigma: f32,
     /// R₀ of Schlick.
     pub normal_reflectance: f32,
-    /// Entries of the coefficient table per unit of k|w|.
-    pub entries_per_z: f32,
+    /// Texture coordinate in the coefficients per unit of k|w|.
+    pub columns_per_z: f32,
+    /// Texture coordinate of k|w| = 0.
+    pub first_column: f32,
     /// 0: bilinear, 1: cubic B-spline.
     pub kernel: i32,
     /// Pairs of terms.
     pub pairs: i32,
-    /// Entries of the coefficient table.
-    pub entries: i32,
     /// std140 rounds a block up to 16 bytes.
     pub padding: [i32; 2],
 }
@@ -95,10 +93,9 @@ pub fn optics_bindings() -> Vec<Binding> {
         (binding::FRAME, T::UNIFORM_BUFFER),
         (binding::OPTICS, T::UNIFORM_BUFFER),
         (binding::LAYERS, T::COMBINED_IMAGE_SAMPLER),
-        (binding::COEFFICIENTS, T::STORAGE_BUFFER),
-        (binding::PAIRS_NEEDED, T::STORAGE_BUFFER),
+        (binding::COEFFICIENTS, T::COMBINED_IMAGE_SAMPLER),
         (binding::COMBS, T::STORAGE_BUFFER),
-        (binding::NODES, T::STORAGE_BUFFER),
+        (binding::NODES, T::COMBINED_IMAGE_SAMPLER),
         (binding::PIGMENT, T::COMBINED_IMAGE_SAMPLER),
         (binding::QUERIES, T::STORAGE_BUFFER),
         (binding::ANSWERS, T::STORAGE_BUFFER),

@@ -2,7 +2,7 @@
 
 use super::interface::{FrameBlock, OpticsBlock, binding, optics_bindings};
 use super::shading::Shading;
-use super::tables::{Coefficients, Combs};
+use super::tables::{Coefficients, Combs, Table};
 use super::upload;
 use crate::error::Result;
 use crate::optics::brdf::schlick;
@@ -33,6 +33,9 @@ impl Pigment {
     }
 }
 
+/// Name of the layers' texture.
+const LAYERS: &str = "layers";
+
 /// Everything of set 0, on the device.
 pub struct Resources {
     /// The set that pipelines bind.
@@ -42,10 +45,9 @@ pub struct Resources {
     /// Wavelength combs, for counting what a frame does.
     pub combs: Combs,
     // Held for the descriptor set; fields go in order, so it goes first.
-    _layers: Image,
-    _pigment: Image,
+    _images: [Image; 4],
     _samplers: [Sampler; 2],
-    _buffers: [Buffer; 5],
+    _buffers: [Buffer; 2],
 }
 
 impl Resources {
@@ -56,45 +58,38 @@ impl Resources {
     pub fn new(device: &Arc<Device>, layers: &Layers, shading: &Shading, pigment: &Pigment) -> Result<Self> {
         let coefficients = Coefficients::new(layers, shading.tolerance);
         let combs = Combs::new(&shading.illuminant, layers.sigma, shading.tolerance, shading.wavelengths);
-        let layer_image = layer_texture(device, layers)?;
-        let pigment_image = pigment_texture(device, pigment)?;
-        let edge = Sampler::linear(device, "layer sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
+        let float = vk::Format::R32G32B32A32_SFLOAT;
+        let table = |name, table: &Table| {
+            texture(device, name, float, table.size, 1, bytemuck::cast_slice(&table.values))
+        };
+        let pairs = layers.pairs() as u32;
+        let pigment_size = pigment.size.map(|n| n as usize);
+        let images = [
+            texture(device, LAYERS, float, layers.size, pairs, bytemuck::cast_slice(&layers.texels))?,
+            table("coefficients", &coefficients.table)?,
+            table("nodes", &combs.nodes)?,
+            texture(device, "pigment", vk::Format::R8G8B8A8_SRGB, pigment_size, 1, &pigment.texels)?,
+        ];
+        let edge = Sampler::linear(device, "table sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         let repeat = Sampler::linear(device, "pigment sampler", vk::SamplerAddressMode::REPEAT)?;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let optics = optics_block(layers, &coefficients, shading.ior);
         let buffers = [
             upload::buffer(device, "optics", uniform, bytemuck::bytes_of(&optics))?,
-            upload::buffer(device, "coefficients", storage, bytemuck::cast_slice(&coefficients.values))?,
-            upload::buffer(
-                device,
-                "pairs needed",
-                storage,
-                bytemuck::cast_slice(&coefficients.pairs_needed),
-            )?,
             upload::buffer(device, "combs", storage, bytemuck::cast_slice(&combs.bins))?,
-            upload::buffer(device, "nodes", storage, bytemuck::cast_slice(&combs.nodes))?,
         ];
         let frame =
             Buffer::new(device, "frame", size_of::<FrameBlock>() as u64, uniform, MemoryLocation::CpuToGpu)?;
         let descriptors = Descriptors::new(device, "optics set", &optics_bindings())?;
         descriptors.buffer(binding::FRAME, &frame);
-        let numbers =
-            [binding::OPTICS, binding::COEFFICIENTS, binding::PAIRS_NEEDED, binding::COMBS, binding::NODES];
-        for (number, buffer) in numbers.into_iter().zip(&buffers) {
-            descriptors.buffer(number, buffer);
+        descriptors.buffer(binding::OPTICS, &buffers[0]);
+        descriptors.buffer(binding::COMBS, &buffers[1]);
+        let numbers = [binding::LAYERS, binding::COEFFICIENTS, binding::NODES, binding::PIGMENT];
+        for (number, image) in numbers.into_iter().zip(&images) {
+            descriptors.image(number, image, if number == binding::PIGMENT { &repeat } else { &edge });
         }
-        descriptors.image(binding::LAYERS, &layer_image, &edge);
-        descriptors.image(binding::PIGMENT, &pigment_image, &repeat);
-        Ok(Self {
-            descriptors,
-            frame,
-            combs,
-            _layers: layer_image,
-            _pigment: pigment_image,
-            _samplers: [edge, repeat],
-            _buffers: buffers,
-        })
+        Ok(Self { descriptors, frame, combs, _images: images, _samplers: [edge, repeat], _buffers: buffers })
     }
 }
 
@@ -108,42 +103,31 @@ pub fn optics_block(layers: &Layers, coefficients: &Coefficients, ior: f64) -> O
         band: pair(layers.band),
         sigma: layers.sigma as f32,
         normal_reflectance: schlick(ior, 1.0) as f32,
-        entries_per_z: coefficients.entries_per_z as f32,
+        columns_per_z: (1.0 / (coefficients.step * coefficients.table.size[0] as f64)) as f32,
+        first_column: (0.5 / coefficients.table.size[0] as f64) as f32,
         kernel: match layers.interpolation.kernel {
             Kernel::Bilinear => 0,
             Kernel::Bspline => 1,
         },
         pairs: layers.pairs() as i32,
-        entries: coefficients.entries() as i32,
         padding: [0; 2],
     }
 }
 
-fn layer_texture(device: &Arc<Device>, layers: &Layers) -> Result<Image> {
-    let count = layers.pairs() as u32;
-    let description = Description {
-        name: "layers",
-        format: vk::Format::R32G32B32A32_SFLOAT,
-        size: layers.size.map(|n| n as u32),
-        layers: count,
-        array: true,
-        usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
-    };
-    let image = Image::new(device, &description)?;
-    upload::image(device, &image, count, bytemuck::cast_slice(&layers.texels))?;
-    Ok(image)
-}
-
-fn pigment_texture(device: &Arc<Device>, pigment: &Pigment) -> Result<Image> {
-    let description = Description {
-        name: "pigment",
-        format: vk::Format::R8G8B8A8_SRGB,
-        size: pigment.size,
-        layers: 1,
-        array: false,
-        usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
-    };
-    let image = Image::new(device, &description)?;
-    upload::image(device, &image, 1, &pigment.texels)?;
+/// A texture of `layers` layers that holds tightly packed `data`, ready for shaders.
+fn texture(
+    device: &Arc<Device>,
+    name: &str,
+    format: vk::Format,
+    size: [usize; 2],
+    layers: u32,
+    data: &[u8],
+) -> Result<Image> {
+    let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+    // Only the layers are declared an array, even if there is one.
+    let array = name == LAYERS;
+    let size = size.map(|n| n as u32);
+    let image = Image::new(device, &Description { name, format, size, layers, array, usage })?;
+    upload::image(device, &image, layers, data)?;
     Ok(image)
 }

@@ -46,10 +46,10 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             band: [107.0, 108.0],
             sigma: 109.0,
             normal_reflectance: 110.0,
-            entries_per_z: 111.0,
-            kernel: 112,
-            pairs: 113,
-            entries: 114,
+            columns_per_z: 111.0,
+            first_column: 112.0,
+            kernel: 113,
+            pairs: 114,
             padding: [0; 2],
         };
         expected.extend([
