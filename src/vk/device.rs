@@ -39,8 +39,11 @@ impl Device {
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(queue_family)
             .queue_priorities(&priorities)];
-        let mut v13 =
-            vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true);
+        // Every Vulkan 1.3 device has maintenance4: workgroup sizes by specialisation, and outputs that no stage reads.
+        let mut v13 = vk::PhysicalDeviceVulkan13Features::default()
+            .dynamic_rendering(true)
+            .synchronization2(true)
+            .maintenance4(true);
         let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut v13);
         // SAFETY: `candidate.raw` belongs to the live instance; `info` and what it points to outlive the calls; queue 0
         // of the family was just asked for.
