@@ -32,13 +32,13 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", value_parser = units::size, default_value = "1280x720")]
+    #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "1280x720")]
     size: [u32; 2],
     /// Exposure in stops, instead of the scene's
     #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true)]
     exposure: Option<f64>,
     /// A light instead of the scene's, in degrees from up and around it; up to four
-    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light)]
+    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
     light: Vec<Light>,
     #[command(flatten)]
     surface: SurfaceOptions,

@@ -1,6 +1,6 @@
 //! `diffract surface`: what is in a height field, and generated ones.
 
-use super::options::SurfaceOptions;
+use super::options::{SurfaceOptions, seed};
 use super::write;
 use crate::error::{Error, Result};
 use crate::expansion::HeightScale;
@@ -43,19 +43,19 @@ pub struct Synth {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Which one of the many skins of one kind
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1")]
     seed: u64,
     /// Side of the patch, rounded to whole periods, as in 20um or 20umx10um
-    #[arg(long, value_name = "LENGTH", value_parser = units::length_pair)]
+    #[arg(long, value_name = "LENGTH", value_parser = units::length_pair, allow_hyphen_values = true)]
     patch: Option<[f64; 2]>,
     /// Largest distance between samples
-    #[arg(long, value_name = "LENGTH", value_parser = units::length_pair)]
+    #[arg(long, value_name = "LENGTH", value_parser = units::length_pair, allow_hyphen_values = true)]
     pixel_size: Option<[f64; 2]>,
     /// Period along x
-    #[arg(long, value_name = "LENGTH", value_parser = units::length)]
+    #[arg(long, value_name = "LENGTH", value_parser = units::length, allow_hyphen_values = true)]
     period: Option<f64>,
     /// Full height
-    #[arg(long, value_name = "LENGTH", value_parser = units::length)]
+    #[arg(long, value_name = "LENGTH", value_parser = units::length, allow_hyphen_values = true)]
     height: Option<f64>,
 }
 
