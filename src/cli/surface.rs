@@ -81,7 +81,8 @@ fn synthesise(arguments: &Synth) -> Result<()> {
     let &Synth { kind, seed, patch, pixel_size, period, height, ref output } = arguments;
     write::check_target(output)?;
     let field = synth::generate(&Spec { kind, seed, patch, pixel_size, period, height })?;
-    let full_height = image_file::write(output, &field)?;
+    // A flat field has code 0 all over: every height reads it back, and an option takes none of zero.
+    let full_height = Some(image_file::write(output, &field)?).filter(|h| *h > 0.0).unwrap_or(1e-3);
     let [dx, dy] = field.pixel_size();
     let [columns, rows] = [field.columns(), field.rows()];
     // Enough digits that the file read back has the same frequencies to a millionth.
