@@ -3,6 +3,7 @@
 use super::options::{DeviceOptions, Method, OpticsOptions, SurfaceOptions, exposure};
 use super::{prepare, write};
 use crate::error::{Error, Result};
+use crate::optics::coherence::Coherence;
 use crate::optics::color;
 use crate::optics::spectrum::SHORTEST;
 use crate::render::frame::View;
@@ -71,10 +72,12 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
         ));
     }
     let device = prepare::device(&arguments.device.wish())?;
-    // The reference needs the frame's directions only; the layers for them are the smallest there are.
+    // The reference needs the frame's directions only; these layers are the smallest there are, and always the same.
     let layers = if reference {
-        let flat = HeightField::new(1, 1, field.pixel_size(), vec![0.0])?;
-        prepare::layers(&flat, &Shading { tolerance: 1e-1, ..Shading::default() }, SHORTEST, &device)?
+        let flat = HeightField::new(1, 1, [SHORTEST / 4.0; 2], vec![0.0])?;
+        let coherence = Coherence::Gaussian { length: 1.0 };
+        let shading = Shading { coherence, tolerance: 1e-1, ..Shading::default() };
+        prepare::layers(&flat, &shading, SHORTEST, &device)?
     } else {
         prepare::layers(field, shading, SHORTEST, &device)?
     };
