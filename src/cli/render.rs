@@ -13,7 +13,7 @@ use crate::render::resources::Pigment;
 use crate::render::shading::Shading;
 use crate::scene::{Light, MAX_LIGHTS, Scene};
 use crate::surface::HeightField;
-use crate::{input, units};
+use crate::{input, output, units};
 use clap::Args;
 use glam::DVec3;
 use std::io::Read;
@@ -52,7 +52,7 @@ pub struct Arguments {
 /// Draws and writes.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let format = write::PictureFormat::of(&arguments.output)?;
-    write::check_target(&arguments.output)?;
+    output::check(&arguments.output)?;
     if arguments.light.len() > MAX_LIGHTS {
         return Err(Error::usage("there are too many lights", format!("give at most {MAX_LIGHTS}")));
     }

@@ -9,7 +9,7 @@ use crate::optics::spectrum::SHORTEST;
 use crate::precompute::layers::largest_z;
 use crate::surface::synth::{self, Kind, Spec};
 use crate::surface::{HeightField, Statistics, image_file};
-use crate::units;
+use crate::{output, units};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
@@ -78,17 +78,17 @@ pub fn run(command: &Command) -> Result<()> {
 }
 
 fn synthesise(arguments: &Synth) -> Result<()> {
-    let &Synth { kind, seed, patch, pixel_size, period, height, ref output } = arguments;
-    write::check_target(output)?;
+    let &Synth { kind, seed, patch, pixel_size, period, height, output: ref path } = arguments;
+    output::check(path)?;
     let field = synth::generate(&Spec { kind, seed, patch, pixel_size, period, height })?;
     // A flat field has code 0 all over: every height reads it back, and an option takes none of zero.
-    let full_height = Some(image_file::write(output, &field)?).filter(|h| *h > 0.0).unwrap_or(1e-3);
+    let full_height = Some(image_file::write(path, &field)?).filter(|h| *h > 0.0).unwrap_or(1e-3);
     let [dx, dy] = field.pixel_size();
     let [columns, rows] = [field.columns(), field.rows()];
     // Enough digits that the file read back has the same frequencies to a millionth.
     let options =
         format!("--pixel-size {:.7}nmx{:.7}nm --height {:.7}nm", dx * 1e3, dy * 1e3, full_height * 1e3);
-    write::stdout(&format!("{}: {columns} x {rows} samples; read it with {options}\n", output.display()))
+    write::stdout(&format!("{}: {columns} x {rows} samples; read it with {options}\n", path.display()))
 }
 
 /// The numbers of a height field, for reading by eye.
