@@ -40,6 +40,13 @@ impl Error {
         self
     }
 
+    /// The same error with a second remedy behind the first.
+    #[must_use]
+    pub fn or(mut self, remedy: impl fmt::Display) -> Self {
+        self.remedy = format!("{}, or {remedy}", self.remedy);
+        self
+    }
+
     /// Whose turn it is to act.
     pub fn kind(&self) -> Kind {
         self.kind
@@ -56,10 +63,21 @@ impl Error {
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // File names and library messages may hold line breaks; an error is one line.
-        let line = |s: &str| s.split_whitespace().collect::<Vec<_>>().join(" ");
         write!(f, "{}; {}", line(&self.what), line(&self.remedy))
     }
+}
+
+/// `text` on one plain line of readable length: file names and library messages may hold line breaks, what a terminal
+/// obeys, or a megabyte of nines.
+fn line(text: &str) -> String {
+    /// Longer than the words of any language and almost all paths.
+    const LONGEST: usize = 400;
+    let words = text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty());
+    let shown = words.map(|word| match word.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &word[..end]),
+        None => word.to_owned(),
+    });
+    shown.collect::<Vec<_>>().join(" ")
 }
 
 impl std::error::Error for Error {}
@@ -72,6 +90,8 @@ mod tests {
     fn an_error_is_one_line_that_names_place_and_remedy() {
         let e = Error::failed("cannot read\nit", "check the path").at("a\nb.png");
         assert_eq!(e.to_string(), "a b.png: cannot read it; check the path");
+        assert_eq!(Error::usage("red\u{1b}[31m", "b").to_string(), "red [31m; b");
+        assert!(Error::usage("9".repeat(1 << 20), "b").to_string().len() < 500);
         assert_eq!(e.exit_code(), 1);
         assert_eq!(Error::usage("a", "b").exit_code(), 2);
     }

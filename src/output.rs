@@ -5,6 +5,9 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+/// How the names of files begin that are still being written.
+pub const TEMPORARY: &str = ".diffract-";
+
 /// Writes the file `path` through `write`, which gets a buffered, seekable writer.
 ///
 /// The bytes go to a temporary file in the same folder, which is renamed to `path` when all of them are on disk. A
@@ -18,12 +21,7 @@ pub fn write_atomically<T>(
     write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<T>,
 ) -> Result<T> {
     let target = resolve(path)?;
-    let folder = match target.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let mut temporary =
-        new_file().tempfile_in(folder).map_err(|e| cannot_create(&e, folder).at(path.display()))?;
+    let mut temporary = temporary_beside(&target).map_err(|e| e.at(path.display()))?;
     let mut writer = BufWriter::new(temporary.as_file_mut());
     let value = write(&mut writer)?;
     writer.flush().map_err(|e| write_failed(path, &e))?;
@@ -31,6 +29,23 @@ pub fn write_atomically<T>(
     temporary.as_file().sync_all().map_err(|e| write_failed(path, &e))?;
     temporary.persist(&target).map_err(|e| write_failed(path, &e.error))?;
     Ok(value)
+}
+
+/// Fails where [`write_atomically`] would: asked before long work whose result would be lost.
+///
+/// # Errors
+/// As [`write_atomically`]. A disk that fills up in between is not foreseen.
+pub fn check(path: &Path) -> Result<()> {
+    temporary_beside(&resolve(path)?).map(drop).map_err(|e| e.at(path.display()))
+}
+
+/// A temporary file in the folder of `target`, gone with its value.
+fn temporary_beside(target: &Path) -> Result<tempfile::NamedTempFile> {
+    let folder = match target.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    new_file().tempfile_in(folder).map_err(|e| cannot_create(&e, folder))
 }
 
 /// The error for a write to `path` that the system refused.
@@ -41,7 +56,8 @@ pub fn write_failed(path: &Path, cause: &io::Error) -> Error {
 
 /// The file that `path` means, links followed, unless it is something that must not be replaced.
 fn resolve(path: &Path) -> Result<PathBuf> {
-    if path.file_name().is_none() {
+    let ends_as_a_folder = path.to_string_lossy().ends_with(std::path::is_separator);
+    if path.file_name().is_none() || ends_as_a_folder {
         return Err(Error::usage(
             format!("'{}' names no file", path.display()),
             "give the output a file name",
@@ -79,7 +95,7 @@ fn cannot_create(cause: &io::Error, folder: &Path) -> Error {
 /// A temporary file whose permissions are those of any new file; the default of `tempfile` is the owner only.
 fn new_file() -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".diffract-");
+    builder.prefix(TEMPORARY);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -138,7 +154,10 @@ mod tests {
         let e = put(folder.path(), "x").unwrap_err();
         assert!(e.to_string().contains("is a folder") && e.exit_code() == 2, "{e}");
         assert!(put(Path::new(""), "x").is_err());
+        assert!(put(&folder.path().join("a.txt/"), "x").unwrap_err().to_string().contains("names no file"));
         fs::write(folder.path().join("file"), "x").unwrap();
+        assert!(check(&folder.path().join("b.txt")).is_ok() && check(folder.path()).is_err());
+        assert!(check(&folder.path().join("no/a.txt")).is_err() && entries(folder.path()) == 1);
         assert!(put(&folder.path().join("file/a.txt"), "x").is_err());
         #[cfg(unix)]
         assert!(put(Path::new("/dev/null"), "x").unwrap_err().to_string().contains("not a regular file"));

@@ -12,6 +12,9 @@ const LENGTHS: [(&str, f64); 6] =
 /// Angle units and what one of them is \[degrees\].
 const ANGLES: [(&str, f64); 3] = [("deg", 1.0), ("\u{b0}", 1.0), ("rad", 180.0 / std::f64::consts::PI)];
 
+/// Lengths that can be meant here, from a hundredth of an atom to a metre \[µm\]; sums of their powers stay numbers.
+const MEANT: (f64, f64) = (1e-6, 1e6);
+
 /// The longest side of a picture, in pixels: what Vulkan devices commonly take.
 pub const MAX_PIXELS: u32 = 16_384;
 
@@ -35,10 +38,16 @@ pub struct Light {
 /// A positive length such as `65um`, `434.7nm`, `0.5mm` or `1µm` \[µm\].
 ///
 /// # Errors
-/// No number, no unit or an unknown one, a number that is not finite and positive.
+/// No number, no unit or an unknown one, a number that is not finite and positive, a length outside 1 pm … 1 m.
 pub fn length(text: &str) -> Result<f64> {
     let value = with_unit(text, &LENGTHS, "12nm, 12um or 12mm")?;
-    if value > 0.0 { Ok(value) } else { Err(not_positive(text)) }
+    if value <= 0.0 {
+        return Err(not_positive(text));
+    }
+    if !(MEANT.0..=MEANT.1).contains(&value) {
+        return Err(Error::usage(format!("'{}' is out of range", text.trim()), "write 0.001nm to 1m"));
+    }
+    Ok(value)
 }
 
 /// One length for both axes, or two as in `80nmx90nm` (`x` or `×`) \[µm\].
@@ -224,6 +233,8 @@ mod tests {
             "1e999um",
             "1e308m",
             "1e-323nm",
+            "1e-4nm",
+            "1.1m",
             "12km",
             "12 parsec",
             "1,5um",

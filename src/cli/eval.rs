@@ -53,7 +53,7 @@ pub struct Arguments {
 /// Evaluates and writes.
 pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.output {
-        write::check_target(path)?;
+        output::check(path)?;
     }
     let shading = arguments.optics.shading()?;
     let table = Table::read(&arguments.queries)?;

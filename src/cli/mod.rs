@@ -7,10 +7,12 @@ mod prepare;
 mod profile;
 mod render;
 mod surface;
+mod usage;
 mod write;
 
 use crate::error::{Error, Result};
 use clap::{Parser, Subcommand};
+use std::io::Write;
 use std::process::ExitCode;
 
 /// Structural colour from a measured height field.
@@ -50,22 +52,28 @@ enum Command {
 
 /// Runs the program on the process's own arguments.
 pub fn main() -> ExitCode {
-    // clap prints help to stdout with code 0, and wrong use to stderr with code 2.
-    let arguments = Arguments::parse();
-    let done = match arguments.command {
+    match usage::parse(std::env::args_os()).and_then(|arguments| arguments.map_or(Ok(()), run)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            say(&error);
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn run(arguments: Arguments) -> Result<()> {
+    match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Profile(arguments) => profile::run(&arguments),
         Command::Surface(command) => surface::run(&command),
         Command::Devices(arguments) => devices::run(&arguments),
-    };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("diffract: {error}");
-            ExitCode::from(error.exit_code())
-        }
     }
+}
+
+/// One line on stderr; where nobody listens there, that is no reason to fail.
+fn say(line: &dyn std::fmt::Display) {
+    let _ = writeln!(std::io::stderr(), "diffract: {line}");
 }
 
 /// Whether Vulkan validation is asked for; then each of its messages is an error.

@@ -52,16 +52,16 @@ pub struct SurfaceOptions {
     #[arg(long, value_name = "FILE|BUILTIN")]
     pub surface: Option<String>,
     /// Distance between samples, as in 97.66nm or 80nmx90nm
-    #[arg(long, value_name = "LENGTH", value_parser = units::length_pair)]
+    #[arg(long, value_name = "LENGTH", value_parser = units::length_pair, allow_hyphen_values = true)]
     pub pixel_size: Option<[f64; 2]>,
     /// Height that the file's largest code stands for, as in 434.7nm; full height of a built-in
-    #[arg(long, value_name = "LENGTH", value_parser = units::length)]
+    #[arg(long, value_name = "LENGTH", value_parser = units::length, allow_hyphen_values = true)]
     pub height: Option<f64>,
     /// What to subtract from the heights: none, mean or plane
     #[arg(long, value_name = "LEVEL", value_parser = level, default_value = "none")]
     pub level: Level,
     /// Which one of the many skins of one kind
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1")]
     pub seed: u64,
 }
 
@@ -129,22 +129,22 @@ pub struct OpticsOptions {
     #[arg(long, value_enum, default_value_t)]
     pub basis: Basis,
     /// Relative error that you accept; everything else follows from it unless named
-    #[arg(long, value_name = "E", value_parser = tolerance, default_value = "1e-2")]
+    #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true, default_value = "1e-2")]
     pub tolerance: f64,
     /// Terms of the expansion, instead of what the tolerance asks for
-    #[arg(long, value_name = "N", value_parser = terms)]
+    #[arg(long, value_name = "N", value_parser = terms, allow_hyphen_values = true)]
     pub terms: Option<usize>,
     /// Wavelengths of a colour, instead of what the tolerance asks for
-    #[arg(long, value_name = "N", value_parser = wavelengths)]
+    #[arg(long, value_name = "N", value_parser = wavelengths, allow_hyphen_values = true)]
     pub wavelengths: Option<usize>,
     /// What surrounds the patch: gaussian:LENGTH or repeats:NxM
     #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
     pub coherence: Coherence,
     /// Window centres to average over
-    #[arg(long, value_name = "NxM", value_parser = windows, default_value = "1x1")]
+    #[arg(long, value_name = "NxM", value_parser = windows, allow_hyphen_values = true, default_value = "1x1")]
     pub windows: [u32; 2],
     /// Refractive index of the surface
-    #[arg(long, value_name = "N", value_parser = ior, default_value = "1.5")]
+    #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true, default_value = "1.5")]
     pub ior: f64,
     /// The light's spectrum: d65, a, e, or a CSV file of wavelength in nm and power
     #[arg(long, value_name = "NAME|FILE", default_value = "d65")]
@@ -198,6 +198,13 @@ fn whole(text: &str, range: (usize, usize), what: &str) -> Result<usize> {
             format!("`{text}` is no number of {what}"),
             format!("give a whole number from {} to {}", range.0, range.1),
         )
+    })
+}
+
+/// A seed: any whole number of 64 bits.
+pub fn seed(text: &str) -> Result<u64> {
+    text.trim().parse().map_err(|_| {
+        Error::usage(format!("`{text}` is no seed"), format!("give a whole number from 0 to {}", u64::MAX))
     })
 }
 

@@ -1,6 +1,6 @@
 //! What commands need before they can shade: a device, and the layers, from the cache or made with a progress bar.
 
-use super::{check_validation, validation};
+use super::{check_validation, say, validation};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::precompute::{self, Layers, Settings, cache};
@@ -63,7 +63,7 @@ pub fn layers(field: &HeightField, shading: &Shading, shortest: f64, device: &De
     if let Some(folder) = folder
         && let Err(error) = cache::store(&folder, &key, &layers)
     {
-        eprintln!("diffract: the spectra are not kept for next time: {error}");
+        say(&format_args!("the spectra are not kept for next time: {error}"));
     }
     Ok(layers)
 }
@@ -75,13 +75,13 @@ pub fn warn_of_coarse_samples(field: &HeightField, shortest: f64) {
     // Spacings like 97.66 nm are meant to be enough; only what loses a visible part is told.
     if coarsest > needed * 1.001 {
         let limit = (shortest / (2.0 * coarsest)).min(2.0);
-        eprintln!(
-            "diffract: samples {:.1} nm apart hold |u| up to {limit:.2} at {:.0} nm (2 needs {:.1} nm); beyond that the \
+        say(&format_args!(
+            "samples {:.1} nm apart hold |u| up to {limit:.2} at {:.0} nm (2 needs {:.1} nm); beyond that the \
              surface is taken as dark",
             coarsest * 1e3,
             shortest * 1e3,
             needed * 1e3
-        );
+        ));
     }
 }
 

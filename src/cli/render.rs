@@ -3,6 +3,7 @@
 use super::options::{DeviceOptions, Method, OpticsOptions, SurfaceOptions, exposure};
 use super::{prepare, write};
 use crate::error::{Error, Result};
+use crate::optics::coherence::Coherence;
 use crate::optics::color;
 use crate::optics::spectrum::SHORTEST;
 use crate::render::frame::View;
@@ -12,7 +13,7 @@ use crate::render::resources::Pigment;
 use crate::render::shading::Shading;
 use crate::scene::{Light, MAX_LIGHTS, Scene};
 use crate::surface::HeightField;
-use crate::{input, units};
+use crate::{input, output, units};
 use clap::Args;
 use glam::DVec3;
 use std::io::Read;
@@ -32,13 +33,13 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", value_parser = units::size, default_value = "1280x720")]
+    #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "1280x720")]
     size: [u32; 2],
     /// Exposure in stops, instead of the scene's
     #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true)]
     exposure: Option<f64>,
     /// A light instead of the scene's, in degrees from up and around it; up to four
-    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light)]
+    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
     light: Vec<Light>,
     #[command(flatten)]
     surface: SurfaceOptions,
@@ -51,7 +52,7 @@ pub struct Arguments {
 /// Draws and writes.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let format = write::PictureFormat::of(&arguments.output)?;
-    write::check_target(&arguments.output)?;
+    output::check(&arguments.output)?;
     if arguments.light.len() > MAX_LIGHTS {
         return Err(Error::usage("there are too many lights", format!("give at most {MAX_LIGHTS}")));
     }
@@ -71,10 +72,12 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
         ));
     }
     let device = prepare::device(&arguments.device.wish())?;
-    // The reference needs the frame's directions only; the layers for them are the smallest there are.
+    // The reference needs the frame's directions only; these layers are the smallest there are, and always the same.
     let layers = if reference {
-        let flat = HeightField::new(1, 1, field.pixel_size(), vec![0.0])?;
-        prepare::layers(&flat, &Shading { tolerance: 1e-1, ..Shading::default() }, SHORTEST, &device)?
+        let flat = HeightField::new(1, 1, [SHORTEST / 4.0; 2], vec![0.0])?;
+        let coherence = Coherence::Gaussian { length: 1.0 };
+        let shading = Shading { coherence, tolerance: 1e-1, ..Shading::default() };
+        prepare::layers(&flat, &shading, SHORTEST, &device)?
     } else {
         prepare::layers(field, shading, SHORTEST, &device)?
     };

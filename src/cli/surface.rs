@@ -1,6 +1,6 @@
 //! `diffract surface`: what is in a height field, and generated ones.
 
-use super::options::SurfaceOptions;
+use super::options::{SurfaceOptions, seed};
 use super::write;
 use crate::error::{Error, Result};
 use crate::expansion::HeightScale;
@@ -9,7 +9,7 @@ use crate::optics::spectrum::SHORTEST;
 use crate::precompute::layers::largest_z;
 use crate::surface::synth::{self, Kind, Spec};
 use crate::surface::{HeightField, Statistics, image_file};
-use crate::units;
+use crate::{output, units};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
@@ -43,19 +43,19 @@ pub struct Synth {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Which one of the many skins of one kind
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1")]
     seed: u64,
     /// Side of the patch, rounded to whole periods, as in 20um or 20umx10um
-    #[arg(long, value_name = "LENGTH", value_parser = units::length_pair)]
+    #[arg(long, value_name = "LENGTH", value_parser = units::length_pair, allow_hyphen_values = true)]
     patch: Option<[f64; 2]>,
     /// Largest distance between samples
-    #[arg(long, value_name = "LENGTH", value_parser = units::length_pair)]
+    #[arg(long, value_name = "LENGTH", value_parser = units::length_pair, allow_hyphen_values = true)]
     pixel_size: Option<[f64; 2]>,
     /// Period along x
-    #[arg(long, value_name = "LENGTH", value_parser = units::length)]
+    #[arg(long, value_name = "LENGTH", value_parser = units::length, allow_hyphen_values = true)]
     period: Option<f64>,
     /// Full height
-    #[arg(long, value_name = "LENGTH", value_parser = units::length)]
+    #[arg(long, value_name = "LENGTH", value_parser = units::length, allow_hyphen_values = true)]
     height: Option<f64>,
 }
 
@@ -78,16 +78,17 @@ pub fn run(command: &Command) -> Result<()> {
 }
 
 fn synthesise(arguments: &Synth) -> Result<()> {
-    let &Synth { kind, seed, patch, pixel_size, period, height, ref output } = arguments;
-    write::check_target(output)?;
+    let &Synth { kind, seed, patch, pixel_size, period, height, output: ref path } = arguments;
+    output::check(path)?;
     let field = synth::generate(&Spec { kind, seed, patch, pixel_size, period, height })?;
-    let full_height = image_file::write(output, &field)?;
+    // A flat field has code 0 all over: every height reads it back, and an option takes none of zero.
+    let full_height = Some(image_file::write(path, &field)?).filter(|h| *h > 0.0).unwrap_or(1e-3);
     let [dx, dy] = field.pixel_size();
     let [columns, rows] = [field.columns(), field.rows()];
     // Enough digits that the file read back has the same frequencies to a millionth.
     let options =
         format!("--pixel-size {:.7}nmx{:.7}nm --height {:.7}nm", dx * 1e3, dy * 1e3, full_height * 1e3);
-    write::stdout(&format!("{}: {columns} x {rows} samples; read it with {options}\n", output.display()))
+    write::stdout(&format!("{}: {columns} x {rows} samples; read it with {options}\n", path.display()))
 }
 
 /// The numbers of a height field, for reading by eye.

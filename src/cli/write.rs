@@ -5,7 +5,7 @@ use crate::output;
 use crate::render::picture::Picture;
 use image::{ExtendedColorType, ImageEncoder};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A picture file's format, by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,19 +28,6 @@ impl PictureFormat {
             )),
         }
     }
-}
-
-/// Fails before long work whose result could not be written: the folder has to exist and `path` must not be one.
-pub fn check_target(path: &Path) -> Result<()> {
-    let folder =
-        path.parent().filter(|p| !p.as_os_str().is_empty()).map_or(PathBuf::from("."), PathBuf::from);
-    if path.is_dir() {
-        return Err(Error::failed("it is a folder", "name a file").at(path.display()));
-    }
-    if !folder.is_dir() {
-        return Err(Error::failed("its folder does not exist", "make the folder first").at(path.display()));
-    }
-    Ok(())
 }
 
 /// Writes `picture` whole or not at all.

@@ -170,7 +170,10 @@ mod tests {
         let spots: Vec<(f64, f64)> = (0..200)
             .map(|_| {
                 let r = (-2.0 * (1.0 - uniform()).ln()).sqrt();
-                (sigma / 2f64.sqrt() * r * (2.0 * std::f64::consts::PI * uniform()).cos(), uniform() * 6.283)
+                (
+                    sigma / 2f64.sqrt() * r * (2.0 * std::f64::consts::PI * uniform()).cos(),
+                    uniform() * std::f64::consts::TAU,
+                )
             })
             .collect();
         move |q| {

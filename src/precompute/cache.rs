@@ -11,6 +11,7 @@ use crate::surface::HeightField;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// First bytes of a file; the number changes whenever the layers of the same key would change.
 const MAGIC: &[u8; 20] = b"diffract layers 0003";
@@ -58,8 +59,11 @@ pub fn path(folder: &Path, key: &blake3::Hash) -> PathBuf {
 /// The layers of `key` from `folder`, if they are there and whole. A damaged file counts as absent; it is replaced by the
 /// next [`store`].
 pub fn load(folder: &Path, key: &blake3::Hash, memory_limit: usize) -> Option<Layers> {
-    let mut file = File::open(path(folder, key)).ok()?;
-    let size = usize::try_from(file.metadata().ok()?.len()).ok()?;
+    let place = path(folder, key);
+    // Asked before opening, since opening a pipe waits for its other end.
+    let size = std::fs::metadata(&place).ok().filter(std::fs::Metadata::is_file)?.len();
+    let mut file = File::open(&place).ok()?;
+    let size = usize::try_from(size).ok()?;
     let overhead = MAGIC.len() + HASH + HEADER * 8 + HASH;
     let texel_bytes = size.checked_sub(overhead).filter(|n| n % 16 == 0 && *n <= memory_limit)?;
     let mut head = vec![0u8; MAGIC.len() + HASH + HEADER * 8];
@@ -83,6 +87,7 @@ pub fn load(folder: &Path, key: &blake3::Hash, memory_limit: usize) -> Option<La
 pub fn store(folder: &Path, key: &blake3::Hash, layers: &Layers) -> Result<()> {
     let place = path(folder, key);
     std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, &e))?;
+    sweep(folder);
     let mut head = MAGIC.to_vec();
     head.extend_from_slice(key.as_bytes());
     head.extend_from_slice(bytemuck::cast_slice(&to_numbers(layers)));
@@ -93,6 +98,18 @@ pub fn store(folder: &Path, key: &blake3::Hash, layers: &Layers) -> Result<()> {
             .try_for_each(|part| file.write_all(part))
             .map_err(|e| output::write_failed(&place, &e))
     })
+}
+
+/// Takes away what programs that were killed while they wrote left in `folder`. What is in use is younger than a day.
+fn sweep(folder: &Path) {
+    const DAY: Duration = Duration::from_secs(24 * 60 * 60);
+    for file in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let temporary = file.file_name().as_encoded_bytes().starts_with(output::TEMPORARY.as_bytes());
+        let age = file.metadata().and_then(|m| m.modified()).ok().and_then(|time| time.elapsed().ok());
+        if temporary && age.is_some_and(|age| age > DAY) {
+            let _ = std::fs::remove_file(file.path()); // another process may have been faster
+        }
+    }
 }
 
 fn check_sum(head: &[u8], texels: &[f32]) -> [u8; HASH] {

@@ -44,7 +44,7 @@ impl PaddedAxis {
         const FEWEST: usize = 8;
         let padded = fast_size(((ratio * sigma / spacing).ceil() as usize).max(FEWEST));
         let length = padded as f64 * spacing;
-        let shift = if samples % 2 == 0 { 0.5 } else { 0.0 };
+        let shift = if samples.is_multiple_of(2) { 0.5 } else { 0.0 };
         // Padded sample m stands at (m + shift)·spacing, the upper half of m wrapped to negative positions.
         let place = |m: usize| {
             let signed = if m < padded.div_ceil(2) { m as i64 } else { m as i64 - padded as i64 };

@@ -1,8 +1,8 @@
 //! Properties over whole ranges of input: geometry of a pair of directions, and units as they are written.
 
-use diffract::cli::units;
 use diffract::optics::brdf::schlick;
 use diffract::optics::geometry::{Pair, direction};
+use diffract::units;
 use glam::DVec3;
 use proptest::prelude::*;
 

@@ -1,0 +1,101 @@
+//! From the process's words to arguments; wrong use becomes the program's own one-line error.
+
+use super::Arguments;
+use crate::error::{Error, Result};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{CommandFactory, Parser};
+use std::error::Error as _;
+use std::ffi::OsString;
+
+/// The arguments that `words` (the program's name first) stand for; `None` where help or the version was asked for and
+/// is now on stdout.
+///
+/// # Errors
+/// Words that cannot be meant: names the option, the value and where the help is.
+pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Option<Arguments>> {
+    let words: Vec<OsString> = words.into_iter().collect();
+    match Arguments::try_parse_from(&words) {
+        Ok(arguments) => Ok(Some(arguments)),
+        Err(e) if matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
+            let _ = e.print(); // a reader that has gone away has what it wanted
+            Ok(None)
+        }
+        Err(e) => Err(in_one_line(&e, &command(&words))),
+    }
+}
+
+/// The command that the first words name, as in `diffract surface synth`.
+fn command(words: &[OsString]) -> String {
+    let mut command = Arguments::command();
+    let mut named = command.get_name().to_owned();
+    for word in words.iter().skip(1) {
+        let Some(next) = word.to_str().and_then(|word| command.find_subcommand(word)).cloned() else { break };
+        named = format!("{named} {}", next.get_name());
+        command = next;
+    }
+    named
+}
+
+fn in_one_line(e: &clap::Error, command: &str) -> Error {
+    let see = format!("see `{command} --help`");
+    let text = |kind| match e.get(kind) {
+        Some(ContextValue::String(s)) => Some(s.clone()),
+        Some(ContextValue::Strings(list)) => list.first().cloned(),
+        _ => None,
+    };
+    let argument = text(ContextKind::InvalidArg).unwrap_or_default();
+    // The value parsers are ours, and so are their errors; only the option's name is missing.
+    if let Some(own) = e.source().and_then(|source| source.downcast_ref::<Error>()) {
+        return own.clone().at(argument).or(see);
+    }
+    let what = match e.kind() {
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand | ErrorKind::MissingSubcommand => {
+            return Error::usage("no command is given", see);
+        }
+        ErrorKind::InvalidUtf8 => "an argument is not UTF-8".to_owned(),
+        // The first paragraph is the error, what follows are tips and usage.
+        _ => {
+            let text = e.to_string();
+            let first = text.split("\n\n").next().unwrap_or_default();
+            first.strip_prefix("error: ").unwrap_or(first).to_owned()
+        }
+    };
+    let suggested = text(ContextKind::SuggestedArg).or_else(|| text(ContextKind::SuggestedSubcommand));
+    match suggested {
+        Some(word) => Error::usage(what, format!("do you mean {word}? {see}")),
+        None => Error::usage(what, see),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wrong(line: &str) -> String {
+        let e = parse(line.split(' ').map(OsString::from)).unwrap_err();
+        assert_eq!(e.exit_code(), 2, "{line}");
+        e.to_string()
+    }
+
+    #[test]
+    fn wrong_use_names_option_value_and_help() {
+        for (line, parts) in [
+            ("diffract", &["no command", "`diffract --help`"][..]),
+            ("diffract surface", &["no command", "`diffract surface --help`"]),
+            ("diffract rendr", &["rendr", "do you mean render?", "`diffract --help`"]),
+            ("diffract render", &["--output", "`diffract render --help`"]),
+            ("diffract render -o a.png --sise 3x3", &["--sise", "do you mean --size?"]),
+            ("diffract render -o a.png --size 3", &["--size", "'3'", "1280x720", "`diffract render --help`"]),
+            ("diffract render -o a.png --size", &["--size", "value"]),
+            ("diffract render -o a.png --ior 1 --ior 2", &["--ior", "multiple times"]),
+            ("diffract eval --queries q --ior -1", &["--ior", "`-1`", "from 1 to 10"]),
+            ("diffract eval --queries q --method x", &["--method", "'x'", "spectral, reference"]),
+            ("diffract surface synth blaze -o a.png --seed -1", &["--seed", "`-1`", "whole number"]),
+        ] {
+            let said = wrong(line);
+            for part in parts {
+                assert!(said.contains(part), "{line}: {part} is missing in: {said}");
+            }
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! BRDF numbers.
+
+use crate::sandbox::{SMALL, Sandbox};
+
+const QUERIES: &str = "name,theta_i,phi_i,theta_r,phi_r,wavelength
+mirror,20,0,20,180,550
+\"near, the mirror\",20,0,21,178,460
+far,35,40,12,10,610
+below,95,0,10,0,500
+";
+
+/// Runs eval on the small surface with `more` options.
+fn eval(sandbox: &Sandbox, more: &[&str]) -> String {
+    sandbox.run2(&["eval"], &[&SMALL, more].concat()).done()
+}
+
+/// The last `columns` cells of each row.
+fn answers(csv: &str, columns: usize) -> Vec<Vec<f64>> {
+    let rows = csv.lines().skip(1).map(|line| {
+        let mut last: Vec<f64> = line.rsplit(',').take(columns).map(|cell| cell.parse().unwrap()).collect();
+        last.reverse();
+        last
+    });
+    rows.collect()
+}
+
+/// ‖a − b‖/‖b‖ over all cells.
+fn deviation(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let pairs = || a.iter().flatten().zip(b.iter().flatten());
+    (pairs().map(|(a, b)| (a - b).powi(2)).sum::<f64>() / pairs().map(|(_, b)| b * b).sum::<f64>()).sqrt()
+}
+
+#[test]
+fn the_reference_needs_no_vulkan_and_spectral_says_what_to_install() {
+    let sandbox = Sandbox::with_small_surface().without_vulkan();
+    sandbox.write("q.csv", QUERIES);
+    let csv = eval(&sandbox, &["--queries", "q.csv", "--method", "reference"]);
+    assert!(answers(&csv, 1)[0][0] > 0.0);
+    for more in [&["--queries", "q.csv"][..], &["--queries", "q.csv", "--method", "spectral"]] {
+        let line = sandbox.run2(&["eval"], &[&SMALL, more].concat()).refused(1);
+        assert!(line.contains("mesa-vulkan-drivers"), "{line}");
+    }
+}
+
+#[test]
+fn answers_repeat_every_column_and_add_the_brdf() {
+    let sandbox = Sandbox::with_small_surface();
+    sandbox.write("q.csv", QUERIES);
+    for method in ["reference", "spectral"] {
+        let csv = eval(&sandbox, &["--queries", "q.csv", "--method", method]);
+        assert!(csv.starts_with("name,theta_i,phi_i,theta_r,phi_r,wavelength,brdf\n"), "{csv}");
+        for (asked, answered) in QUERIES.lines().zip(csv.lines()) {
+            assert!(answered.starts_with(&format!("{asked},")), "{answered}");
+        }
+        assert_eq!(csv.lines().count(), QUERIES.lines().count());
+        assert_eq!(answers(&csv, 1)[3], [0.0], "light from below");
+    }
+}
+
+#[test]
+fn without_wavelengths_the_answer_is_a_colour() {
+    let sandbox = Sandbox::with_small_surface();
+    sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r\n20,0,20,180\n20,0,25,170\n");
+    let ask = |more: &[&str]| eval(&sandbox, &[&["--queries", "q.csv"], more].concat());
+    let spectral = ask(&["--tolerance", "1e-2"]);
+    assert!(spectral.starts_with("theta_i,phi_i,theta_r,phi_r,X,Y,Z\n20,0,20,180,"), "{spectral}");
+    let (spectral, reference) = (answers(&spectral, 3), answers(&ask(&["--method", "reference"]), 3));
+    assert!(reference[0].iter().all(|&x| x > 0.0));
+    assert!(deviation(&spectral, &reference) < 1e-2, "{spectral:?} {reference:?}");
+    let bluer = answers(&ask(&["--method", "reference", "--illuminant", "a"]), 3);
+    assert!(deviation(&bluer, &reference) > 1e-1, "illuminant A is no D65: {bluer:?}");
+}
+
+#[test]
+fn spectral_agrees_with_the_reference_within_the_tolerance_and_another_surface_does_not() {
+    let sandbox = Sandbox::with_small_surface();
+    sandbox.write("q.csv", QUERIES);
+    let ask = |more: &[&str]| answers(&eval(&sandbox, &[&["--queries", "q.csv"], more].concat()), 1);
+    let reference = ask(&["--method", "reference"]);
+    for tolerance in ["1e-2", "1e-3"] {
+        let error = deviation(&ask(&["--tolerance", tolerance]), &reference);
+        assert!(error <= tolerance.parse().unwrap(), "{tolerance}: {error}");
+    }
+    let other = ask(&["--method", "reference", "--ior", "1.6"]);
+    assert!(deviation(&other, &reference) > 1e-2);
+}
+
+#[test]
+fn a_named_output_holds_what_stdout_would_and_nothing_else_appears() {
+    let sandbox = Sandbox::with_small_surface();
+    sandbox.write("q.csv", QUERIES);
+    let method = ["--queries", "q.csv", "--method", "reference"];
+    let printed = eval(&sandbox, &method);
+    let before = sandbox.content().len();
+    let silent = eval(&sandbox, &[&method[..], &["-o", "answers.csv"]].concat());
+    assert_eq!(silent, "");
+    assert_eq!(sandbox.read("answers.csv"), printed.as_bytes());
+    assert_eq!(sandbox.content().len(), before + 1);
+}
+
+#[test]
+fn tables_from_spreadsheets_are_read() {
+    let sandbox = Sandbox::with_small_surface();
+    let rows = "\u{feff}theta_i, phi_i, theta_r, phi_r, wavelength\r\n20, 0, 20, 180, 550\r\n";
+    sandbox.write("q.csv", rows);
+    let csv = eval(&sandbox, &["--queries", "q.csv", "--method", "reference"]);
+    assert_eq!(answers(&csv, 1).len(), 1);
+}

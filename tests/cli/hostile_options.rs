@@ -1,0 +1,219 @@
+//! Values without a meaning, for every option of every command.
+
+use crate::sandbox::{Sandbox, grey_png};
+use crate::usage::COMMANDS;
+
+/// What no option that takes a number takes.
+const NO_NUMBER: &[&str] =
+    &["", " ", "x", "nan", "NaN", "inf", "-inf", "1e999", "0x10", "\u{661}", "1 2", "--", "\n"];
+const NO_LENGTH: &[&str] = &[
+    "5", "0nm", "-0nm", "-5nm", "nm", "NaNnm", "infum", "-infnm", "1e999nm", "1e-300nm", "1e300m", "2m",
+    "12parsec", "1,5nm", "5nm5", "5 n m",
+];
+const NO_PAIR: &[&str] = &["5nmx", "x5nm", "5nmx5nmx5nm", "0nmx5nm", "5nmx-5nm", "5x5nm"];
+const NO_COUNTS: &[&str] = &[
+    "3",
+    "x",
+    "0x3",
+    "3x0",
+    "3x",
+    "x3",
+    "-1x4",
+    "4x-1",
+    "+3x3",
+    "3.0x3",
+    "1e2x1",
+    "3x3x3",
+    "99999999999x1",
+    "65536x1",
+];
+
+/// Each option with values that it has to refuse, beside what its kind refuses.
+const BAD: &[(&str, &[&[&str]])] = &[
+    ("--tolerance", &[NO_NUMBER, &["0", "-0", "-1", "2", "1e-9", "1um", "1,5", "5e-324"]]),
+    (
+        "--terms",
+        &[NO_NUMBER, &["0", "-1", "1.5", "129", "1e1", "18446744073709551616", "-9223372036854775808"]],
+    ),
+    ("--wavelengths", &[NO_NUMBER, &["0", "3", "-1", "4097", "16.5", "99999999999999999999"]]),
+    ("--ior", &[NO_NUMBER, &["0", "-1.5", "0.99", "11", "glass", "1,5", "1.5+0.1i"]]),
+    ("--exposure", &[NO_NUMBER, &["41", "-41", "1EV", "1e9"]]),
+    ("--seed", &[NO_NUMBER, &["-1", "1.5", "1e3", "18446744073709551616"]]),
+    (
+        "--light",
+        &[
+            NO_NUMBER,
+            &[
+                "30", "30,", ",", "1,2,3,4", "91,0", "-1,0", "0,361", "0,0,0", "0,0,-1", "0,0,1e7", "NaN,0",
+                "0,inf", "30deg,0",
+            ],
+        ],
+    ),
+    ("--size", &[NO_NUMBER, NO_COUNTS, &["16385x1", "1280 720"]]),
+    ("--windows", &[NO_NUMBER, NO_COUNTS, &["65x1", "2x2"]]), // 2x2: not with spectral
+    (
+        "--coherence",
+        &[
+            NO_NUMBER,
+            &[
+                "gaussian",
+                "gaussian:",
+                "gaussian:65",
+                "gaussian:0um",
+                "gaussian:-1um",
+                "gaussian:nan",
+                "gaussian:infum",
+                "gaussian:1m",
+                "gaussian:1nm",
+                "repeats:0x1",
+                "repeats:3",
+                "repeats:10001x1",
+                "repeats:3x3",
+                "laser:3um",
+                ":",
+            ],
+        ],
+    ),
+    ("--pixel-size", &[NO_NUMBER, NO_LENGTH, NO_PAIR]),
+    ("--height", &[NO_NUMBER, NO_LENGTH, &["5nmx5nm"]]),
+    ("--period", &[NO_NUMBER, NO_LENGTH, &["5nmx5nm", "1m"]]),
+    ("--patch", &[NO_NUMBER, NO_LENGTH, NO_PAIR, &["1nm", "1m"]]),
+    ("--level", &[NO_NUMBER, &["top", "Mean", "none,mean"]]),
+    ("--method", &[NO_NUMBER, &["guess", "SPECTRAL"]]),
+    ("--basis", &[NO_NUMBER, &["fourier"]]),
+    ("--illuminant", &[NO_NUMBER, &["d50", "missing.csv", ".", "/dev/zero", "grey.png"]]),
+    ("--surface", &[NO_NUMBER, &["nothing", "nothing.png", ".", "/dev/zero", "q.csv", "grey.png/x.png"]]),
+    ("--device", &[&["", " ", "nothing", "7", "-1", "99999999999999999999", "\n"]]),
+    ("--queries", &[&["", "nothing.csv", ".", "/dev/zero", "grey.png"]]),
+    ("--output", &[&["", "none/out.png", ".", "..", "/", "/dev/null", "grey.png/out.png", "folder.png"]]),
+];
+
+/// Arguments with which each command runs, and succeeds where a device is there.
+fn sound(command: &[&str]) -> Vec<&'static str> {
+    const SURFACE: [&str; 6] = ["--surface", "grey.png", "--pixel-size", "90nm", "--height", "100nm"];
+    const OPTICS: [&str; 4] = ["--coherence", "gaussian:4um", "--tolerance", "1e-1"];
+    match command {
+        ["render"] => [&["plate", "--size", "4x4", "--output", "out.png"][..], &SURFACE, &OPTICS].concat(),
+        ["eval"] => [&["--queries", "q.csv", "--output", "out.png"][..], &SURFACE, &OPTICS].concat(),
+        ["surface", "info"] => SURFACE.to_vec(),
+        ["surface", "synth"] => vec!["blaze", "--output", "out.png"],
+        _ => vec![],
+    }
+}
+
+/// The long options in the help of `command`.
+fn options(sandbox: &Sandbox, command: &[&str]) -> Vec<String> {
+    let help = sandbox.run2(command, &["--help"]).done();
+    let lines = help.lines().filter_map(|line| {
+        let line = line.trim_start();
+        let line = line.strip_prefix("-o, ").or_else(|| line.strip_prefix("-h, ")).unwrap_or(line);
+        line.starts_with("--").then(|| line.split([' ', '=']).next().unwrap_or_default().to_owned())
+    });
+    lines.filter(|option| option != "--help").collect()
+}
+
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::new();
+    sandbox.write("grey.png", grey_png(8, 8, |x, y| (x * 30 + y) as u8));
+    sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r,wavelength\n20,0,20,180,550\n");
+    std::fs::create_dir(sandbox.path("folder.png")).unwrap();
+    sandbox
+}
+
+#[test]
+fn the_sound_arguments_of_these_tests_are_sound() {
+    let sandbox = sandbox();
+    for (command, _) in COMMANDS.iter().filter(|(command, _)| *command != ["surface"]) {
+        sandbox.run2(command, &sound(command)).done();
+    }
+}
+
+#[test]
+fn every_option_refuses_what_has_no_meaning() {
+    let sandbox = sandbox();
+    let before = sandbox.content();
+    for (command, _) in COMMANDS.iter().filter(|(command, _)| *command != ["surface"]) {
+        for option in options(&sandbox, command) {
+            let (_, lists) = BAD
+                .iter()
+                .find(|(name, _)| *name == option)
+                .unwrap_or_else(|| panic!("{command:?} {option} has no bad values in these tests"));
+            let mut arguments = sound(command);
+            if let Some(place) = arguments.iter().position(|a| *a == option) {
+                arguments.drain(place..place + 2);
+            }
+            for value in lists.iter().copied().flatten() {
+                let what = format!("{command:?} {option} {value:?}");
+                let line = sandbox.run2(command, &[&arguments[..], &[&option, value]].concat());
+                let listed = *command == ["devices"]; // lists the devices before it says that the wish is none
+                if !listed {
+                    line.refused_somehow(&what);
+                }
+                assert!(
+                    matches!(line.code, Some(1 | 2)) && line.stderr.lines().count() == 1,
+                    "{what}: {line:?}"
+                );
+                assert_eq!(sandbox.content(), before, "{what}");
+                // With an equals sign, too, a value that starts with a minus reaches its option.
+                if value.starts_with('-') && !listed {
+                    let joined = format!("{option}={value}");
+                    let line = sandbox.run2(command, &[&arguments[..], &[&joined]].concat());
+                    line.refused_somehow(&joined);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_refused_number_is_named_with_its_option() {
+    let sandbox = sandbox();
+    for (option, value) in [
+        ("--tolerance", "-1"),
+        ("--terms", "-3"),
+        ("--ior", "-1.5"),
+        ("--height", "-5nm"),
+        ("--pixel-size", "80"),
+        ("--seed", "-7"),
+        ("--light", "-10,0"),
+        ("--size", "-4x4"),
+        ("--coherence", "gaussian:-65um"),
+        ("--exposure", "-99"),
+    ] {
+        let line = sandbox.run(["render", "plate", "-o", "out.png", option, value]).refused(2);
+        let number = value.rsplit(':').next().unwrap();
+        assert!(line.contains(option) && line.contains(number), "{line}");
+        assert!(line.contains("`diffract render --help`"), "{line}");
+    }
+}
+
+#[test]
+fn a_picture_of_an_unknown_format_is_refused_before_work() {
+    let sandbox = sandbox();
+    for output in ["out", "out.gif", "out.jpeg", ".png", "out.png.", "out.png/", "out.p\u{148}g"] {
+        sandbox.run2(&["render", "plate", "--surface", "grey.png", "-o"], &[output]).refused(2);
+        sandbox.run2(&["surface", "synth", "blaze", "-o"], &[output]).refused(2);
+    }
+    assert!(sandbox.cache().read_dir().is_err(), "nothing was computed");
+}
+
+#[test]
+fn absurd_but_sound_wishes_end_with_advice() {
+    let sandbox = sandbox();
+    let before = sandbox.content();
+    for more in [
+        &["--coherence", "gaussian:100mm"][..],
+        &["--height", "1m"],
+        &["--tolerance", "1e-6", "--height", "3um"],
+        &["--light", "1,1", "--light", "1,1", "--light", "1,1", "--light", "1,1", "--light", "1,1"],
+    ] {
+        let mut arguments = sound(&["render"]);
+        for option in more.iter().filter(|a| a.starts_with("--")) {
+            if let Some(place) = arguments.iter().position(|a| a == option) {
+                arguments.drain(place..place + 2);
+            }
+        }
+        sandbox.run2(&["render"], &[&arguments[..], more].concat()).refused_somehow(&format!("{more:?}"));
+        assert_eq!(sandbox.content(), before, "{more:?}");
+    }
+}

@@ -1,0 +1,15 @@
+//! The program as its users run it: what each command does, what it refuses, and what it leaves behind.
+//!
+//! Every test runs the built program in a folder of its own with a cache of its own. Pictures need a Vulkan device.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
+
+mod cache;
+mod devices;
+mod eval;
+mod hostile_files;
+mod hostile_options;
+mod render;
+mod sandbox;
+mod surface;
+mod usage;

@@ -1,0 +1,223 @@
+//! Pictures in files.
+
+use crate::sandbox::{SMALL, Sandbox};
+use std::fs;
+
+/// A picture of the small surface that is quick to make.
+fn render(sandbox: &Sandbox, scene: &str, output: &str, more: &[&str]) {
+    let mut arguments = vec!["render", scene, "-o", output];
+    let given = |option: &str| more.contains(&option);
+    for pair in SMALL.chunks(2).chain([&["--size", "64x48"][..], &["--tolerance", "1e-1"]]) {
+        if !given(pair[0]) {
+            arguments.extend(pair);
+        }
+    }
+    let silent = sandbox.run2(&arguments, more).done();
+    assert_eq!(silent, "");
+}
+
+/// Width, height and RGBA of an EXR file of 32-bit floats.
+fn exr(sandbox: &Sandbox, name: &str) -> (u32, u32, Vec<[f32; 4]>) {
+    match image::open(sandbox.path(name)).unwrap() {
+        image::DynamicImage::ImageRgba32F(p) => (p.width(), p.height(), p.pixels().map(|p| p.0).collect()),
+        other => panic!("{name} is {:?}", other.color()),
+    }
+}
+
+fn png(sandbox: &Sandbox, name: &str) -> image::RgbImage {
+    match image::open(sandbox.path(name)).unwrap() {
+        image::DynamicImage::ImageRgb8(p) => p,
+        other => panic!("{name} is {:?}", other.color()),
+    }
+}
+
+/// ‖a − b‖/‖b‖ over the colours of all pixels.
+fn deviation(a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let square = |x: f32| f64::from(x).powi(2);
+    let pairs = || a.iter().zip(b).flat_map(|(a, b)| (0..3).map(move |c| (a[c], b[c])));
+    (pairs().map(|(a, b)| square(a - b)).sum::<f64>() / pairs().map(|(_, b)| square(b)).sum::<f64>()).sqrt()
+}
+
+#[test]
+fn a_png_and_an_exr_of_the_size_appear_and_nothing_else() {
+    let sandbox = Sandbox::with_small_surface();
+    for scene in ["plate", "sphere"] {
+        let mut expected = sandbox.content().len();
+        for output in [format!("{scene}.png"), format!("{scene}.exr")] {
+            render(&sandbox, scene, &output, &[]);
+            expected += 1;
+            assert_eq!(sandbox.content().len(), expected, "{output}");
+        }
+        assert_eq!(png(&sandbox, &format!("{scene}.png")).dimensions(), (64, 48));
+        let (width, height, _) = exr(&sandbox, &format!("{scene}.exr"));
+        assert_eq!((width, height), (64, 48));
+    }
+    render(&sandbox, "sphere", "narrow.PNG", &["--size", "7x23"]);
+    assert_eq!(png(&sandbox, "narrow.PNG").dimensions(), (7, 23));
+    render(&sandbox, "sphere", "point.exr", &["--size", "1x1"]);
+}
+
+#[test]
+fn an_exr_is_signed_and_covered_exactly_where_its_alpha_is_1() {
+    let sandbox = Sandbox::with_small_surface();
+    let colourful = ["--surface", "blaze", "--pixel-size", "90nm", "--height", "250nm"];
+    render(&sandbox, "sphere", "s.exr", &colourful);
+    render(&sandbox, "sphere", "s.png", &colourful);
+    let (width, height, pixels) = exr(&sandbox, "s.exr");
+    assert!(pixels.iter().flatten().all(|x| x.is_finite()));
+    assert!(pixels.iter().any(|p| p[..3].iter().any(|&x| x < 0.0)), "no colour lies outside sRGB");
+    let alpha = |x: u32, y: u32| pixels[(y * width + x) as usize][3];
+    assert!(pixels.iter().all(|p| p[3] == 1.0 || *p == [0.0; 4]));
+    assert_eq!(alpha(width / 2, height / 2), 1.0);
+    assert!([(0, 0), (width - 1, 0), (0, height - 1)].iter().all(|&(x, y)| alpha(x, y) == 0.0));
+    // A convex thing covers one run of each row, and the PNG shows one background everywhere else.
+    let shown = png(&sandbox, "s.png");
+    for y in 0..height {
+        let changes = (1..width).filter(|&x| alpha(x, y) != alpha(x - 1, y)).count();
+        assert!(changes <= 2, "row {y} is torn");
+        for x in (0..width).filter(|&x| alpha(x, y) == 0.0) {
+            assert_eq!(shown.get_pixel(x, y), shown.get_pixel(0, 0), "pixel {x}, {y}");
+        }
+    }
+}
+
+#[test]
+fn the_same_command_writes_the_same_bytes_and_the_second_time_from_the_cache() {
+    let sandbox = Sandbox::with_small_surface();
+    let kept = || -> Vec<_> {
+        let files = fs::read_dir(sandbox.cache()).unwrap().map(Result::unwrap);
+        files.map(|f| (f.file_name(), f.metadata().unwrap().modified().unwrap())).collect()
+    };
+    render(&sandbox, "sphere", "a.png", &[]);
+    let first = kept();
+    assert_eq!(first.len(), 1, "{first:?}");
+    render(&sandbox, "sphere", "b.png", &[]);
+    render(&sandbox, "sphere", "a.exr", &[]);
+    render(&sandbox, "sphere", "b.exr", &[]);
+    assert_eq!(kept(), first);
+    assert_eq!(sandbox.read("a.png"), sandbox.read("b.png"));
+    assert_eq!(sandbox.read("a.exr"), sandbox.read("b.exr"));
+}
+
+#[test]
+fn a_picture_that_fails_keeps_the_former_file() {
+    let sandbox = Sandbox::with_small_surface();
+    render(&sandbox, "plate", "kept.png", &[]);
+    let before = sandbox.content();
+    for more in [&["--surface", "nothing.png"][..], &["--height", "1mm"], &["--device", "7"]] {
+        let mut arguments = vec!["render", "plate", "-o", "kept.png", "--pixel-size", "90nm"];
+        let rest: Vec<_> = [["--surface", "small.png"], ["--height", "100nm"]].concat();
+        arguments.extend(rest.chunks(2).filter(|pair| !more.contains(&pair[0])).flatten());
+        sandbox.run2(&arguments, more).refused_somehow(&format!("{more:?}"));
+        assert_eq!(sandbox.content(), before, "{more:?}");
+    }
+    render(&sandbox, "sphere", "kept.png", &[]);
+    assert_ne!(sandbox.content(), before, "a picture that succeeds replaces it");
+}
+
+#[test]
+fn spectral_agrees_with_the_reference_within_the_tolerance_and_another_light_does_not() {
+    let sandbox = Sandbox::with_small_surface();
+    let of = |name: &str, more: &[&str]| {
+        render(&sandbox, "plate", name, &[&["--size", "12x8"], more].concat());
+        exr(&sandbox, name).2
+    };
+    let reference = of("r.exr", &["--method", "reference"]);
+    let covered = reference.iter().filter(|p| p[3] == 1.0).count();
+    assert!(covered > 20, "{covered}");
+    for tolerance in ["1e-1", "1e-2"] {
+        let error = deviation(&of("s.exr", &["--tolerance", tolerance]), &reference);
+        assert!(error <= tolerance.parse().unwrap(), "{tolerance}: {error}");
+    }
+    let other = of("o.exr", &["--tolerance", "1e-2", "--light", "42,180,2"]);
+    assert!(deviation(&other, &reference) > 1e-1);
+}
+
+#[test]
+fn options_change_the_picture() {
+    let sandbox = Sandbox::with_small_surface();
+    render(&sandbox, "sphere", "plain.exr", &[]);
+    let plain = exr(&sandbox, "plain.exr").2;
+    sandbox.write("red.csv", "wavelength,power\n380,0\n600,0\n610,1\n780,1\n");
+    for more in [
+        &["--light", "20,100"][..],
+        &["--light", "45,-40,2", "--light", "80,0,1"],
+        &["--light", "45,-40,4"],
+        &["--ior", "1.8"],
+        &["--illuminant", "a"],
+        &["--illuminant", "E"],
+        &["--illuminant", "red.csv"],
+        &["--coherence", "gaussian:5um"],
+        &["--pixel-size", "80nm"],
+        &["--height", "200nm"],
+        &["--tolerance", "1e-3"],
+        &["--terms", "3"],
+        &["--wavelengths", "7"],
+        &["--surface", "blaze"],
+    ] {
+        render(&sandbox, "sphere", "other.exr", more);
+        let change = deviation(&exr(&sandbox, "other.exr").2, &plain);
+        assert!(change > 1e-6, "{more:?} changes nothing");
+    }
+    for same in
+        [&["--light", "45,-40,2"][..], &["--illuminant", "d65"], &["--ior", "1.5"], &["--level", "none"]]
+    {
+        render(&sandbox, "sphere", "other.exr", same);
+        assert_eq!(sandbox.read("other.exr"), sandbox.read("plain.exr"), "{same:?} is the default");
+    }
+}
+
+#[test]
+fn a_light_of_twice_the_intensity_is_twice_as_bright() {
+    let sandbox = Sandbox::with_small_surface();
+    render(&sandbox, "sphere", "one.exr", &["--light", "45,-40,1"]);
+    render(&sandbox, "sphere", "two.exr", &["--light", "45,-40,2"]);
+    let doubled: Vec<[f32; 4]> = exr(&sandbox, "one.exr").2.iter().map(|p| p.map(|x| 2.0 * x)).collect();
+    assert!(deviation(&doubled, &exr(&sandbox, "two.exr").2) < 1e-6);
+}
+
+#[test]
+fn exposure_changes_the_png_and_not_the_exr() {
+    let sandbox = Sandbox::with_small_surface();
+    for (ev, name) in [("0", "a"), ("-2.5", "b"), ("2", "c")] {
+        render(&sandbox, "sphere", &format!("{name}.png"), &["--exposure", ev]);
+        render(&sandbox, "sphere", &format!("{name}.exr"), &["--exposure", ev]);
+    }
+    assert_eq!(sandbox.read("a.exr"), sandbox.read("b.exr"));
+    let brightness = |name: &str| -> u64 { png(&sandbox, name).iter().map(|&b| u64::from(b)).sum() };
+    assert!(brightness("b.png") < brightness("a.png") && brightness("a.png") < brightness("c.png"));
+}
+
+#[test]
+fn another_seed_is_another_skin() {
+    let sandbox = Sandbox::with_small_surface();
+    let of = |seed: &str, name: &str| {
+        let skin = ["--surface", "xenopeltis", "--coherence", "gaussian:4um", "--tolerance", "1e-1"];
+        let small = ["--height", "100nm", "--size", "16x12", "--seed", seed];
+        sandbox.run2(&["render", "plate", "-o", name], &[&skin[..], &small].concat()).done();
+        exr(&sandbox, name).2
+    };
+    assert_eq!(of("3", "a.exr"), of("3", "b.exr"));
+    assert!(deviation(&of("4", "c.exr"), &of("3", "a.exr")) > 1e-3);
+}
+
+#[test]
+fn a_scene_file_finds_its_mesh_and_surface_beside_itself() {
+    let sandbox = Sandbox::with_small_surface();
+    let folder = sandbox.path("my scenes");
+    fs::create_dir(&folder).unwrap();
+    fs::copy(sandbox.path("small.png"), folder.join("skin.png")).unwrap();
+    let square = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+    fs::write(folder.join("square.obj"), square).unwrap();
+    let scene = "mesh = \"square.obj\"\nup = \"z\"\nsurface = \"skin.png\"\npixel_size = \"83nm\"\nheight = \"137nm\"\n\
+                 lights = [\"40,180,2\"]\n[camera]\neye = [1.1, -0.9, 1.5]\ntarget = [0, 0, 0]\n\
+                 field_of_view = \"35deg\"\n";
+    fs::write(folder.join("a scene.toml"), scene).unwrap();
+    let small = ["--coherence", "gaussian:4um", "--tolerance", "1e-1", "--size", "16x12"];
+    sandbox.run2(&["render", "my scenes/a scene.toml", "-o", "a picture.exr"], &small).done();
+    let covered = exr(&sandbox, "a picture.exr").2.iter().filter(|p| p[3] == 1.0).count();
+    assert!(covered > 50, "{covered}");
+    let mesh = ["render", "my scenes/square.obj", "-o", "b.exr", "--surface", "bumps"];
+    sandbox.run2(&mesh, &small).done();
+}

@@ -1,0 +1,107 @@
+//! What is in a height field, and generated ones.
+
+use crate::sandbox::Sandbox;
+
+const KINDS: [&str; 6] = ["flat", "sinusoid", "blaze", "bumps", "elaphe", "xenopeltis"];
+
+/// The number of `row` in the answer of `surface info`.
+fn row<'a>(info: &'a str, name: &str) -> &'a str {
+    let line = info.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{name}: {info}"));
+    line[name.len()..].trim()
+}
+
+/// Writes a small surface of `kind` and returns the options that the program says to read it with.
+fn synth(sandbox: &Sandbox, kind: &str, file: &str, more: &[&str]) -> Vec<String> {
+    let said = sandbox.run2(&["surface", "synth", kind, "--patch", "9um", "-o", file], more).done();
+    let (_, options) = said.trim_end().split_once("read it with ").unwrap();
+    options.split(' ').map(str::to_owned).collect()
+}
+
+#[test]
+fn info_describes_every_built_in_surface() {
+    let sandbox = Sandbox::new();
+    for kind in KINDS {
+        let info = sandbox.run(["surface", "info", kind]).done();
+        assert!(row(&info, "samples").contains(" x "), "{info}");
+        assert_eq!(row(&info, "directions held at 380 nm"), "all", "{kind}");
+        assert!(!info.contains("inf") && !info.contains("NaN"), "{info}");
+    }
+    assert_eq!(sandbox.run(["surface", "info"]).done(), sandbox.run(["surface", "info", "elaphe"]).done());
+}
+
+#[test]
+fn every_generated_surface_is_read_back_with_the_printed_options() {
+    let sandbox = Sandbox::new();
+    sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r,wavelength\n20,0,20,180,550\n");
+    for (kind, extension) in KINDS.iter().zip(["png", "tif", "tiff"].iter().cycle()) {
+        let file = format!("{kind}.{extension}");
+        let options = synth(&sandbox, kind, &file, &[]);
+        let options: Vec<&str> = options.iter().map(String::as_str).collect();
+        let info = sandbox.run2(&["surface", "info", &file], &options).done();
+        let height = row(&info, "height range").split(' ').next().unwrap();
+        let written = if *kind == "flat" { "0" } else { options[3].strip_suffix("nm").unwrap() };
+        let error = height.parse::<f64>().unwrap() - written.parse::<f64>().unwrap();
+        assert!(error.abs() < 0.06, "{kind}: {height} {options:?}");
+        let ask = ["--queries", "q.csv", "--method", "reference"];
+        let csv = sandbox.run2(&["eval", &file], &[&options[..], &ask].concat()).done();
+        assert!(!csv.contains("NaN"), "{kind}: {csv}");
+    }
+}
+
+#[test]
+fn the_options_of_synth_decide_period_height_and_spacing() {
+    let sandbox = Sandbox::new();
+    let more = ["--period", "3um", "--height", "300nm", "--pixel-size", "50nm"];
+    let options = synth(&sandbox, "sinusoid", "s.png", &more);
+    let options: Vec<&str> = options.iter().map(String::as_str).collect();
+    let info = sandbox.run2(&["surface", "info", "s.png"], &options).done();
+    assert_eq!(row(&info, "samples"), "180 x 180");
+    assert!(
+        row(&info, "height range").starts_with("300.0 nm") || row(&info, "height range").starts_with("299.")
+    );
+    assert!(row(&info, "period along x, y").starts_with("3.000 um"), "{info}");
+}
+
+#[test]
+fn one_seed_is_one_surface_and_two_seeds_are_two() {
+    let sandbox = Sandbox::new();
+    for kind in ["elaphe", "xenopeltis"] {
+        for (file, seed) in [("a.png", "1"), ("b.png", "1"), ("c.png", "2")] {
+            synth(&sandbox, kind, file, &["--seed", seed]);
+        }
+        synth(&sandbox, kind, "d.png", &[]);
+        assert_eq!(sandbox.read("a.png"), sandbox.read("b.png"), "{kind}");
+        assert_ne!(sandbox.read("a.png"), sandbox.read("c.png"), "{kind}");
+        assert_eq!(sandbox.read("a.png"), sandbox.read("d.png"), "{kind}: the default seed is 1");
+        let info = |seed| sandbox.run(["surface", "info", kind, "--seed", seed]).done();
+        assert_ne!(info("1"), info("2"), "{kind}");
+    }
+}
+
+#[test]
+fn levelling_takes_the_mean_and_the_slope_away() {
+    let sandbox = Sandbox::new();
+    let info = |level| sandbox.run(["surface", "info", "blaze", "--level", level]).done();
+    let mean =
+        |info: &str| row(info, "mean, RMS roughness").split(' ').next().unwrap().parse::<f64>().unwrap();
+    assert!(mean(&info("none")) > 100.0);
+    assert!(mean(&info("mean")).abs() < 0.1);
+    assert_ne!(row(&info("plane"), "height range"), row(&info("mean"), "height range"));
+}
+
+#[test]
+fn a_scan_of_one_sample_or_one_line_is_a_surface() {
+    let sandbox = Sandbox::new();
+    sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r,wavelength\n20,0,20,180,550\n");
+    for (columns, rows) in [(1, 1), (1, 40), (40, 1)] {
+        sandbox.write("thin.png", crate::sandbox::grey_png(columns, rows, |x, y| (x * 5 + y * 3) as u8));
+        let options = ["thin.png", "--pixel-size", "90nm", "--height", "100nm"];
+        sandbox.run2(&["surface", "info"], &options).done();
+        let ask = ["--queries", "q.csv", "--coherence", "gaussian:4um", "--method"];
+        for method in ["reference", "spectral"] {
+            let csv = sandbox.run2(&["eval"], &[&options[..], &ask, &[method]].concat()).done();
+            let brdf: f64 = csv.trim_end().rsplit(',').next().unwrap().parse().unwrap();
+            assert!(brdf.is_finite() && brdf >= 0.0, "{columns} x {rows}, {method}: {csv}");
+        }
+    }
+}

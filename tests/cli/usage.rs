@@ -1,0 +1,112 @@
+//! Help, version, and wrong use.
+
+use crate::sandbox::Sandbox;
+
+/// Every command and what its help has to mention.
+pub const COMMANDS: [(&[&str], &str); 6] = [
+    (&["render"], "--exposure"),
+    (&["eval"], "--queries"),
+    (&["surface"], "synth"),
+    (&["surface", "info"], "--level"),
+    (&["surface", "synth"], "--patch"),
+    (&["devices"], "--device"),
+];
+
+#[test]
+fn help_of_every_command_goes_to_stdout_with_exit_code_0() {
+    let sandbox = Sandbox::new();
+    let top = sandbox.run(["--help"]).done();
+    assert!(top.contains("Examples:"));
+    for (command, mentioned) in COMMANDS {
+        assert!(command.len() > 1 || top.contains(command[0]), "{command:?} is not in the help");
+        for flag in ["--help", "-h"] {
+            let help = sandbox.run2(command, &[flag]).done();
+            assert!(help.contains(mentioned) && help.contains("Usage: diffract"), "{command:?}: {help}");
+        }
+    }
+}
+
+#[test]
+fn the_list_of_commands_in_these_tests_is_the_programs() {
+    let sandbox = Sandbox::new();
+    for parent in [&[][..], &["surface"]] {
+        let help = sandbox.run2(parent, &["--help"]).done();
+        let (_, list) = help.split_once("Commands:\n").unwrap();
+        for line in list.lines().take_while(|line| !line.is_empty()) {
+            let Some(name) = line.strip_prefix("  ").and_then(|l| l.split_whitespace().next()) else {
+                continue;
+            };
+            if line.starts_with("   ") {
+                continue; // a description that is wrapped
+            }
+            let path: Vec<&str> = parent.iter().copied().chain([name]).collect();
+            assert!(COMMANDS.iter().any(|(command, _)| *command == path), "{path:?} is not tested");
+        }
+    }
+}
+
+#[test]
+fn the_version_goes_to_stdout_with_exit_code_0() {
+    for flag in ["--version", "-V"] {
+        let expected = concat!("diffract ", env!("CARGO_PKG_VERSION"), "\n");
+        assert_eq!(Sandbox::new().run([flag]).done(), expected);
+    }
+}
+
+#[test]
+fn wrong_use_is_one_line_with_exit_code_2_that_names_where_the_help_is() {
+    let sandbox = Sandbox::new();
+    for (arguments, parts) in [
+        (&[][..], &["no command", "`diffract --help`"][..]),
+        (&["surface"], &["no command", "`diffract surface --help`"]),
+        (&["rendr"], &["'rendr'", "render?", "`diffract --help`"]),
+        (&[""], &["''"]),
+        (&["help"], &["'help'", "`diffract --help`"]),
+        (&["--hepl"], &["--hepl", "`diffract --help`"]),
+        (&["render"], &["--output", "`diffract render --help`"]),
+        (&["render", "-o"], &["--output", "`diffract render --help`"]),
+        (&["render", "plate", "sphere", "-o", "a.png"], &["'sphere'", "`diffract render --help`"]),
+        (&["render", "-o", "a.png", "--sise", "4x4"], &["--sise", "--size?"]),
+        (&["render", "-o", "a.png", "--ior", "1.5", "--ior", "2"], &["--ior"]),
+        (&["render", "nothing", "-o", "a.png"], &["`nothing`", "snake, plate, sphere, disc"]),
+        (&["eval", "blaze"], &["--queries", "`diffract eval --help`"]),
+        (&["eval", "blaze", "--surface", "flat", "--queries", "q.csv"], &["twice"]),
+        (&["surface", "synth", "blaze"], &["--output", "`diffract surface synth --help`"]),
+        (&["surface", "synth", "marble", "-o", "a.png"], &["`marble`", "xenopeltis"]),
+        (&["devices", "now"], &["'now'", "`diffract devices --help`"]),
+    ] {
+        // The queries have to be there for the surface to be looked at.
+        sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r\n0,0,0,0\n");
+        let line = sandbox.run(arguments).refused(2);
+        for part in parts {
+            assert!(line.contains(part), "{arguments:?}: `{part}` is missing in: {line}");
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_argument_that_is_no_text_is_refused_in_one_line() {
+    use std::os::unix::ffi::OsStrExt;
+    let odd = std::ffi::OsStr::from_bytes(b"\xff\xfe.toml");
+    let sandbox = Sandbox::new();
+    sandbox.run([odd]).refused(2);
+    sandbox.run(["render".as_ref(), odd, "-o".as_ref(), "a.png".as_ref()]).refused(2);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_stdout_is_an_error_and_a_closed_one_is_not() {
+    use crate::sandbox::outcome;
+    use std::process::Stdio;
+    let sandbox = Sandbox::new();
+    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let mut command = sandbox.command(["surface", "info", "flat"]);
+    let full = outcome(command.stdout(full).stderr(Stdio::piped()).spawn().unwrap());
+    assert!(full.refused(1).contains("stdout"));
+    let mut command = sandbox.command(["surface", "info", "flat"]);
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let closed = outcome(command.stdout(writer).stderr(Stdio::piped()).spawn().unwrap());
+    closed.done();
+}
