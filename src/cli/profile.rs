@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(Error::usage("there are too many lights", format!("give at most {MAX_LIGHTS}")));
     }
     if let Some(path) = &arguments.json {
-        write::check_target(path)?;
+        output::check(path)?;
     }
     let shading = arguments.optics.shading()?;
     let scene = Scene::open(&arguments.scene)?;
