@@ -85,6 +85,8 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--surface", &[NO_NUMBER, &["nothing", "nothing.png", ".", "/dev/zero", "q.csv", "grey.png/x.png"]]),
     ("--device", &[&["", " ", "nothing", "7", "-1", "99999999999999999999", "\n"]]),
     ("--queries", &[&["", "nothing.csv", ".", "/dev/zero", "grey.png"]]),
+    ("--frames", &[NO_NUMBER, &["0", "2", "-3", "1e3", "100001"]]),
+    ("--json", &[&["", "none/out.json", ".", "/dev/null", "grey.png/out.json"]]),
     ("--output", &[&["", "none/out.png", ".", "..", "/", "/dev/null", "grey.png/out.png", "folder.png"]]),
 ];
 
@@ -95,6 +97,7 @@ fn sound(command: &[&str]) -> Vec<&'static str> {
     match command {
         ["render"] => [&["plate", "--size", "4x4", "--output", "out.png"][..], &SURFACE, &OPTICS].concat(),
         ["eval"] => [&["--queries", "q.csv", "--output", "out.png"][..], &SURFACE, &OPTICS].concat(),
+        ["profile"] => [&["plate", "--size", "4x4", "--frames", "3"][..], &SURFACE, &OPTICS].concat(),
         ["surface", "info"] => SURFACE.to_vec(),
         ["surface", "synth"] => vec!["blaze", "--output", "out.png"],
         _ => vec![],

@@ -9,6 +9,7 @@ mod devices;
 mod eval;
 mod hostile_files;
 mod hostile_options;
+mod profile;
 mod render;
 mod sandbox;
 mod surface;

@@ -3,9 +3,10 @@
 use crate::sandbox::Sandbox;
 
 /// Every command and what its help has to mention.
-pub const COMMANDS: [(&[&str], &str); 6] = [
+pub const COMMANDS: [(&[&str], &str); 7] = [
     (&["render"], "--exposure"),
     (&["eval"], "--queries"),
+    (&["profile"], "--frames"),
     (&["surface"], "synth"),
     (&["surface", "info"], "--level"),
     (&["surface", "synth"], "--patch"),

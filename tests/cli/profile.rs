@@ -1,0 +1,60 @@
+//! `diffract profile`: what it counts. Times are never asserted.
+
+use crate::sandbox::Sandbox;
+
+/// The JSON of a profile of a small plate with `options`.
+fn profile(sandbox: &Sandbox, options: &[&str]) -> String {
+    let setting = [
+        "profile",
+        "sphere",
+        "--surface",
+        "bumps",
+        "--coherence",
+        "gaussian:8um",
+        "--tolerance",
+        "1e-1",
+        "--size",
+        "32x24",
+        "--frames",
+        "3",
+        "--json",
+        "p.json",
+    ];
+    sandbox.run([&setting[..], options].concat()).done();
+    String::from_utf8(sandbox.read("p.json")).unwrap()
+}
+
+/// The number that stands behind `key`.
+fn number(json: &str, key: &str) -> f64 {
+    let (_, rest) =
+        json.split_once(&format!("\"{key}\": ")).unwrap_or_else(|| panic!("{key} is missing: {json}"));
+    rest.split([',', '\n', '}']).next().unwrap().trim().parse().unwrap()
+}
+
+#[test]
+fn the_report_has_every_number_of_its_contract() {
+    let sandbox = Sandbox::new();
+    let json = profile(&sandbox, &[]);
+    for key in
+        ["fps", "samples_per_covered_pixel", "sample_rate", "sample_rate_fraction", "layers", "wavelengths"]
+    {
+        assert!(number(&json, key) > 0.0, "{key}: {json}");
+    }
+    for key in ["device", "driver", "method", "basis", "gpu_ms", "frame_ms"] {
+        assert!(json.contains(&format!("\"{key}\": ")), "{key} is missing: {json}");
+    }
+    for key in ["min", "p50", "p95", "max"] {
+        number(&json, key);
+    }
+}
+
+#[test]
+fn twice_the_wavelengths_are_counted_as_twice_the_samples() {
+    let sandbox = Sandbox::new();
+    let few = profile(&sandbox, &["--wavelengths", "20"]);
+    let many = profile(&sandbox, &["--wavelengths", "40"]);
+    let ratio = number(&many, "samples_per_covered_pixel") / number(&few, "samples_per_covered_pixel");
+    // Beyond the band a ray ends between two nodes of the finer comb: no more than a few per cent.
+    assert!((1.9..2.1).contains(&ratio), "{ratio}");
+    assert!(number(&many, "wavelengths") > 1.9 * number(&few, "wavelengths"));
+}
