@@ -1,6 +1,7 @@
 //! Options that several commands share, with the same word and meaning in each.
 
 use crate::error::{Error, Result};
+use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
 use crate::render::shading::Shading;
@@ -34,14 +35,6 @@ pub enum Method {
     Spectral,
     /// The direct sum in 64-bit floats, on the CPU
     Reference,
-}
-
-/// Which expansion the layers hold.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Basis {
-    /// Powers of the height, as in the thesis
-    #[default]
-    Taylor,
 }
 
 /// The height field.
@@ -125,8 +118,8 @@ pub struct OpticsOptions {
     /// How the optics is computed
     #[arg(long, value_enum, default_value_t)]
     pub method: Method,
-    /// Which expansion the precomputed spectra hold
-    #[arg(long, value_enum, default_value_t)]
+    /// Which expansion the precomputed spectra hold: taylor (the thesis'), chebyshev or optimal (fewest terms)
+    #[arg(long, value_name = "BASIS", value_parser = basis, default_value = "taylor")]
     pub basis: Basis,
     /// Relative error that you accept; everything else follows from it unless named
     #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true, default_value = "1e-2")]
@@ -160,6 +153,7 @@ impl OpticsOptions {
             ior: self.ior,
             illuminant: Illuminant::from_name_or_file(&self.illuminant)?,
             tolerance: self.tolerance,
+            basis: self.basis,
             terms: self.terms,
             wavelengths: self.wavelengths,
         })
@@ -205,6 +199,13 @@ fn whole(text: &str, range: (usize, usize), what: &str) -> Result<usize> {
 pub fn seed(text: &str) -> Result<u64> {
     text.trim().parse().map_err(|_| {
         Error::usage(format!("`{text}` is no seed"), format!("give a whole number from 0 to {}", u64::MAX))
+    })
+}
+
+fn basis(text: &str) -> Result<Basis> {
+    let named = Basis::ALL.into_iter().find(|basis| basis.name() == text);
+    named.ok_or_else(|| {
+        Error::usage(format!("there is no basis `{text}`"), "give taylor, chebyshev or optimal")
     })
 }
 

@@ -45,6 +45,7 @@ pub fn layers(field: &HeightField, shading: &Shading, shortest: f64, device: &De
         sigma: length / 4.0,
         shortest_wavelength: shortest,
         tolerance: shading.tolerance,
+        basis: shading.basis,
         terms: shading.terms,
         memory_limit,
     };

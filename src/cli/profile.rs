@@ -157,7 +157,7 @@ fn report(
         driver: candidate.driver.clone(),
         size: arguments.size,
         method: "spectral",
-        basis: "taylor",
+        basis: arguments.optics.basis.name(),
         tolerance: arguments.optics.tolerance,
         terms: layers.terms,
         layers: layers.pairs(),

@@ -4,10 +4,38 @@
 //! t = (h − mid)/a ∈ \[−1, 1\] with a half the range, and b_n is a function of t. Every b_n is real, so the spectra
 //! F{g·b_n} are Hermitian and half of each is enough.
 
+pub mod chebyshev;
+pub mod optimal;
 pub mod taylor;
 
 use crate::surface::HeightField;
 use rustfft::num_complex::Complex64;
+
+/// Which family of functions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Basis {
+    /// Powers of the height (\[Single 2014\] C.1).
+    #[default]
+    Taylor,
+    /// Chebyshev polynomials, by the Jacobi–Anger expansion.
+    Chebyshev,
+    /// Singular functions of e^{izh} on the heights that the surface really has.
+    Optimal,
+}
+
+impl Basis {
+    /// Every basis.
+    pub const ALL: [Self; 3] = [Self::Taylor, Self::Chebyshev, Self::Optimal];
+
+    /// The word for it on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Taylor => "taylor",
+            Self::Chebyshev => "chebyshev",
+            Self::Optimal => "optimal",
+        }
+    }
+}
 
 /// Where the heights lie: t = (h − `mid`)/`half_range`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +67,12 @@ pub trait Expansion: Sync {
     /// c_0 … c_{len−1} at z \[rad/µm\] into `out`.
     fn coefficients(&self, z: f64, out: &mut [Complex64]);
 
-    /// A bound on |e^{izh} − Σ_{n<terms} c_n b_n| that holds for every height in range.
+    /// The largest number of terms that there is.
+    fn most_terms(&self) -> usize;
+
+    /// A bound on |e^{izh} − Σ_{n<terms} c_n b_n| that holds for every height in range and every |z| up to `z`.
     fn truncation_bound(&self, z: f64, terms: usize) -> f64;
+
+    /// A bound on what storing and summing with unit roundoff `roundoff` adds, for |z| up to `z`.
+    fn rounding_bound(&self, z: f64, roundoff: f64) -> f64;
 }

@@ -31,8 +31,16 @@ impl Expansion for Taylor {
         }
     }
 
+    fn most_terms(&self) -> usize {
+        MAX_TERMS
+    }
+
     fn truncation_bound(&self, z: f64, terms: usize) -> f64 {
         if terms == 0 { 1.0 } else { tight_bound(z * self.half_range, terms - 1) }
+    }
+
+    fn rounding_bound(&self, z: f64, roundoff: f64) -> f64 {
+        rounding_bound(z * self.half_range, roundoff)
     }
 }
 

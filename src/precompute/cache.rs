@@ -4,7 +4,7 @@
 //! whole is compared when it is read, and a file that does not match is made anew.
 
 use super::kernel::{Interpolation, Kernel};
-use super::layers::{Errors, Layers, PLANES, PlaneTerms, Settings};
+use super::layers::{Coefficients, Errors, Layers, PLANES, PlaneTerms, Settings};
 use crate::error::Result;
 use crate::output;
 use crate::surface::HeightField;
@@ -14,13 +14,13 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// First bytes of a file; the number changes whenever the layers of the same key would change.
-const MAGIC: &[u8; 20] = b"diffract layers 0003";
+const MAGIC: &[u8; 20] = b"diffract layers 0004";
 /// Bytes of the check sum and of the key.
 const HASH: usize = blake3::OUT_LEN;
 /// Numbers of 8 bytes that describe the layers in front of the texels.
 const HEADER: usize = FIXED + 2 * PLANES.len();
 /// Numbers of it that stand in front of the audited planes.
-const FIXED: usize = 18;
+const FIXED: usize = 19;
 
 /// The folder: `$XDG_CACHE_HOME/diffract`, else `~/.cache/diffract`; `None` where the user has neither.
 pub fn folder() -> Option<PathBuf> {
@@ -45,6 +45,7 @@ pub fn key(field: &HeightField, settings: &Settings) -> blake3::Hash {
         settings.shortest_wavelength,
         settings.tolerance,
         terms,
+        f64::from(settings.basis as u8),
     ];
     hasher.update(bytemuck::cast_slice(&numbers));
     hasher.update(bytemuck::cast_slice(field.heights()));
@@ -65,19 +66,22 @@ pub fn load(folder: &Path, key: &blake3::Hash, memory_limit: usize) -> Option<La
     let mut file = File::open(&place).ok()?;
     let size = usize::try_from(size).ok()?;
     let overhead = MAGIC.len() + HASH + HEADER * 8 + HASH;
-    let texel_bytes = size.checked_sub(overhead).filter(|n| n % 16 == 0 && *n <= memory_limit)?;
+    // The texels, and behind them the coefficients, which are little.
+    const COEFFICIENTS: usize = 64 << 20;
+    let limit = memory_limit.saturating_add(COEFFICIENTS);
+    let payload_bytes = size.checked_sub(overhead).filter(|n| n % 4 == 0 && *n <= limit)?;
     let mut head = vec![0u8; MAGIC.len() + HASH + HEADER * 8];
     file.read_exact(&mut head).ok()?;
-    let mut texels = vec![0f32; texel_bytes / 4];
-    file.read_exact(bytemuck::cast_slice_mut(&mut texels)).ok()?;
+    let mut payload = vec![0f32; payload_bytes / 4];
+    file.read_exact(bytemuck::cast_slice_mut(&mut payload)).ok()?;
     let mut sum = [0u8; HASH];
     file.read_exact(&mut sum).ok()?;
     let own = &head[..MAGIC.len() + HASH];
-    if own != [MAGIC.as_slice(), key.as_bytes().as_slice()].concat() || check_sum(&head, &texels) != sum {
+    if own != [MAGIC.as_slice(), key.as_bytes().as_slice()].concat() || check_sum(&head, &[&payload]) != sum {
         return None;
     }
     let numbers: Vec<f64> = bytemuck::pod_collect_to_vec(&head[MAGIC.len() + HASH..]);
-    from_numbers(&numbers, texels)
+    from_numbers(&numbers, payload)
 }
 
 /// Writes the layers of `key` into `folder`.
@@ -91,9 +95,10 @@ pub fn store(folder: &Path, key: &blake3::Hash, layers: &Layers) -> Result<()> {
     let mut head = MAGIC.to_vec();
     head.extend_from_slice(key.as_bytes());
     head.extend_from_slice(bytemuck::cast_slice(&to_numbers(layers)));
-    let sum = check_sum(&head, &layers.texels);
+    let coefficients = bytemuck::cast_slice(&layers.coefficients.values);
+    let sum = check_sum(&head, &[&layers.texels, coefficients]);
     output::write_atomically(&place, |file| {
-        [&head, bytemuck::cast_slice(&layers.texels), &sum]
+        [&head, bytemuck::cast_slice(&layers.texels), bytemuck::cast_slice(coefficients), &sum]
             .into_iter()
             .try_for_each(|part| file.write_all(part))
             .map_err(|e| output::write_failed(&place, &e))
@@ -112,10 +117,12 @@ fn sweep(folder: &Path) {
     }
 }
 
-fn check_sum(head: &[u8], texels: &[f32]) -> [u8; HASH] {
+fn check_sum(head: &[u8], payload: &[&[f32]]) -> [u8; HASH] {
     let mut hasher = blake3::Hasher::new();
     hasher.update(head);
-    hasher.update_rayon(bytemuck::cast_slice(texels));
+    for part in payload {
+        hasher.update_rayon(bytemuck::cast_slice(part));
+    }
     *hasher.finalize().as_bytes()
 }
 
@@ -138,7 +145,7 @@ fn to_numbers(l: &Layers) -> [f64; HEADER] {
         l.band[1],
         l.sigma,
         l.terms as f64,
-        l.half_range,
+        l.coefficients.step,
         l.z_max,
         kernel,
         l.interpolation.ratio,
@@ -146,6 +153,7 @@ fn to_numbers(l: &Layers) -> [f64; HEADER] {
         e.interpolation,
         e.truncation_bound,
         e.rounding_bound,
+        l.coefficients.columns as f64,
     ];
     let mut numbers = [0.0; HEADER];
     numbers[..FIXED].copy_from_slice(&fixed);
@@ -155,16 +163,22 @@ fn to_numbers(l: &Layers) -> [f64; HEADER] {
     numbers
 }
 
-fn from_numbers(n: &[f64], texels: Vec<f32>) -> Option<Layers> {
+fn from_numbers(n: &[f64], mut payload: Vec<f32>) -> Option<Layers> {
+    let (terms, columns) = (n[9] as usize, n[18] as usize);
+    let texels = (n[0] * n[1]) as usize * 4 * terms.div_ceil(2);
+    if payload.len() != texels.checked_add(terms.checked_mul(columns)?.checked_mul(2)?)? {
+        return None;
+    }
+    let values = bytemuck::pod_collect_to_vec(&payload.split_off(texels));
     let kernel = if n[12] == 0.0 { Kernel::Bilinear } else { Kernel::Bspline };
-    let layers = Layers {
+    Some(Layers {
         size: [n[0] as usize, n[1] as usize],
         origin: [n[2] as usize, n[3] as usize],
         length: [n[4], n[5]],
         band: [n[6], n[7]],
         sigma: n[8],
-        terms: n[9] as usize,
-        half_range: n[10],
+        terms,
+        coefficients: Coefficients { step: n[10], columns, values },
         z_max: n[11],
         terms_by_z: std::array::from_fn(|i| PlaneTerms {
             z: n[FIXED + 2 * i],
@@ -177,9 +191,8 @@ fn from_numbers(n: &[f64], texels: Vec<f32>) -> Option<Layers> {
             truncation_bound: n[16],
             rounding_bound: n[17],
         },
-        texels,
-    };
-    (layers.texels.len() == layers.size[0] * layers.size[1] * 4 * layers.pairs()).then_some(layers)
+        texels: payload,
+    })
 }
 
 #[cfg(test)]
@@ -194,6 +207,7 @@ mod tests {
             sigma: 1.0,
             shortest_wavelength: 0.38,
             tolerance: 1e-1,
+            basis: crate::expansion::Basis::Taylor,
             terms: None,
             memory_limit: 1 << 28,
         };
@@ -237,5 +251,6 @@ mod tests {
         assert_ne!(key(&field, &Settings { tolerance: 2e-1, ..settings }), first);
         assert_ne!(key(&field, &Settings { terms: Some(4), ..settings }), first);
         assert_ne!(key(&field, &Settings { shortest_wavelength: 0.4, ..settings }), first);
+        assert_ne!(key(&field, &Settings { basis: crate::expansion::Basis::Optimal, ..settings }), first);
     }
 }

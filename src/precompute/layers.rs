@@ -4,8 +4,10 @@
 use super::kernel::{Interpolation, Kernel};
 use super::transform::{PaddedAxis, Spectrum, Transformer};
 use crate::error::{Error, Result};
-use crate::expansion::taylor::{F32_ROUNDOFF, MAX_TERMS, Taylor, terms_for};
-use crate::expansion::{Expansion, HeightScale};
+use crate::expansion::chebyshev::Chebyshev;
+use crate::expansion::optimal::Optimal;
+use crate::expansion::taylor::{F32_ROUNDOFF, Taylor, terms_for};
+use crate::expansion::{Basis, Expansion, HeightScale};
 use crate::surface::HeightField;
 use rayon::prelude::*;
 use rustfft::num_complex::{Complex32, Complex64};
@@ -20,6 +22,8 @@ pub struct Settings {
     pub shortest_wavelength: f64,
     /// Relative intensity error that the user accepts.
     pub tolerance: f64,
+    /// Which expansion.
+    pub basis: Basis,
     /// Number of terms, where the user names it.
     pub terms: Option<usize>,
     /// Most bytes that the layers may take.
@@ -70,8 +74,8 @@ pub struct Layers {
     pub sigma: f64,
     /// Number of terms K.
     pub terms: usize,
-    /// Half the range of heights \[µm\].
-    pub half_range: f64,
+    /// c_n over k|w|.
+    pub coefficients: Coefficients,
     /// Largest k|w| served \[rad/µm\].
     pub z_max: f64,
     /// Terms that k|w| up to each audited plane needs, by growing k|w|.
@@ -83,6 +87,41 @@ pub struct Layers {
     /// RGBA texels (Re, Im of term 2p; Re, Im of term 2p + 1), pair by pair, row by row in growing f_y; in units of the
     /// flat mirror's peak amplitude.
     pub texels: Vec<f32>,
+}
+
+/// c_n(z) on a uniform grid of z, fine enough to be linear between its points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coefficients {
+    /// Distance of neighbouring points \[rad/µm\]; the first stands at 0, the last at or beyond z_max.
+    pub step: f64,
+    /// Points.
+    pub columns: usize,
+    /// `[term][point]`: real and imaginary part.
+    pub values: Vec<[f32; 2]>,
+}
+
+impl Coefficients {
+    /// The table of `terms` coefficients of `expansion` up to `z_max` over heights of half range `half_range` \[µm\].
+    /// Interpolating all coefficients alike interpolates e^{izh} itself, with an error of (Δz·a)²/8.
+    fn new(expansion: &dyn Expansion, terms: usize, z_max: f64, half_range: f64, tolerance: f64) -> Self {
+        /// Share of the tolerance that this interpolation may take.
+        const SHARE: f64 = 1e-3;
+        /// Bounds on the number of intervals: the larger keeps a row within what every device holds as a texture.
+        const INTERVALS: (f64, f64) = (64.0, 8192.0);
+        let intervals = (z_max * half_range / (8.0 * SHARE * tolerance).sqrt()).ceil();
+        let intervals = intervals.clamp(INTERVALS.0, INTERVALS.1);
+        let step = z_max / intervals;
+        let columns = intervals as usize + 2;
+        let mut values = vec![[0.0; 2]; columns * terms];
+        let mut c = vec![Complex64::ZERO; terms];
+        for column in 0..columns {
+            expansion.coefficients(column as f64 * step, &mut c);
+            for (n, c) in c.iter().enumerate() {
+                values[n * columns + column] = [c.re as f32, c.im as f32];
+            }
+        }
+        Self { step, columns, values }
+    }
 }
 
 /// What one audited plane of k|w| needs.
@@ -104,11 +143,6 @@ impl Layers {
     /// Layers of the texture: pairs of terms.
     pub fn pairs(&self) -> usize {
         self.terms.div_ceil(2)
-    }
-
-    /// The expansion that the layers belong to.
-    pub fn expansion(&self) -> Taylor {
-        Taylor { half_range: self.half_range }
     }
 }
 
@@ -163,19 +197,18 @@ pub fn compute(
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<Layers> {
     let scale = HeightScale::of(field);
-    let taylor = Taylor { half_range: scale.half_range };
     let z_max = largest_z(settings.shortest_wavelength);
-    let x_max = z_max * scale.half_range;
-    // Refuses what is hopeless before any work. No direction above the horizon is fainter than FAINT, so a sup error of
-    // its square root times the tolerance is more than enough: the loop below stops as soon as the measured error allows.
-    let rounding = terms_for(x_max, settings.tolerance, F32_ROUNDOFF).map(|_| ());
-    let most_terms = match settings.terms {
-        Some(terms) => terms,
-        None => {
-            rounding?;
-            terms_for(x_max, settings.tolerance * FAINT.sqrt() * 0.1, 0.0)?.min(MAX_TERMS)
-        }
+    let expansion: Box<dyn Expansion> = match settings.basis {
+        Basis::Taylor => Box::new(Taylor { half_range: scale.half_range }),
+        Basis::Chebyshev => Box::new(Chebyshev { half_range: scale.half_range }),
+        Basis::Optimal => Box::new(Optimal::new(field, z_max)),
     };
+    let expansion = expansion.as_ref();
+    if settings.basis == Basis::Taylor && settings.terms.is_none() {
+        // Refuses what is hopeless before any work.
+        terms_for(z_max * scale.half_range, settings.tolerance, F32_ROUNDOFF)?;
+    }
+    let most_terms = settings.terms.unwrap_or(usize::MAX).min(expansion.most_terms());
     let interpolation = Interpolation::for_tolerance(settings.tolerance * INTERPOLATION_SHARE);
     let [x, y] = plan(field, settings, interpolation)?;
     let size = [x.bins + interpolation.kernel.guard() + 1, y.kept()];
@@ -183,37 +216,40 @@ pub fn compute(
     let transformer = Transformer::new(field, x, y);
     let heights: Vec<f64> = field.heights().iter().map(|&h| scale.normalise(h)).collect();
 
-    let steps = PLANES.len() + most_terms.div_ceil(2);
-    let mut audit = Audit::new(&transformer, &heights, &taylor, z_max, |i| progress(i, steps))?;
+    let guess = settings.terms.unwrap_or(GUESSED_TERMS);
+    let steps = |terms: usize| PLANES.len() + guess.max(terms).div_ceil(2);
+    let mut audit = Audit::new(&transformer, &heights, scale.half_range, z_max, |i| progress(i, steps(0)))?;
     let mut texels: Vec<f32> = Vec::new();
     let mut terms = 0;
     while terms < most_terms {
-        progress(PLANES.len() + terms / 2, steps)?;
+        progress(PLANES.len() + terms / 2, steps(terms + 2))?;
         if texels.len() * 4 + pair_bytes > settings.memory_limit {
             return Err(too_large((texels.len() * 4 + pair_bytes) as f64, settings));
         }
         let (even, odd) = (terms, terms + 1);
-        let spectrum = transformer
-            .spectrum(|i| Complex64::new(taylor.basis(even, heights[i]), taylor.basis(odd, heights[i])));
+        let spectrum = transformer.spectrum(|i| {
+            Complex64::new(expansion.basis(even, heights[i]), expansion.basis(odd, heights[i]))
+        });
         texels.extend(pack(&spectrum, size, &transformer, interpolation.kernel));
         audit.add(&spectrum);
         terms = (terms + 2).min(most_terms);
-        if settings.terms.is_none() && audit.error(&taylor, terms) <= EXPANSION_SHARE * settings.tolerance {
+        if settings.terms.is_none() && audit.error(expansion, terms) <= EXPANSION_SHARE * settings.tolerance {
             break;
         }
     }
-    let expansion_error = audit.error(&taylor, terms);
+    let expansion_error = audit.error(expansion, terms);
     if settings.terms.is_none() && expansion_error > EXPANSION_SHARE * settings.tolerance {
         return Err(Error::failed(
             format!(
-                "the Taylor expansion in 32-bit floats leaves a relative error of {expansion_error:.1e} on this surface, \
-                 more than its share of the tolerance {:.1e}",
+                "the {} expansion in 32-bit floats leaves a relative error of {expansion_error:.1e} on this surface, more \
+                 than its share of the tolerance {:.1e}",
+                settings.basis.name(),
                 settings.tolerance
             ),
-            "ask for a larger --tolerance, or use --method reference",
+            "ask for a larger --tolerance, or use --basis optimal or --method reference",
         ));
     }
-    progress(steps, steps)?;
+    progress(steps(terms), steps(terms))?;
     let guard = interpolation.kernel.guard();
     Ok(Layers {
         size,
@@ -222,15 +258,15 @@ pub fn compute(
         band: bands(field, settings.shortest_wavelength),
         sigma: settings.sigma,
         terms,
-        half_range: scale.half_range,
+        coefficients: Coefficients::new(expansion, terms, z_max, scale.half_range, settings.tolerance),
         z_max,
-        terms_by_z: audit.terms_by_z(&taylor, terms, EXPANSION_SHARE * settings.tolerance),
+        terms_by_z: audit.terms_by_z(expansion, terms, EXPANSION_SHARE * settings.tolerance),
         interpolation,
         errors: Errors {
             expansion: expansion_error,
             interpolation: interpolation.relative_error(),
-            truncation_bound: taylor.truncation_bound(z_max, terms),
-            rounding_bound: crate::expansion::taylor::rounding_bound(x_max, F32_ROUNDOFF),
+            truncation_bound: expansion.truncation_bound(z_max, terms),
+            rounding_bound: expansion.rounding_bound(z_max, F32_ROUNDOFF),
         },
         texels,
     })
@@ -248,6 +284,9 @@ fn pack(spectrum: &Spectrum, size: [usize; 2], transformer: &Transformer, kernel
     });
     texels
 }
+
+/// What the progress counts on before the number of terms is known.
+const GUESSED_TERMS: usize = 16;
 
 /// The audited k|w|, as parts of the largest, growing: from grazing directions, where only scattering is left, to the
 /// mirror direction at the shortest wavelength.
@@ -277,7 +316,7 @@ impl Audit {
     fn new(
         transformer: &Transformer,
         heights: &[f64],
-        taylor: &Taylor,
+        half_range: f64,
         z_max: f64,
         progress: impl Fn(usize) -> Result<()>,
     ) -> Result<Self> {
@@ -285,7 +324,7 @@ impl Audit {
         for (index, share) in PLANES.into_iter().enumerate() {
             progress(index)?;
             let z = share * z_max;
-            let spectrum = transformer.spectrum(|i| Complex64::cis(z * taylor.half_range * heights[i]));
+            let spectrum = transformer.spectrum(|i| Complex64::cis(z * half_range * heights[i]));
             let radius = (z_max * z_max - z * z).sqrt() / (2.0 * PI);
             let mut texels = spread(transformer, radius, Self::SPREAD);
             texels.extend(brightest(transformer, &spectrum, radius, Self::BRIGHTEST));
@@ -306,16 +345,21 @@ impl Audit {
     }
 
     /// The worst plane's RMS relative intensity error with `terms` terms.
-    fn error(&self, taylor: &Taylor, terms: usize) -> f64 {
-        self.planes.iter().map(|plane| plane.error(taylor, terms)).fold(0.0, f64::max)
+    fn error(&self, expansion: &dyn Expansion, terms: usize) -> f64 {
+        self.planes.iter().map(|plane| plane.error(expansion, terms)).fold(0.0, f64::max)
     }
 
     /// The smallest number of terms, of `terms`, that keeps each plane within `allowed`; never fewer than a lower plane.
-    fn terms_by_z(&self, taylor: &Taylor, terms: usize, allowed: f64) -> [PlaneTerms; PLANES.len()] {
+    fn terms_by_z(
+        &self,
+        expansion: &dyn Expansion,
+        terms: usize,
+        allowed: f64,
+    ) -> [PlaneTerms; PLANES.len()] {
         let mut least = 1;
         std::array::from_fn(|i| {
             let plane = &self.planes[i];
-            least = (least..terms).find(|&n| plane.error(taylor, n) <= allowed).unwrap_or(terms);
+            least = (least..terms).find(|&n| plane.error(expansion, n) <= allowed).unwrap_or(terms);
             PlaneTerms { z: plane.z, terms: least }
         })
     }
@@ -323,9 +367,9 @@ impl Audit {
 
 impl Plane {
     /// RMS relative intensity error with the first `terms` terms, summed in f32 as the shader does.
-    fn error(&self, taylor: &Taylor, terms: usize) -> f64 {
+    fn error(&self, expansion: &dyn Expansion, terms: usize) -> f64 {
         let mut c = vec![Complex64::ZERO; terms];
-        taylor.coefficients(self.z, &mut c);
+        expansion.coefficients(self.z, &mut c);
         let c: Vec<Complex32> = c.iter().map(|c| Complex32::new(c.re as f32, c.im as f32)).collect();
         // Where nothing is seen, nothing can be wrong: such texels would only dilute the mean.
         let seen = self.exact.iter().enumerate().filter(|(_, exact)| exact.norm_sqr() >= FAINT);
@@ -389,7 +433,14 @@ mod tests {
     }
 
     fn settings(tolerance: f64) -> Settings {
-        Settings { sigma: 2.0, shortest_wavelength: 0.38, tolerance, terms: None, memory_limit: 1 << 30 }
+        Settings {
+            sigma: 2.0,
+            shortest_wavelength: 0.38,
+            tolerance,
+            basis: Basis::Taylor,
+            terms: None,
+            memory_limit: 1 << 30,
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::interface::{FrameBlock, OpticsBlock, binding, optics_bindings};
 use super::shading::Shading;
-use super::tables::{Coefficients, Combs, Table};
+use super::tables::{Combs, Table, coefficient_table};
 use super::upload;
 use crate::error::Result;
 use crate::optics::brdf::schlick;
@@ -56,7 +56,6 @@ impl Resources {
     /// # Errors
     /// Where the device has no room.
     pub fn new(device: &Arc<Device>, layers: &Layers, shading: &Shading, pigment: &Pigment) -> Result<Self> {
-        let coefficients = Coefficients::new(layers, shading.tolerance);
         let combs = Combs::new(&shading.illuminant, layers.sigma, shading.tolerance, shading.wavelengths);
         let float = vk::Format::R32G32B32A32_SFLOAT;
         let table = |name, table: &Table| {
@@ -66,7 +65,7 @@ impl Resources {
         let pigment_size = pigment.size.map(|n| n as usize);
         let images = [
             texture(device, LAYERS, float, layers.size, pairs, bytemuck::cast_slice(&layers.texels))?,
-            table("coefficients", &coefficients.table)?,
+            table("coefficients", &coefficient_table(layers))?,
             table("nodes", &combs.nodes)?,
             texture(device, "pigment", vk::Format::R8G8B8A8_SRGB, pigment_size, 1, &pigment.texels)?,
         ];
@@ -74,7 +73,7 @@ impl Resources {
         let repeat = Sampler::linear(device, "pigment sampler", vk::SamplerAddressMode::REPEAT)?;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
-        let optics = optics_block(layers, &coefficients, shading.ior);
+        let optics = optics_block(layers, shading.ior);
         let buffers = [
             upload::buffer(device, "optics", uniform, bytemuck::bytes_of(&optics))?,
             upload::buffer(device, "combs", storage, bytemuck::cast_slice(&combs.bins))?,
@@ -94,7 +93,8 @@ impl Resources {
 }
 
 /// The `Optics` block of `layers`.
-pub fn optics_block(layers: &Layers, coefficients: &Coefficients, ior: f64) -> OpticsBlock {
+pub fn optics_block(layers: &Layers, ior: f64) -> OpticsBlock {
+    let columns = layers.coefficients.columns as f64;
     let pair = |v: [f64; 2]| v.map(|x| x as f32);
     OpticsBlock {
         texture_size: layers.size.map(|n| n as f32),
@@ -103,8 +103,8 @@ pub fn optics_block(layers: &Layers, coefficients: &Coefficients, ior: f64) -> O
         band: pair(layers.band),
         sigma: layers.sigma as f32,
         normal_reflectance: schlick(ior, 1.0) as f32,
-        columns_per_z: (1.0 / (coefficients.step * coefficients.table.size[0] as f64)) as f32,
-        first_column: (0.5 / coefficients.table.size[0] as f64) as f32,
+        columns_per_z: (1.0 / (layers.coefficients.step * columns)) as f32,
+        first_column: (0.5 / columns) as f32,
         kernel: match layers.interpolation.kernel {
             Kernel::Bilinear => 0,
             Kernel::Bspline => 1,

@@ -1,5 +1,6 @@
 //! What is asked of the optics, whichever way it is computed.
 
+use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
 
@@ -16,6 +17,8 @@ pub struct Shading {
     pub illuminant: Illuminant,
     /// Relative error that the user accepts.
     pub tolerance: f64,
+    /// Which expansion the layers hold.
+    pub basis: Basis,
     /// Terms of the expansion, where the user names them.
     pub terms: Option<usize>,
     /// Wavelengths of the colour integral, where the user names them.
@@ -30,6 +33,7 @@ impl Default for Shading {
             ior: 1.5,
             illuminant: Illuminant::D65,
             tolerance: 1e-2,
+            basis: Basis::default(),
             terms: None,
             wavelengths: None,
         }

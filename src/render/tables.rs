@@ -1,11 +1,9 @@
 //! The small tables that the shaders read beside the layers, computed in f64.
 
 use super::interface::UV_BINS;
-use crate::expansion::Expansion;
 use crate::optics::quadrature::{Ladder, Nodes, Rule};
 use crate::optics::spectrum::Illuminant;
 use crate::precompute::Layers;
-use rustfft::num_complex::Complex64;
 
 /// A table of four floats an entry, row by row: a texture.
 #[derive(Clone, Debug)]
@@ -16,41 +14,21 @@ pub struct Table {
     pub values: Vec<[f32; 4]>,
 }
 
-/// c_n(z) over a uniform grid of z.
-#[derive(Clone, Debug)]
-pub struct Coefficients {
-    /// Row p: Re, Im of c_2p and of c_2p+1 along z. The row after the last: the pairs that z needs, in the first float.
-    pub table: Table,
-    /// Distance of neighbouring entries \[rad/µm\]; the first stands at 0.
-    pub step: f64,
-}
-
-impl Coefficients {
-    /// The table for `layers`, fine enough that interpolating in it is a thousandth of `tolerance`.
-    pub fn new(layers: &Layers, tolerance: f64) -> Self {
-        /// Share of the tolerance that the interpolation of e^{izh} may take: (Δz·a)²/8.
-        const SHARE: f64 = 1e-3;
-        /// Bounds on the number of intervals: the larger keeps a row within what every device holds.
-        const INTERVALS: (f64, f64) = (64.0, 8192.0);
-        let expansion = layers.expansion();
-        let x_max = layers.z_max * layers.half_range;
-        let intervals = (x_max / (8.0 * SHARE * tolerance).sqrt()).ceil().clamp(INTERVALS.0, INTERVALS.1);
-        let step = layers.z_max / intervals;
-        let columns = intervals as usize + 2;
-        let pairs = layers.pairs();
-        let mut values = vec![[0.0; 4]; columns * (pairs + 1)];
-        let mut c = vec![Complex64::ZERO; 2 * pairs];
-        for column in 0..columns {
-            expansion.coefficients(column as f64 * step, &mut c);
-            c[layers.terms..].fill(Complex64::ZERO); // an odd count leaves half a pair
-            for (pair, c) in c.chunks(2).enumerate() {
-                values[pair * columns + column] = [c[0].re, c[0].im, c[1].re, c[1].im].map(|x| x as f32);
-            }
-            let needed = layers.terms_at(column as f64 * step).div_ceil(2);
-            values[pairs * columns + column] = [needed as f32, 0.0, 0.0, 0.0];
+/// The coefficients of `layers` as the shaders read them. Row p: Re, Im of c_2p and of c_2p+1 along z. The row after the
+/// last: the pairs that z needs, in the first float.
+pub fn coefficient_table(layers: &Layers) -> Table {
+    let (columns, pairs) = (layers.coefficients.columns, layers.pairs());
+    let mut values = vec![[0.0; 4]; columns * (pairs + 1)];
+    for (term, row) in layers.coefficients.values.chunks(columns).enumerate() {
+        let half = 2 * (term % 2);
+        for (slot, c) in values[term / 2 * columns..].iter_mut().zip(row) {
+            slot[half..half + 2].copy_from_slice(c);
         }
-        Self { table: Table { size: [columns, pairs + 1], values }, step }
     }
+    for (column, slot) in values[pairs * columns..].iter_mut().enumerate() {
+        slot[0] = layers.terms_at(column as f64 * layers.coefficients.step).div_ceil(2) as f32;
+    }
+    Table { size: [columns, pairs + 1], values }
 }
 
 /// Wavelength combs as the shaders read them.

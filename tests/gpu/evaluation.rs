@@ -63,6 +63,7 @@ pub fn layers(field: &HeightField, shading: &Shading) -> Layers {
         sigma: shading.coherence.sigma().unwrap(),
         shortest_wavelength: 0.38,
         tolerance: shading.tolerance,
+        basis: shading.basis,
         terms: shading.terms,
         memory_limit: 1 << 30,
     };

@@ -3,6 +3,7 @@
 use crate::device::with_device;
 use ash::vk;
 use bytemuck::Zeroable;
+use diffract::expansion::Basis;
 use diffract::precompute::{Settings, compute};
 use diffract::render::interface::{FrameBlock, OpticsBlock, UV_BINS, binding};
 use diffract::render::resources::{Pigment, Resources};
@@ -64,6 +65,7 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             sigma: 1.0,
             shortest_wavelength: 0.38,
             tolerance: 0.1,
+            basis: Basis::Taylor,
             terms: Some(1),
             memory_limit: 1 << 28,
         };
