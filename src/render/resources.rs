@@ -17,7 +17,7 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 use std::sync::Arc;
 
-/// A pigment texture: linear RGBA, row by row from the top.
+/// A pigment texture, row by row from the top.
 #[derive(Clone, Debug)]
 pub struct Pigment {
     /// Width and height.
