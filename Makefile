@@ -1,4 +1,4 @@
-# ARGS is handed on: make run ARGS="--tolerance 1e-2", make test ARGS="--test images".
+# ARGS is handed on: make run ARGS="--tolerance 1e-2", make test ARGS="--test gpu".
 .PHONY: help run test build setup lint clean
 
 ARGS =

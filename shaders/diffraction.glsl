@@ -49,13 +49,14 @@ bool in_band(Pair pair, float wavenumber) {
 float power(Pair pair, float wavenumber) {
     Read read = read_at(pair.toward * wavenumber);
     float column = 2.0 * PI * wavenumber * pair.w * optics.columns_per_z + optics.first_column;
-    float row = 1.0 / float(optics.pairs + 1);
-    // The row of counts never falls along z: between two columns, rounding up takes the larger.
-    int count = int(ceil(textureLod(coefficients, vec2(column, 1.0 - 0.5 * row), 0.0).x));
+    // The counts never fall along z: between two columns, rounding up takes the larger. The margin is for hardware whose
+    // filter does not return a value that both its neighbours have.
+    float needed = textureLod(coefficients, vec3(column, 0.5, optics.pairs), 0.0).x;
+    int count = min(int(ceil(needed - 1e-3)), optics.pairs);
     vec2 p = vec2(0.0);
     for (int layer = 0; layer < count; ++layer) {
         // Interpolating all coefficients alike interpolates e^{izh} itself: an error of (dz a)^2/8 and no cancellation.
-        vec4 c = textureLod(coefficients, vec2(column, (float(layer) + 0.5) * row), 0.0);
+        vec4 c = textureLod(coefficients, vec3(column, 0.5, layer), 0.0);
         c.yw *= pair.conjugate;
         vec4 s = read_layer(read, layer);
         p += vec2(c.x * s.x - c.y * s.y, c.x * s.y + c.y * s.x);

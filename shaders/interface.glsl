@@ -31,9 +31,9 @@ layout(set = 0, binding = 1, std140) uniform Optics {
 // Spectra of the basis functions: RGBA = Re, Im of term 2p, Re, Im of term 2p + 1, relative to the flat mirror's peak.
 layout(set = 0, binding = 2) uniform sampler2DArray layers;
 
-// Over z = k|w|: row p has c_2p, c_2p+1 as (Re, Im, Re, Im); the row after the last has in x how many pairs z needs.
+// Over z = k|w|: layer p has c_2p, c_2p+1 as (Re, Im, Re, Im); the layer after the last has in x how many pairs z needs.
 // Small tables are textures because software devices read those eight lanes at a time, and buffers lane by lane.
-layout(set = 0, binding = 3) uniform sampler2D coefficients;
+layout(set = 0, binding = 3) uniform sampler2DArray coefficients;
 
 // Wavelength combs: row of `nodes` and number of nodes for each bin of |(u, v)|.
 layout(set = 0, binding = 4, std430) readonly buffer Combs { ivec2 combs[]; };

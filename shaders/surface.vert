@@ -21,6 +21,6 @@ void main() {
     for (int i = 0; i < MAX_LIGHTS; ++i) {
         lights[i] = tangent_from_world * frame.lights[i].xyz;
     }
-    pigment_uv = uv;
+    pigment_uv = vec2(uv.x, 1.0 - uv.y); // v grows upward in meshes, rows of a texture downward
     gl_Position = frame.clip_from_world * vec4(position, 1.0);
 }

@@ -48,6 +48,7 @@ pub fn layers(field: &HeightField, shading: &Shading, shortest: f64, device: &De
         basis: shading.basis,
         terms: shading.terms,
         memory_limit,
+        side_limit: device.candidate().max_side as usize,
     };
     let folder = cache::folder();
     let key = cache::key(field, &settings);

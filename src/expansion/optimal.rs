@@ -185,6 +185,7 @@ mod tests {
         let optimal = Optimal::new(&flat, 33.0);
         let mut c = [Complex64::ZERO];
         optimal.coefficients(20.0, &mut c);
-        assert!((c[0] * optimal.basis(0, 0.0) - 1.0).norm() < 1e-9);
+        // All heights are one, but a thousandth of the weight is spread over heights that do not occur.
+        assert!((c[0] * optimal.basis(0, 0.0) - 1.0).norm() < 2e-3);
     }
 }

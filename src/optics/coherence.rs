@@ -41,13 +41,22 @@ impl Coherence {
         }
     }
 
-    /// The full width of the autocorrelation of the window along `axis` \[µm\] beyond which it is below
-    /// `level`: what sets how fast the response varies with spatial frequency.
+    /// The displacement along `axis` \[µm\] beyond which the window's autocorrelation is below `level`: what sets how fast
+    /// the response varies with spatial frequency.
     pub fn correlation_extent(&self, patch: [f64; 2], axis: usize, level: f64) -> f64 {
         match *self {
             // The autocorrelation of g is exp(−x²/(4σ²)).
             Self::Gaussian { length } => 2.0 * (length / 4.0) * (1.0 / level).ln().sqrt(),
             Self::Repeats(n) => f64::from(n[axis]) * patch[axis],
+        }
+    }
+
+    /// How far apart two points of the window's autocorrelation are along a ray, from their parts along x and y: an
+    /// ellipse of a Gaussian, a rectangle of repeats.
+    pub fn path(&self, x: f64, y: f64) -> f64 {
+        match self {
+            Self::Gaussian { .. } => x.hypot(y),
+            Self::Repeats(_) => x + y,
         }
     }
 }
@@ -115,7 +124,7 @@ impl Axis {
 /// nearest multiple of 2π first and takes the sum's own value, n, at the peak.
 pub fn periodic_factor(copies: u32, phase: f64) -> Complex64 {
     let n = f64::from(copies);
-    // Exact in f64: the remainder of the division by 2π, in (−π, π].
+    // The remainder of the division by 2π, within ±π: as good as the argument itself, which is known to 2⁻⁵³ of its size.
     let phase = phase - 2.0 * PI * (phase / (2.0 * PI)).round();
     let half = phase / 2.0;
     // Dirichlet kernel sin(nφ/2)/sin(φ/2) → n; below this the first dropped term, (nφ)²/24, is under the rounding.

@@ -17,7 +17,7 @@ pub fn xyz_to_linear_srgb(xyz: DVec3) -> DVec3 {
 }
 
 /// Moves a linear colour into the display's gamut along the line to the grey of its own luminance, so that hue stays
-/// and only saturation gives way; luminance is limited to 0 … 1. The twin of `map_to_gamut` in `display.frag`.
+/// and only saturation gives way; luminance is limited to 0 … 1. The twin of `map_to_gamut` in `color.glsl`.
 pub fn map_to_gamut(rgb: DVec3) -> DVec3 {
     let grey = LUMINANCE.dot(rgb).clamp(0.0, 1.0);
     let away = rgb - DVec3::splat(grey);

@@ -89,7 +89,8 @@ impl<'a> Reference<'a> {
         let uvw = pair.uvw();
         let patch = self.field.patch_size();
         let extent = |axis| self.coherence.correlation_extent(patch, axis, ALIAS_LEVEL);
-        let count = COLOUR_NODES as f64 + SPAN * (uvw.x.abs() * extent(0)).hypot(uvw.y.abs() * extent(1));
+        let count = COLOUR_NODES as f64
+            + SPAN * self.coherence.path(uvw.x.abs() * extent(0), uvw.y.abs() * extent(1));
         if count <= MAX_NODES as f64 {
             return Ok(count as usize);
         }

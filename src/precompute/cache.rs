@@ -210,6 +210,7 @@ mod tests {
             basis: crate::expansion::Basis::Taylor,
             terms: None,
             memory_limit: 1 << 28,
+            side_limit: 16_384,
         };
         let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
         (field, settings, layers)

@@ -2,7 +2,8 @@
 //!
 //! A kernel that interpolates in frequency multiplies the window's space by the kernel's transform and adds copies of it,
 //! displaced by the padded length L and damped by the same transform. Dividing the window by the transform first
-//! ("deapodisation", as in gridding and non-uniform FFTs; Jackson et al. 1991) undoes the multiplication; the damped copies remain as the error.
+//! ("deapodisation", as in gridding and non-uniform FFTs; Jackson et al. 1991) undoes the multiplication; the damped
+//! copies remain as the error.
 
 /// How the shader reads between texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,7 +81,7 @@ const MAX_BILINEAR_RATIO: f64 = 16.0;
 
 impl Interpolation {
     /// The cheapest interpolation whose RMS relative intensity error over single directions and wavelengths is at most
-    /// `tolerance`.
+    /// `tolerance`, or the finest there is, with 1.6e-6.
     pub fn for_tolerance(tolerance: f64) -> Self {
         let smallest = |kernel: Kernel, most: f64| {
             let mut ratio = 6.0;
@@ -93,7 +94,7 @@ impl Interpolation {
             }
             None
         };
-        // 64σ holds tolerances down to 1e-5; nothing finer is asked of 32-bit layers.
+        // Longer than 64σ, and the rounding of 32-bit layers is the larger error.
         smallest(Kernel::Bilinear, MAX_BILINEAR_RATIO)
             .or_else(|| smallest(Kernel::Bspline, 64.0))
             .unwrap_or(Self { kernel: Kernel::Bspline, ratio: 64.0 })

@@ -8,6 +8,7 @@ use crate::expansion::chebyshev::Chebyshev;
 use crate::expansion::optimal::Optimal;
 use crate::expansion::taylor::{F32_ROUNDOFF, Taylor, terms_for};
 use crate::expansion::{Basis, Expansion, HeightScale};
+use crate::memory;
 use crate::surface::HeightField;
 use rayon::prelude::*;
 use rustfft::num_complex::{Complex32, Complex64};
@@ -28,6 +29,8 @@ pub struct Settings {
     pub terms: Option<usize>,
     /// Most bytes that the layers may take.
     pub memory_limit: usize,
+    /// Most texels along a side of a layer.
+    pub side_limit: usize,
 }
 
 /// Share of the tolerance that goes to reading between texels, which costs the most to lower.
@@ -35,9 +38,9 @@ const INTERPOLATION_SHARE: f64 = 0.7;
 /// Share of the tolerance that goes to truncation and rounding together; shares add as squares.
 const EXPANSION_SHARE: f64 = 0.35;
 
-/// Intensity relative to the mirror peak below which errors are not judged by their own direction: a 65 µm window's
-/// mirror peak at normal incidence is about 100 sr⁻¹, and 1e-5 sr⁻¹ under a light of irradiance π is below what a display
-/// shows as black at exposure 0.
+/// Intensity relative to the mirror peak below which errors are not judged: a 65 µm window's mirror peak at normal
+/// incidence is 439 sr⁻¹ at 550 nm, and 4.4e-5 sr⁻¹ under a light of irradiance π is below what a display shows as black
+/// at exposure 0.
 pub const FAINT: f64 = 1e-7;
 
 /// The largest |z| = k|w| that wavelengths from `shortest` \[µm\] allow \[rad/µm\]: |w| ≤ 2.
@@ -45,7 +48,7 @@ pub fn largest_z(shortest: f64) -> f64 {
     4.0 * PI / shortest
 }
 
-/// The errors that the layers bring, RMS and relative to each direction's own intensity (floor [`FAINT`]).
+/// The errors that the layers bring, RMS over directions brighter than [`FAINT`] and relative to each one's own intensity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
     /// Truncation and rounding together, measured against the transform of e^{izh}.
@@ -106,8 +109,8 @@ impl Coefficients {
     fn new(expansion: &dyn Expansion, terms: usize, z_max: f64, half_range: f64, tolerance: f64) -> Self {
         /// Share of the tolerance that this interpolation may take.
         const SHARE: f64 = 1e-3;
-        /// Bounds on the number of intervals: the larger keeps a row within what every device holds as a texture.
-        const INTERVALS: (f64, f64) = (64.0, 8192.0);
+        /// Bounds on the number of intervals: the larger keeps a row within the 4096 texels that every Vulkan device holds.
+        const INTERVALS: (f64, f64) = (64.0, 4094.0);
         let intervals = (z_max * half_range / (8.0 * SHARE * tolerance).sqrt()).ceil();
         let intervals = intervals.clamp(INTERVALS.0, INTERVALS.1);
         let step = z_max / intervals;
@@ -167,7 +170,16 @@ fn plan(field: &HeightField, settings: &Settings, interpolation: Interpolation) 
             i == 1,
         )
     };
-    Ok([axis(0), axis(1)])
+    let axes = [axis(0), axis(1)];
+    let longest = axes[0].kept().max(axes[1].kept());
+    if longest > settings.side_limit {
+        return Err(Error::failed(
+            format!("the spectra would be {longest} texels long, the device holds {}", settings.side_limit),
+            "ask for a shorter --coherence or a larger --tolerance, or use --method reference",
+        ));
+    }
+    memory::ensure_room(Transformer::memory(&axes[0], &axes[1]), "the Fourier transforms")?;
+    Ok(axes)
 }
 
 fn too_large(bytes: f64, settings: &Settings) -> Error {
@@ -208,8 +220,25 @@ pub fn compute(
         // Refuses what is hopeless before any work.
         terms_for(z_max * scale.half_range, settings.tolerance, F32_ROUNDOFF)?;
     }
-    let most_terms = settings.terms.unwrap_or(usize::MAX).min(expansion.most_terms());
+    // No judged texel is fainter than FAINT, so a sup error of its square root times the tolerance is more than enough;
+    // the loop below stops as soon as the measured error allows.
+    let enough = settings.tolerance * FAINT.sqrt() * 0.1;
+    let most_terms = match settings.terms {
+        Some(terms) => terms.clamp(1, expansion.most_terms()),
+        None => (1..expansion.most_terms())
+            .find(|&n| settings.basis != Basis::Optimal && expansion.truncation_bound(z_max, n) <= enough)
+            .unwrap_or(expansion.most_terms()),
+    };
     let interpolation = Interpolation::for_tolerance(settings.tolerance * INTERPOLATION_SHARE);
+    if interpolation.relative_error() > settings.tolerance * INTERPOLATION_SHARE {
+        return Err(Error::failed(
+            format!(
+                "spectra of any size that is sensible leave more than the tolerance {:.0e}",
+                settings.tolerance
+            ),
+            "ask for a larger --tolerance, or use --method reference",
+        ));
+    }
     let [x, y] = plan(field, settings, interpolation)?;
     let size = [x.bins + interpolation.kernel.guard() + 1, y.kept()];
     let pair_bytes = size[0] * size[1] * 16;
@@ -260,7 +289,11 @@ pub fn compute(
         terms,
         coefficients: Coefficients::new(expansion, terms, z_max, scale.half_range, settings.tolerance),
         z_max,
-        terms_by_z: audit.terms_by_z(expansion, terms, EXPANSION_SHARE * settings.tolerance),
+        terms_by_z: match settings.terms {
+            // What the user names is done everywhere.
+            Some(_) => audit.planes.each_ref().map(|plane| PlaneTerms { z: plane.z, terms }),
+            None => audit.terms_by_z(expansion, terms, EXPANSION_SHARE * settings.tolerance),
+        },
         interpolation,
         errors: Errors {
             expansion: expansion_error,
@@ -294,7 +327,7 @@ pub const PLANES: [f64; 9] = [0.02, 0.06, 0.14, 0.25, 0.4, 0.55, 0.7, 0.85, 0.99
 
 /// The layers' judge: at a few z, texels that directions can reach, with the transform of e^{izh} there.
 struct Audit {
-    planes: Vec<Plane>,
+    planes: [Plane; PLANES.len()],
 }
 
 struct Plane {
@@ -331,7 +364,10 @@ impl Audit {
             let exact = texels.iter().map(|&[c, r]| spectrum.at(c, r)).collect();
             planes.push(Plane { z, texels, exact, terms: Vec::new() });
         }
-        Ok(Self { planes })
+        planes
+            .try_into()
+            .map(|planes| Self { planes })
+            .map_err(|_| Error::failed("the audit lost a plane", "report this as a bug of diffract"))
     }
 
     /// Takes a pair of terms in.
@@ -406,16 +442,20 @@ fn spread(transformer: &Transformer, radius: f64, most: usize) -> Vec<[usize; 2]
 fn brightest(transformer: &Transformer, spectrum: &Spectrum, radius: f64, most: usize) -> Vec<[usize; 2]> {
     let (x, y) = (&transformer.x, &transformer.y);
     let frequency = |k: usize, axis: &PaddedAxis| (k as f64 - axis.bins as f64) / axis.length;
-    let mut all: Vec<(f64, [usize; 2])> = (0..x.kept())
-        .flat_map(|column| (0..y.kept()).map(move |row| [column, row]))
-        .filter(|&[column, row]| frequency(column, x).hypot(frequency(row, y)) <= radius)
-        .map(|[column, row]| (spectrum.at(column, row).norm_sqr(), [column, row]))
-        .collect();
-    if all.len() > most {
-        all.select_nth_unstable_by(most, |a, b| b.0.total_cmp(&a.0));
-        all.truncate(most);
+    let mut best: Vec<(f64, [usize; 2])> = Vec::new();
+    for column in 0..x.kept() {
+        best.extend(
+            (0..y.kept())
+                .filter(|&row| frequency(column, x).hypot(frequency(row, y)) <= radius)
+                .map(|row| (spectrum.at(column, row).norm_sqr(), [column, row])),
+        );
+        // Column by column, so that never more than one column is kept beside the best.
+        if best.len() > most {
+            best.select_nth_unstable_by(most, |a, b| b.0.total_cmp(&a.0));
+            best.truncate(most);
+        }
     }
-    all.into_iter().map(|(_, texel)| texel).collect()
+    best.into_iter().map(|(_, texel)| texel).collect()
 }
 
 #[cfg(test)]
@@ -440,6 +480,7 @@ mod tests {
             basis: Basis::Taylor,
             terms: None,
             memory_limit: 1 << 30,
+            side_limit: 16_384,
         }
     }
 

@@ -153,6 +153,11 @@ impl<'a> Transformer<'a> {
         Self { field, x, y, along_x, along_y }
     }
 
+    /// Host memory that a transform takes at its worst \[bytes\]: all rows at the kept columns, and the kept spectrum.
+    pub fn memory(x: &PaddedAxis, y: &PaddedAxis) -> u64 {
+        ((y.samples + y.kept()) * x.kept() * size_of::<Complex64>()) as u64
+    }
+
     /// The spectrum of window · `value`(sample of the patch, by row and column), relative to the window's mirror peak.
     pub fn spectrum(&self, value: impl Fn(usize) -> Complex64 + Sync) -> Spectrum {
         let (x, y) = (&self.x, &self.y);

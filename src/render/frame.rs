@@ -189,7 +189,7 @@ impl DisplayPass {
     }
 
     /// Records the display of `target.radiance` (a colour attachment until now) into `into`, at `exposure` stops over
-    /// `background`; leaves both as they were drawn: radiance readable by shaders, `into` a colour attachment.
+    /// `background`; leaves radiance readable by shaders and `into` a colour attachment.
     pub fn record(
         &self,
         record: &Recorder<'_>,

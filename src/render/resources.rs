@@ -17,7 +17,7 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 use std::sync::Arc;
 
-/// A pigment texture: linear RGBA, row by row from the top.
+/// A pigment texture, row by row from the top.
 #[derive(Clone, Debug)]
 pub struct Pigment {
     /// Width and height.
@@ -32,9 +32,6 @@ impl Pigment {
         Self { size: [1, 1], texels: vec![255; 4] }
     }
 }
-
-/// Name of the layers' texture.
-const LAYERS: &str = "layers";
 
 /// Everything of set 0, on the device.
 pub struct Resources {
@@ -59,15 +56,15 @@ impl Resources {
         let combs = Combs::new(&shading.illuminant, layers.sigma, shading.tolerance, shading.wavelengths);
         let float = vk::Format::R32G32B32A32_SFLOAT;
         let table = |name, table: &Table| {
-            texture(device, name, float, table.size, 1, bytemuck::cast_slice(&table.values))
+            texture(device, name, float, table.size, None, bytemuck::cast_slice(&table.values))
         };
         let pairs = layers.pairs() as u32;
         let pigment_size = pigment.size.map(|n| n as usize);
         let images = [
-            texture(device, LAYERS, float, layers.size, pairs, bytemuck::cast_slice(&layers.texels))?,
-            table("coefficients", &coefficient_table(layers))?,
+            texture(device, "layers", float, layers.size, Some(pairs), bytemuck::cast_slice(&layers.texels))?,
+            coefficients(device, layers)?,
             table("nodes", &combs.nodes)?,
-            texture(device, "pigment", vk::Format::R8G8B8A8_SRGB, pigment_size, 1, &pigment.texels)?,
+            texture(device, "pigment", vk::Format::R8G8B8A8_SRGB, pigment_size, None, &pigment.texels)?,
         ];
         let edge = Sampler::linear(device, "table sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         let repeat = Sampler::linear(device, "pigment sampler", vk::SamplerAddressMode::REPEAT)?;
@@ -114,20 +111,26 @@ pub fn optics_block(layers: &Layers, ior: f64) -> OpticsBlock {
     }
 }
 
-/// A texture of `layers` layers that holds tightly packed `data`, ready for shaders.
+/// A texture that holds tightly packed `data`, ready for shaders; an array where `layers` says of how many.
 fn texture(
     device: &Arc<Device>,
     name: &str,
     format: vk::Format,
     size: [usize; 2],
-    layers: u32,
+    layers: Option<u32>,
     data: &[u8],
 ) -> Result<Image> {
     let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
-    // Only the layers are declared an array, even if there is one.
-    let array = name == LAYERS;
     let size = size.map(|n| n as u32);
+    let (array, layers) = (layers.is_some(), layers.unwrap_or(1));
     let image = Image::new(device, &Description { name, format, size, layers, array, usage })?;
     upload::image(device, &image, layers, data)?;
     Ok(image)
+}
+
+/// The coefficients, a layer for each pair of terms: neighbouring rows of one image could mix where a filter rounds.
+fn coefficients(device: &Arc<Device>, layers: &Layers) -> Result<Image> {
+    let Table { size: [columns, rows], values } = coefficient_table(layers);
+    let data = bytemuck::cast_slice(&values);
+    texture(device, "coefficients", vk::Format::R32G32B32A32_SFLOAT, [columns, 1], Some(rows as u32), data)
 }

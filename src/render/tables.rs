@@ -14,8 +14,8 @@ pub struct Table {
     pub values: Vec<[f32; 4]>,
 }
 
-/// The coefficients of `layers` as the shaders read them. Row p: Re, Im of c_2p and of c_2p+1 along z. The row after the
-/// last: the pairs that z needs, in the first float.
+/// The coefficients of `layers` as the shaders read them, a texture layer of one row each: Re, Im of c_2p and of c_2p+1
+/// along z; after the last, the pairs that z needs, in the first float.
 pub fn coefficient_table(layers: &Layers) -> Table {
     let (columns, pairs) = (layers.coefficients.columns, layers.pairs());
     let mut values = vec![[0.0; 4]; columns * (pairs + 1)];
@@ -30,6 +30,10 @@ pub fn coefficient_table(layers: &Layers) -> Table {
     }
     Table { size: [columns, pairs + 1], values }
 }
+
+/// Share of the tolerance that goes to the sum over wavelengths; with those of the layers (0.7 for reading between texels,
+/// 0.35 for the expansion) the squares add up to one.
+const QUADRATURE_SHARE: f64 = 0.6;
 
 /// Wavelength combs as the shaders read them.
 #[derive(Clone, Debug)]
@@ -47,7 +51,7 @@ impl Combs {
             let only = [Nodes::catmull_rom(illuminant, count)];
             return Self { bins: vec![[0, count as i32]; UV_BINS], nodes: table(&only) };
         }
-        let rule = Rule::gaussian(sigma, tolerance);
+        let rule = Rule::gaussian(sigma, QUADRATURE_SHARE * tolerance);
         let levels = Ladder::new(illuminant, &rule).levels;
         let bins = (0..UV_BINS)
             .map(|bin| {

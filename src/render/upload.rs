@@ -1,4 +1,4 @@
-//! From host memory into device memory, through a staging buffer of bounded size.
+//! From host memory into device memory through staging buffers; that of an image is of bounded size.
 
 use crate::error::Result;
 use crate::vk::access::Access;
@@ -10,7 +10,7 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 use std::sync::Arc;
 
-/// Size of the staging buffer \[bytes\]: a few rows of the largest texture, and little beside it.
+/// Size of an image's staging buffer \[bytes\]: many rows of the largest texture, and little beside it.
 const STAGING: usize = 32 << 20;
 
 /// A device-local buffer that holds `data`.

@@ -19,7 +19,7 @@ const THINNEST: f64 = 1e-6;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Vertex {
-    /// Position in model space, y up.
+    /// Position in model space; which axis is up is the model's own affair.
     pub position: [f32; 3],
     /// Unit normal N.
     pub normal: [f32; 3],
@@ -32,7 +32,7 @@ pub struct Vertex {
 /// One corner of a triangle before it has a frame. Normals and texture coordinates may be missing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
-    /// Position in model space, y up.
+    /// Position in model space; projected texture coordinates take y for up.
     pub position: [f32; 3],
     /// Normal of any length; missing or zero: the smooth one is computed.
     pub normal: Option<[f32; 3]>,

@@ -25,9 +25,9 @@ pub struct Scene {
     pub mesh: Mesh,
     /// The surface: a built-in name or a file.
     pub surface: String,
-    /// Side of a sample and full height of a surface file, where the scene gives them \[µm\].
+    /// Distance between samples of a surface file, where the scene gives it \[µm\].
     pub pixel_size: Option<[f64; 2]>,
-    /// Height of the file's largest code \[µm\].
+    /// Height of the file's largest code, where the scene gives it \[µm\].
     pub full_height: Option<f64>,
     /// The camera.
     pub camera: Camera,

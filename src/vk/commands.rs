@@ -88,10 +88,9 @@ impl Commands {
 
 impl Drop for Commands {
     fn drop(&mut self) {
-        // SAFETY: `run` waits for each submission; after a failed wait the device is idled first. Null handles are
+        // SAFETY: `run` waits for each submission; the device is idled for the case that a wait failed. Null handles are
         // allowed, and the pool frees its buffer.
         unsafe {
-            let _ = self.device.raw().device_wait_idle();
             self.device.raw().destroy_fence(self.fence, None);
             self.device.raw().destroy_command_pool(self.pool, None);
         }

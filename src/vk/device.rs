@@ -115,6 +115,13 @@ impl Device {
         unsafe { self.raw.queue_submit2(*queue, &submits, fence) }.map_err(|c| failure("submit work", c))
     }
 
+    /// Waits until the queue has nothing left to do.
+    pub fn wait_idle(&self) {
+        let Ok(queue) = self.queue.lock() else { return };
+        // SAFETY: the lock gives the external synchronization that a queue needs. A lost device is idle, too.
+        let _ = unsafe { self.raw.queue_wait_idle(*queue) };
+    }
+
     /// Takes memory for a resource called `name`.
     ///
     /// # Errors

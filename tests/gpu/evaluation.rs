@@ -2,6 +2,7 @@
 
 use crate::device::with_device;
 use crate::measure::per_direction;
+use diffract::expansion::Basis;
 use diffract::optics::coherence::Coherence;
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::reference::Reference;
@@ -11,6 +12,7 @@ use diffract::render::shading::Shading;
 use diffract::surface::HeightField;
 use diffract::surface::synth::{Kind, Spec, generate};
 use diffract::vk::device::Device;
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Directions per surface.
@@ -66,6 +68,7 @@ pub fn layers(field: &HeightField, shading: &Shading) -> Layers {
         basis: shading.basis,
         terms: shading.terms,
         memory_limit: 1 << 30,
+        side_limit: 16_384,
     };
     compute(field, &settings, &|_, _| Ok(())).unwrap()
 }
@@ -120,14 +123,37 @@ fn spectral_meets_its_tolerance_on_bumps_smaller_than_the_window() {
 }
 
 #[test]
+fn every_basis_meets_the_tolerance_where_it_is_not_refused() {
+    for (kind, side, bases) in
+        [(Kind::Elaphe, 16.0, &Basis::ALL[..]), (Kind::Xenopeltis, 16.0, &[Basis::Chebyshev, Basis::Optimal])]
+    {
+        let field = patch(kind, side);
+        let queries = queries(11, 600);
+        let exact = by_reference(&field, &shading(20.0, 1.0), &queries);
+        let mut terms = Vec::new();
+        for &basis in bases {
+            let shading = Shading { basis, ..shading(20.0, 1e-2) };
+            terms.push(layers(&field, &shading).terms);
+            with_device(|device| {
+                let found = on_device(device, &field, &shading, &queries);
+                let error = per_direction(&found, &exact, FLOOR);
+                eprintln!("{} by {}: {error:.2e}, {terms:?} terms", kind.name(), basis.name());
+                assert!(error <= 1e-2, "{} by {}: {error:e}", kind.name(), basis.name());
+            });
+        }
+        assert!(terms.is_sorted_by(|a, b| a > b), "a better basis takes fewer terms: {terms:?}");
+    }
+}
+
+#[test]
 fn every_quarter_of_the_frequency_plane_is_the_right_way_round() {
     // A surface without any symmetry: one tilted facet per quarter, of different slopes.
     let side = 64;
     let heights = (0..side * side)
         .map(|i| {
             let (x, y) = ((i % side) as f64 / side as f64, (i / side) as f64 / side as f64);
-            0.05 * (6.283 * (3.0 * x + y)).sin()
-                + 0.04 * (6.283 * (2.0 * y - x) + 0.5).cos()
+            0.05 * (TAU * (3.0 * x + y)).sin()
+                + 0.04 * (TAU * (2.0 * y - x) + 0.5).cos()
                 + 0.03 * x * (1.0 - x) * y
         })
         .collect();

@@ -68,6 +68,7 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             basis: Basis::Taylor,
             terms: Some(1),
             memory_limit: 1 << 28,
+            side_limit: 16_384,
         };
         let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
         let mut resources = Resources::new(device, &layers, &Shading::default(), &Pigment::white()).unwrap();
