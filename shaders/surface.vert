@@ -12,9 +12,6 @@ layout(location = 0) out vec3 view;
 layout(location = 1) out vec2 pigment_uv;
 layout(location = 2) out vec3 lights[MAX_LIGHTS];
 
-// The depth pass and the shading pass must agree to the last bit.
-invariant gl_Position;
-
 void main() {
     mat3 tangent_from_world = transpose(mat3(tangent.xyz, tangent.w * cross(normal, tangent.xyz), normal));
     view = tangent_from_world * normalize(frame.eye.xyz - position);

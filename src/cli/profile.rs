@@ -114,8 +114,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         base_color: scene.base_color,
         pigment: false,
     };
-    let mut painter =
-        Painter::new(&device, &layers, &shading, &scene.mesh, &Pigment::white(), arguments.size)?;
+    let mut painter = Painter::new(
+        &device,
+        &layers,
+        &shading,
+        &scene.mesh,
+        &Pigment::white(),
+        arguments.size,
+        view.lights.len(),
+    )?;
     let directions =
         (0..view.lights.len()).map(|light| painter.directions(&view, light)).collect::<Result<Vec<_>>>()?;
     let cost = Cost::of(&layers, painter.combs(), &directions);

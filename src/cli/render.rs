@@ -92,7 +92,8 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
         pigment: pigment.is_some(),
     };
     let pigment = pigment.unwrap_or_else(Pigment::white);
-    let mut painter = Painter::new(&device, &layers, shading, &scene.mesh, &pigment, arguments.size)?;
+    let mut painter =
+        Painter::new(&device, &layers, shading, &scene.mesh, &pigment, arguments.size, view.lights.len())?;
     let exposure = arguments.exposure.unwrap_or(scene.exposure);
     let picture = if reference {
         let radiance = reference_radiance(&mut painter, &view, field, shading)?;

@@ -1,7 +1,7 @@
 //! A frame: depth, shading, display. The same commands draw offscreen and to a window.
 
 use super::interface::FrameBlock;
-use super::target::{self, Target};
+use super::target::{self, Geometry, Target};
 use super::{shader, upload};
 use crate::error::{Error, Result};
 use crate::scene::{Camera, Light, MAX_LIGHTS, Mesh, Vertex};
@@ -10,8 +10,8 @@ use crate::vk::buffer::Buffer;
 use crate::vk::commands::Recorder;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
-use crate::vk::image::{Description, Image};
-use crate::vk::pipeline::{Drawing, Pipeline};
+use crate::vk::image::Image;
+use crate::vk::pipeline::{Code, Drawing, Pipeline};
 use crate::vk::sampler::Sampler;
 use ash::vk;
 use glam::{DVec3, Vec3};
@@ -98,53 +98,89 @@ fn attributes() -> [vk::VertexInputAttributeDescription; 4] {
     ]
 }
 
-/// The passes that shade a mesh into radiance.
-pub struct SurfacePass {
-    depth: Pipeline,
-    shade: Pipeline,
+/// The pass that finds what each pixel sees, and its directions there.
+pub struct GeometryPass {
+    pipeline: Pipeline,
 }
 
-impl SurfacePass {
-    /// Pipelines over the layout of `descriptors`.
+impl GeometryPass {
+    /// A pass for pictures of `lights` lights over the layout of `descriptors`.
     ///
     /// # Errors
     /// Where the device refuses.
-    pub fn new(device: &Arc<Device>, descriptors: &Descriptors) -> Result<Self> {
-        let attributes = attributes();
-        let first = Drawing {
+    pub fn new(device: &Arc<Device>, descriptors: &Descriptors, geometry: &Geometry) -> Result<Self> {
+        let drawing = Drawing {
             vertex_stride: size_of::<Vertex>() as u32,
-            attributes: &attributes,
-            colors: &[target::RADIANCE],
-            write_colors: false,
+            attributes: &attributes(),
+            colors: &vec![target::GEOMETRY; geometry.images().count()],
             depth: Some((vk::CompareOp::LESS, true)),
         };
-        // Only what the depth pass left in front is shaded: the fragment stage costs a thousand times a depth test.
-        let second = Drawing { write_colors: true, depth: Some((vk::CompareOp::EQUAL, false)), ..first };
+        let fragment = Some(shader!("geometry.frag"));
         let vertex = shader!("surface.vert");
-        let shade = Some(shader!("diffraction.frag"));
-        Ok(Self {
-            depth: Pipeline::graphics(device, vertex, None, &first, descriptors, 0)?,
-            shade: Pipeline::graphics(device, vertex, shade, &second, descriptors, 0)?,
-        })
+        Ok(Self { pipeline: Pipeline::graphics(device, vertex, fragment, &drawing, descriptors, 0)? })
     }
 
-    /// Records the drawing of `mesh` into `target.radiance`, which it leaves as a colour attachment.
+    /// Records the drawing of `mesh` into `geometry`, which it leaves readable by shaders.
     pub fn record(
         &self,
         record: &Recorder<'_>,
-        target: &Target,
+        geometry: &Geometry,
         descriptors: &Descriptors,
         mesh: &DeviceMesh,
     ) {
-        record.images(&[
-            (&target.radiance, Access::Nothing, Access::ColorAttachment),
-            (&target.depth, Access::Nothing, Access::DepthAttachment),
-        ]);
-        record.render(&[(&target.radiance, [0.0; 4])], Some(&target.depth), |draw| {
-            for pipeline in [&self.depth, &self.shade] {
-                draw.bind(pipeline, descriptors);
-                draw.draw_indexed(&mesh.vertices, &mesh.indices, mesh.count);
+        let change =
+            |from: Access, to: Access| -> Vec<_> { geometry.images().map(|i| (i, from, to)).collect() };
+        let mut before = change(Access::Nothing, Access::ColorAttachment);
+        before.push((&geometry.depth, Access::Nothing, Access::DepthAttachment));
+        record.images(&before);
+        let cleared: Vec<_> = geometry.images().map(|image| (image, [0.0; 4])).collect();
+        record.render(&cleared, Some(&geometry.depth), |draw| {
+            draw.bind(&self.pipeline, descriptors);
+            draw.draw_indexed(&mesh.vertices, &mesh.indices, mesh.count);
+        });
+        record.images(&change(Access::ColorAttachment, Access::ShaderRead));
+    }
+}
+
+/// A pass that shades every pixel of a picture once, neighbours together: small triangles would leave most lanes of a
+/// device idle in a fragment stage of their own.
+pub struct PixelPass {
+    pipeline: Pipeline,
+}
+
+impl PixelPass {
+    /// The pass that shades what the geometry pass found, over the layout of `descriptors`.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn shading(device: &Arc<Device>, descriptors: &Descriptors) -> Result<Self> {
+        Self::new(device, shader!("diffraction.frag"), descriptors, 0)
+    }
+
+    /// The pass that finds out how fast the device reads the layers; its push constant is the number of reads.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn probe(device: &Arc<Device>, descriptors: &Descriptors) -> Result<Self> {
+        Self::new(device, shader!("probe.frag"), descriptors, 4)
+    }
+
+    fn new(device: &Arc<Device>, code: Code<'_>, descriptors: &Descriptors, push_bytes: u32) -> Result<Self> {
+        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth: None };
+        let vertex = shader!("display.vert");
+        let pipeline = Pipeline::graphics(device, vertex, Some(code), &drawing, descriptors, push_bytes)?;
+        Ok(Self { pipeline })
+    }
+
+    /// Records the pass into `target.radiance`, which it leaves as a colour attachment.
+    pub fn record(&self, record: &Recorder<'_>, target: &Target, descriptors: &Descriptors, push: &[u8]) {
+        record.images(&[(&target.radiance, Access::Nothing, Access::ColorAttachment)]);
+        record.render(&[(&target.radiance, [0.0; 4])], None, |draw| {
+            draw.bind(&self.pipeline, descriptors);
+            if !push.is_empty() {
+                draw.push(&self.pipeline, push);
             }
+            draw.draw(3);
         });
     }
 }
@@ -168,8 +204,7 @@ impl DisplayPass {
             stages: vk::ShaderStageFlags::FRAGMENT,
         };
         let descriptors = Descriptors::new(device, "display set", &[binding])?;
-        let drawing =
-            Drawing { vertex_stride: 0, attributes: &[], colors: &[format], write_colors: true, depth: None };
+        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[format], depth: None };
         let fragment = Some(shader!("display.frag"));
         let pipeline = Pipeline::graphics(
             device,
@@ -213,109 +248,3 @@ impl DisplayPass {
 
 /// Bytes of the display's push constants: background and exposure.
 const DISPLAY_BYTES: u32 = 16;
-
-/// The pass that writes the directions that a frame shades, for a reference to shade the very same ones.
-pub struct DirectionsPass {
-    pipeline: Pipeline,
-    images: [Image; 2],
-    depth: Image,
-}
-
-/// Format of a direction and its coverage.
-const DIRECTION: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
-
-impl DirectionsPass {
-    /// A pass of `size` pixels over the layout of `descriptors`.
-    ///
-    /// # Errors
-    /// Where the device has no room.
-    pub fn new(device: &Arc<Device>, descriptors: &Descriptors, size: [u32; 2]) -> Result<Self> {
-        let attributes = attributes();
-        let drawing = Drawing {
-            vertex_stride: size_of::<Vertex>() as u32,
-            attributes: &attributes,
-            colors: &[DIRECTION; 2],
-            write_colors: true,
-            depth: Some((vk::CompareOp::LESS, true)),
-        };
-        let fragment = Some(shader!("directions.frag"));
-        let color = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
-        let make = |name, format, usage| {
-            Image::new(device, &Description { name, format, size, layers: 1, array: false, usage })
-        };
-        Ok(Self {
-            pipeline: Pipeline::graphics(
-                device,
-                shader!("surface.vert"),
-                fragment,
-                &drawing,
-                descriptors,
-                4,
-            )?,
-            images: [make("light directions", DIRECTION, color)?, make("view directions", DIRECTION, color)?],
-            depth: make("depth of directions", target::DEPTH, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT)?,
-        })
-    }
-
-    /// ω_i of light `light`, and ω_r.
-    pub fn images(&self) -> &[Image; 2] {
-        &self.images
-    }
-
-    /// Records the directions of light number `light`.
-    pub fn record(&self, record: &Recorder<'_>, descriptors: &Descriptors, mesh: &DeviceMesh, light: i32) {
-        let [to_light, to_view] = &self.images;
-        record.images(&[
-            (to_light, Access::Nothing, Access::ColorAttachment),
-            (to_view, Access::Nothing, Access::ColorAttachment),
-            (&self.depth, Access::Nothing, Access::DepthAttachment),
-        ]);
-        record.render(&[(to_light, [0.0; 4]), (to_view, [0.0; 4])], Some(&self.depth), |draw| {
-            draw.bind(&self.pipeline, descriptors);
-            draw.push(&self.pipeline, &light.to_ne_bytes());
-            draw.draw_indexed(&mesh.vertices, &mesh.indices, mesh.count);
-        });
-    }
-}
-
-/// The pass that finds out how fast the device reads the layers.
-pub struct ProbePass {
-    pipeline: Pipeline,
-}
-
-impl ProbePass {
-    /// A pass over the layout of `descriptors`.
-    ///
-    /// # Errors
-    /// Where the device refuses.
-    pub fn new(device: &Arc<Device>, descriptors: &Descriptors) -> Result<Self> {
-        let drawing = Drawing {
-            vertex_stride: 0,
-            attributes: &[],
-            colors: &[target::RADIANCE],
-            write_colors: true,
-            depth: None,
-        };
-        let fragment = Some(shader!("probe.frag"));
-        Ok(Self {
-            pipeline: Pipeline::graphics(
-                device,
-                shader!("display.vert"),
-                fragment,
-                &drawing,
-                descriptors,
-                4,
-            )?,
-        })
-    }
-
-    /// Records `samples` reads per pixel of `target`.
-    pub fn record(&self, record: &Recorder<'_>, target: &Target, descriptors: &Descriptors, samples: u32) {
-        record.images(&[(&target.radiance, Access::Nothing, Access::ColorAttachment)]);
-        record.render(&[(&target.radiance, [0.0; 4])], None, |draw| {
-            draw.bind(&self.pipeline, descriptors);
-            draw.push(&self.pipeline, &samples.to_ne_bytes());
-            draw.draw(3);
-        });
-    }
-}

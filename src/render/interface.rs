@@ -28,6 +28,12 @@ pub mod binding {
     pub const QUERIES: u32 = 7;
     /// What they evaluate to.
     pub const ANSWERS: u32 = 8;
+    /// ω_r of every pixel.
+    pub const VIEW_DIRECTIONS: u32 = 9;
+    /// Pigment of every pixel.
+    pub const ALBEDOS: u32 = 10;
+    /// ω_i of every pixel for the first light; the other lights follow.
+    pub const LIGHT_DIRECTIONS: u32 = 11;
 }
 
 /// The `Frame` block (std140).
@@ -89,6 +95,8 @@ pub fn optics_bindings() -> Vec<Binding> {
     use vk::DescriptorType as T;
     let stages =
         vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT | vk::ShaderStageFlags::COMPUTE;
+    let geometry = (binding::VIEW_DIRECTIONS..binding::LIGHT_DIRECTIONS + MAX_LIGHTS as u32)
+        .map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
     [
         (binding::FRAME, T::UNIFORM_BUFFER),
         (binding::OPTICS, T::UNIFORM_BUFFER),
@@ -100,6 +108,8 @@ pub fn optics_bindings() -> Vec<Binding> {
         (binding::QUERIES, T::STORAGE_BUFFER),
         (binding::ANSWERS, T::STORAGE_BUFFER),
     ]
+    .into_iter()
+    .chain(geometry)
     .map(|(number, kind)| Binding { number, kind, stages })
-    .to_vec()
+    .collect()
 }

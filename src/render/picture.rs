@@ -1,13 +1,13 @@
 //! One picture, offscreen: what `diffract render` writes.
 
-use super::frame::{DeviceMesh, DirectionsPass, DisplayPass, ProbePass, SurfacePass, View};
+use super::frame::{DeviceMesh, DisplayPass, GeometryPass, PixelPass, View};
 use super::resources::{Pigment, Resources};
 use super::shading::Shading;
 use super::tables::Combs;
-use super::target::{self, Target};
-use crate::error::Result;
+use super::target::{self, Geometry, Target};
+use crate::error::{Error, Result};
 use crate::precompute::Layers;
-use crate::scene::Mesh;
+use crate::scene::{MAX_LIGHTS, Mesh};
 use crate::vk::access::Access;
 use crate::vk::commands::Commands;
 use crate::vk::device::Device;
@@ -18,7 +18,9 @@ use std::sync::Arc;
 /// Draws pictures of one mesh with one surface.
 pub struct Painter {
     commands: Commands,
-    surface: SurfacePass,
+    find: GeometryPass,
+    shade: PixelPass,
+    geometry: Geometry,
     display: DisplayPass,
     target: Target,
     mesh: DeviceMesh,
@@ -48,7 +50,7 @@ pub struct Directions {
 }
 
 impl Painter {
-    /// Uploads everything for pictures of `size` pixels.
+    /// Uploads everything for pictures of `size` pixels under at most `lights` lights.
     ///
     /// # Errors
     /// Where the device has no room.
@@ -59,14 +61,19 @@ impl Painter {
         mesh: &Mesh,
         pigment: &Pigment,
         size: [u32; 2],
+        lights: usize,
     ) -> Result<Self> {
         let resources = Resources::new(device, layers, shading, pigment)?;
+        let geometry = Geometry::new(device, size, lights.min(MAX_LIGHTS))?;
+        resources.read_from(&geometry);
         let target = Target::new(device, size)?;
         let display = DisplayPass::new(device, target::DISPLAY)?;
         display.read_from(&target);
         Ok(Self {
             commands: Commands::new(device, "frame")?,
-            surface: SurfacePass::new(device, &resources.descriptors)?,
+            find: GeometryPass::new(device, &resources.descriptors, &geometry)?,
+            shade: PixelPass::shading(device, &resources.descriptors)?,
+            geometry,
             display,
             target,
             mesh: DeviceMesh::new(device, mesh)?,
@@ -86,7 +93,8 @@ impl Painter {
         self.commands.run(|record| {
             record.reset(&self.timestamps);
             record.timestamp(&self.timestamps, 0);
-            self.surface.record(record, target, &resources.descriptors, &self.mesh);
+            self.find.record(record, &self.geometry, &resources.descriptors, &self.mesh);
+            self.shade.record(record, target, &resources.descriptors, &[]);
             record.timestamp(&self.timestamps, 1);
             self.display.record(record, target, &target.display, exposure, background);
             record.timestamp(&self.timestamps, 2);
@@ -102,14 +110,14 @@ impl Painter {
     /// # Errors
     /// Where the device is lost.
     pub fn probe(&mut self, samples: u32) -> Result<f64> {
-        let pass = ProbePass::new(&self.device, &self.resources.descriptors)?;
+        let pass = PixelPass::probe(&self.device, &self.resources.descriptors)?;
         let target = &self.target;
         let mut best = f64::INFINITY;
         for _ in 0..5 {
             self.commands.run(|record| {
                 record.reset(&self.timestamps);
                 record.timestamp(&self.timestamps, 0);
-                pass.record(record, target, &self.resources.descriptors, samples);
+                pass.record(record, target, &self.resources.descriptors, &samples.to_ne_bytes());
                 record.timestamp(&self.timestamps, 1);
                 record.timestamp(&self.timestamps, 2);
                 Ok(())
@@ -139,21 +147,26 @@ impl Painter {
         })
     }
 
-    /// The directions of light number `light` in `view`, as the shading interpolates them.
+    /// The directions of light number `light` in `view`, as the shading has them.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Where the device is lost, and where the pictures have no such light.
     pub fn directions(&mut self, view: &View, light: usize) -> Result<Directions> {
+        let Some(lights) = self.geometry.lights.get(light) else {
+            return Err(Error::failed(
+                format!("there is no light {light}"),
+                "report this as a bug of diffract",
+            ));
+        };
         self.resources.frame.write(bytemuck::bytes_of(&view.block(self.target.size())))?;
-        let pass = DirectionsPass::new(&self.device, &self.resources.descriptors, self.target.size())?;
         self.commands.run(|record| {
-            pass.record(record, &self.resources.descriptors, &self.mesh, light as i32);
+            self.find.record(record, &self.geometry, &self.resources.descriptors, &self.mesh);
             Ok(())
         })?;
-        let read = |i: usize| {
-            let bytes = target::read_back(&self.device, &pass.images()[i], Access::ColorAttachment)?;
+        let read = |image| {
+            let bytes = target::read_back(&self.device, image, Access::ShaderRead)?;
             Ok(bytemuck::pod_collect_to_vec(&bytes))
         };
-        Ok(Directions { light: read(0)?, view: read(1)? })
+        Ok(Directions { light: read(lights)?, view: read(&self.geometry.view)? })
     }
 }

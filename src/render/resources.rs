@@ -3,11 +3,13 @@
 use super::interface::{FrameBlock, OpticsBlock, binding, optics_bindings};
 use super::shading::Shading;
 use super::tables::{Combs, Table, coefficient_table};
+use super::target::Geometry;
 use super::upload;
 use crate::error::Result;
 use crate::optics::brdf::schlick;
 use crate::precompute::Layers;
 use crate::precompute::kernel::Kernel;
+use crate::scene::MAX_LIGHTS;
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::Descriptors;
 use crate::vk::device::Device;
@@ -43,7 +45,8 @@ pub struct Resources {
     pub combs: Combs,
     // Held for the descriptor set; fields go in order, so it goes first.
     _images: [Image; 4],
-    _samplers: [Sampler; 2],
+    edge: Sampler,
+    _repeat: Sampler,
     _buffers: [Buffer; 2],
 }
 
@@ -85,7 +88,20 @@ impl Resources {
         for (number, image) in numbers.into_iter().zip(&images) {
             descriptors.image(number, image, if number == binding::PIGMENT { &repeat } else { &edge });
         }
-        Ok(Self { descriptors, frame, combs, _images: images, _samplers: [edge, repeat], _buffers: buffers })
+        Ok(Self { descriptors, frame, combs, _images: images, edge, _repeat: repeat, _buffers: buffers })
+    }
+}
+
+impl Resources {
+    /// Points the set at what the geometry pass writes. The device must not be using the set.
+    pub fn read_from(&self, geometry: &Geometry) {
+        self.descriptors.image(binding::VIEW_DIRECTIONS, &geometry.view, &self.edge);
+        self.descriptors.image(binding::ALBEDOS, &geometry.albedo, &self.edge);
+        for light in 0..MAX_LIGHTS {
+            // Every binding has to hold something; those beyond the lights are never read.
+            let image = geometry.lights.get(light).unwrap_or(&geometry.view);
+            self.descriptors.image(binding::LIGHT_DIRECTIONS + light as u32, image, &self.edge);
+        }
     }
 }
 

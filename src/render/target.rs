@@ -17,12 +17,51 @@ pub const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 /// Format of the displayed picture; the shader applies the transfer function.
 pub const DISPLAY: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
+/// Format of directions and pigment.
+pub const GEOMETRY: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+
+/// What the geometry pass finds at each pixel.
+pub struct Geometry {
+    /// ω_r; w: covered.
+    pub view: Image,
+    /// Albedo of the pigment, linear sRGB.
+    pub albedo: Image,
+    /// ω_i of each light.
+    pub lights: Vec<Image>,
+    /// Depth.
+    pub depth: Image,
+}
+
+impl Geometry {
+    /// Images of `size` pixels for `lights` lights.
+    ///
+    /// # Errors
+    /// Where the device has no room or does not make images of that size.
+    pub fn new(device: &Arc<Device>, size: [u32; 2], lights: usize) -> Result<Self> {
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
+            | vk::ImageUsageFlags::TRANSFER_SRC
+            | vk::ImageUsageFlags::SAMPLED;
+        let make = |name, format, usage| {
+            Image::new(device, &Description { name, format, size, layers: 1, array: false, usage })
+        };
+        Ok(Self {
+            view: make("view directions", GEOMETRY, usage)?,
+            albedo: make("albedos", GEOMETRY, usage)?,
+            lights: (0..lights).map(|_| make("light directions", GEOMETRY, usage)).collect::<Result<_>>()?,
+            depth: make("depth", DEPTH, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT)?,
+        })
+    }
+
+    /// The colour images in the order of `geometry.frag`.
+    pub fn images(&self) -> impl Iterator<Item = &Image> {
+        [&self.view, &self.albedo].into_iter().chain(&self.lights)
+    }
+}
+
 /// The images of one picture size.
 pub struct Target {
     /// Linear radiance; alpha 1 where covered.
     pub radiance: Image,
-    /// Depth.
-    pub depth: Image,
     /// Displayed picture, where it is drawn offscreen.
     pub display: Image,
 }
@@ -39,7 +78,6 @@ impl Target {
         };
         Ok(Self {
             radiance: make("radiance", RADIANCE, attachment | vk::ImageUsageFlags::SAMPLED)?,
-            depth: make("depth", DEPTH, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT)?,
             display: make("display", DISPLAY, attachment)?,
         })
     }

@@ -47,8 +47,6 @@ pub struct Drawing<'a> {
     pub attributes: &'a [vk::VertexInputAttributeDescription],
     /// Formats of the colour attachments.
     pub colors: &'a [vk::Format],
-    /// Whether colours are written.
-    pub write_colors: bool,
     /// Depth comparison and whether depth is written; `None`: no depth.
     pub depth: Option<(vk::CompareOp, bool)>,
 }
@@ -149,13 +147,9 @@ impl Pipeline {
             .depth_test_enable(drawing.depth.is_some())
             .depth_write_enable(depth_write)
             .depth_compare_op(compare);
-        let mask = if drawing.write_colors {
-            vk::ColorComponentFlags::RGBA
-        } else {
-            vk::ColorComponentFlags::empty()
-        };
         let blends = vec![
-            vk::PipelineColorBlendAttachmentState::default().color_write_mask(mask);
+            vk::PipelineColorBlendAttachmentState::default()
+                .color_write_mask(vk::ColorComponentFlags::RGBA);
             drawing.colors.len()
         ];
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);

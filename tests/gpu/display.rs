@@ -27,8 +27,16 @@ fn the_displayed_picture_is_the_twin_s_within_one_code() {
     let background = DVec3::new(0.1, 0.2, 0.3);
     with_device(|device| {
         let layers = layers(&field, &shading);
-        let mut painter =
-            Painter::new(device, &layers, &shading, &scene.mesh, &Pigment::white(), [160, 120]).unwrap();
+        let mut painter = Painter::new(
+            device,
+            &layers,
+            &shading,
+            &scene.mesh,
+            &Pigment::white(),
+            [160, 120],
+            view.lights.len(),
+        )
+        .unwrap();
         for exposure in [-3.0, 0.0, 2.5] {
             let picture = painter.paint(&view, exposure, background).unwrap();
             let mut differing = 0;

@@ -38,7 +38,9 @@ fn paint(
     view: &View,
 ) -> (Picture, Vec<Directions>) {
     let layers = layers(field, shading);
-    let mut painter = Painter::new(device, &layers, shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
+    let mut painter =
+        Painter::new(device, &layers, shading, &scene.mesh, &Pigment::white(), SIZE, view.lights.len())
+            .unwrap();
     let picture = painter.paint(view, 0.0, DVec3::ZERO).unwrap();
     let directions = (0..view.lights.len()).map(|light| painter.directions(view, light).unwrap()).collect();
     (picture, directions)
