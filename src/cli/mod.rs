@@ -1,10 +1,13 @@
 //! The command line: one file per command; raw arguments in, validated settings with units out.
 
+mod answers;
 mod devices;
 mod eval;
 mod options;
+mod peaks;
 mod prepare;
 mod profile;
+mod range;
 mod render;
 mod surface;
 mod usage;
@@ -41,6 +44,8 @@ enum Command {
     Render(render::Arguments),
     /// BRDF numbers for given directions
     Eval(eval::Arguments),
+    /// Peak angles against the grating equation
+    Peaks(peaks::Arguments),
     /// Frame times against the 5 to 15 fps target, and what the device could do
     Profile(profile::Arguments),
     /// What is in a height field and what it will cost; generated height fields
@@ -65,6 +70,7 @@ fn run(arguments: Arguments) -> Result<()> {
     match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
+        Command::Peaks(arguments) => peaks::run(&arguments),
         Command::Profile(arguments) => profile::run(&arguments),
         Command::Surface(command) => surface::run(&command),
         Command::Devices(arguments) => devices::run(&arguments),
