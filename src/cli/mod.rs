@@ -1,6 +1,7 @@
 //! The command line: one file per command; raw arguments in, validated settings with units out.
 
 mod answers;
+mod brdf;
 mod devices;
 mod eval;
 mod options;
@@ -44,6 +45,8 @@ enum Command {
     Render(render::Arguments),
     /// BRDF numbers for given directions
     Eval(eval::Arguments),
+    /// The hemisphere of one light direction, as a picture
+    Brdf(brdf::Arguments),
     /// Peak angles against the grating equation
     Peaks(peaks::Arguments),
     /// Frame times against the 5 to 15 fps target, and what the device could do
@@ -70,6 +73,7 @@ fn run(arguments: Arguments) -> Result<()> {
     match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
+        Command::Brdf(arguments) => brdf::run(&arguments),
         Command::Peaks(arguments) => peaks::run(&arguments),
         Command::Profile(arguments) => profile::run(&arguments),
         Command::Surface(command) => surface::run(&command),

@@ -207,8 +207,7 @@ pub fn real(text: &str, range: (f64, f64), what: &str) -> Result<f64> {
     })
 }
 
-/// A whole number within `range`, ends included, of `what`.
-pub fn whole(text: &str, range: (usize, usize), what: &str) -> Result<usize> {
+fn whole(text: &str, range: (usize, usize), what: &str) -> Result<usize> {
     text.trim().parse::<usize>().ok().filter(|n| (range.0..=range.1).contains(n)).ok_or_else(|| {
         Error::usage(
             format!("`{text}` is no number of {what}"),

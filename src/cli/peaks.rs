@@ -19,7 +19,7 @@ const MAX_EVALUATIONS: usize = 50_000_000;
 /// Evaluations by the direct sum from which on a word of warning is due: minutes on a patch of 65 µm.
 const MANY_SUMS: usize = 20_000;
 /// Largest order that can be named.
-const MAX_ORDER: usize = 1000;
+const MAX_ORDER: u32 = 1000;
 /// Where the light can stand \[degrees\]: in the horizon it reflects nothing.
 const THETA_I: (f64, f64) = (-89.99, 89.99);
 /// Fewest angles that can have a maximum inside.
@@ -115,7 +115,12 @@ fn angles(text: &str) -> Result<Range> {
 }
 
 fn order(text: &str) -> Result<u32> {
-    options::whole(text, (1, MAX_ORDER), "an order").map(|m| m as u32)
+    text.trim().parse().ok().filter(|m| (1..=MAX_ORDER).contains(m)).ok_or_else(|| {
+        Error::usage(
+            format!("`{text}` is no order of diffraction"),
+            format!("give a whole number from 1 to {MAX_ORDER}; the side is in the angles"),
+        )
+    })
 }
 
 /// What is said about all wavelengths, as JSON has it.
