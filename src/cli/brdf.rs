@@ -19,7 +19,7 @@ use std::path::PathBuf;
 /// Longest side of a map \[pixels\]: one of it takes a gigabyte of memory to make.
 const MAX_SIDE: u32 = 4096;
 /// Directions by the direct sum from which on a word of warning is due.
-const MANY_SUMS: usize = 2_000;
+const MANY_SUMS: usize = 5_000;
 
 /// Arguments of `brdf`.
 #[derive(Args, Debug)]
@@ -114,7 +114,8 @@ fn map(arguments: &Arguments) -> Result<Vec<[f32; 4]>> {
         let mut sums = vec![DVec3::ZERO; part.len()];
         for light in &arguments.light {
             let toward = direction(light.theta, light.phi);
-            let query = |&(_, view)| Query { pair: Pair::new(toward, view), wavelength: arguments.wavelength };
+            let query =
+                |&(_, view)| Query { pair: Pair::new(toward, view), wavelength: arguments.wavelength };
             let values = answers.brdf(&part.iter().map(query).collect::<Vec<_>>())?;
             sums.iter_mut().zip(values).for_each(|(sum, f)| *sum += f * light.intensity);
         }

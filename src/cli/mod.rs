@@ -29,6 +29,7 @@ use std::process::ExitCode;
   diffract render -o snake.png
   diffract render sphere --surface scan.png --pixel-size 97.66nm --height 434.7nm -o scan.exr
   diffract eval blaze --queries directions.csv --method reference
+  diffract brdf elaphe --light 30,0 -o hemisphere.png
   diffract surface info xenopeltis
 
 Lengths are written with their unit: 65um, 434.7nm. `diffract COMMAND --help` says more.",

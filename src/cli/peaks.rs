@@ -188,7 +188,9 @@ fn search(arguments: &Arguments, evaluations: usize) -> Result<Vec<Peak>> {
     for part in wavelengths.chunks((answers::AT_ONCE / angles.len()).max(1)) {
         let queries: Vec<Query> = part
             .iter()
-            .flat_map(|&wavelength| pairs.iter().map(move |&pair| Query { pair, wavelength: Some(wavelength) }))
+            .flat_map(|&wavelength| {
+                pairs.iter().map(move |&pair| Query { pair, wavelength: Some(wavelength) })
+            })
             .collect();
         let responses: Vec<f64> = answers.brdf(&queries)?.iter().map(|f| f.x).collect();
         let sweeps = part.iter().zip(responses.chunks(angles.len()));

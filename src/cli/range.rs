@@ -42,7 +42,10 @@ impl Range {
         }
         let steps = (high - low) / step;
         if steps >= MAX_VALUES {
-            return refuse("it has too many values", &format!("give a larger step, for at most {MAX_VALUES}"));
+            return refuse(
+                "it has too many values",
+                &format!("give a larger step, for at most {MAX_VALUES}"),
+            );
         }
         Ok(Self { low: *low, step: *step, count: (steps + SLACK).floor() as usize + 1 })
     }

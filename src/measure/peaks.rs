@@ -22,14 +22,16 @@ impl Peak {
     /// The peak among `responses` \[sr⁻¹\] at `angles` \[degrees\], for light of `wavelength` \[µm\] from `theta_i`
     /// \[degrees\] and order `order`. Of equal responses the first counts. Angles are the sweep's own, not interpolated.
     pub fn find(wavelength: f64, theta_i: f64, order: u32, angles: &[f64], responses: &[f64]) -> Self {
-        let best = responses.iter().enumerate().fold(None, |best: Option<(usize, f64)>, (i, &f)| match best {
-            Some((_, largest)) if f <= largest => best,
-            _ => (f > 0.0).then_some((i, f)).or(best),
-        });
+        let best =
+            responses.iter().enumerate().fold(None, |best: Option<(usize, f64)>, (i, &f)| match best {
+                Some((_, largest)) if f <= largest => best,
+                _ => (f > 0.0).then_some((i, f)).or(best),
+            });
         let Some((place, response)) = best else {
             return Self { wavelength, angle: None, period: None, response: 0.0, clear: false };
         };
-        let sine = |angle| sin_cos_degrees(angle).0;
+        // Odd to the last bit, so that the mirror direction has a sum of exactly 0.
+        let sine = |angle: f64| sin_cos_degrees(angle.abs()).0.copysign(angle);
         let period = grating::period(wavelength, sine(theta_i), sine(angles[place]), order);
         let clear = place > 0 && place + 1 < angles.len();
         Self { wavelength, angle: Some(angles[place]), period, response, clear }
