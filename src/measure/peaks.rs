@@ -31,7 +31,7 @@ impl Peak {
             return Self { wavelength, angle: None, period: None, response: 0.0, clear: false };
         };
         // Odd to the last bit, so that the mirror direction has a sum of exactly 0.
-        let sine = |angle: f64| sin_cos_degrees(angle.abs()).0.copysign(angle);
+        let sine = |angle: f64| sin_cos_degrees(angle.abs()).0 * angle.signum();
         let period = grating::period(wavelength, sine(theta_i), sine(angles[place]), order);
         let clear = place > 0 && place + 1 < angles.len();
         Self { wavelength, angle: Some(angles[place]), period, response, clear }

@@ -46,7 +46,6 @@ const NO_RANGE: &[&str] = &[
     "-700:-400:1",
     "400-700",
 ];
-const NO_FILE: &[&str] = &["", "none/out.png", ".", "..", "/", "/dev/null", "grey.png/out.png", "folder.png"];
 
 /// Each option with values that it has to refuse, beside what its kind refuses.
 const BAD: &[(&str, &[&[&str]])] = &[
@@ -69,8 +68,6 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--axis", &[&["", " ", "nan", "z", "X", "-x", "xy"]]),
     ("--order", &[NO_NUMBER, &["0", "-1", "1.5", "1001", "99999999999999999999"]]),
     ("--wavelength", &[NO_NUMBER, NO_LENGTH, &["5nm", "1mm", "400nmx500nm"]]),
-    ("--frames", &[NO_NUMBER, &["0", "2", "-1", "1.5", "100001", "99999999999999999999"]]),
-    ("--json", &[NO_FILE]),
     ("--ior", &[NO_NUMBER, &["0", "-1.5", "0.99", "11", "glass", "1,5", "1.5+0.1i"]]),
     ("--exposure", &[NO_NUMBER, &["41", "-41", "1EV", "1e9"]]),
     ("--seed", &[NO_NUMBER, &["-1", "1.5", "1e3", "18446744073709551616"]]),
@@ -120,7 +117,9 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--surface", &[NO_NUMBER, &["nothing", "nothing.png", ".", "/dev/zero", "q.csv", "grey.png/x.png"]]),
     ("--device", &[&["", " ", "nothing", "7", "-1", "99999999999999999999", "\n"]]),
     ("--queries", &[&["", "nothing.csv", ".", "/dev/zero", "grey.png"]]),
-    ("--output", &[NO_FILE]),
+    ("--frames", &[NO_NUMBER, &["0", "2", "-3", "1e3", "100001"]]),
+    ("--json", &[&["", "none/out.json", ".", "/dev/null", "grey.png/out.json"]]),
+    ("--output", &[&["", "none/out.png", ".", "..", "/", "/dev/null", "grey.png/out.png", "folder.png"]]),
 ];
 
 /// Arguments with which each command runs, and succeeds where a device is there.

@@ -161,10 +161,10 @@ fn options_change_the_picture() {
         assert!(change > 1e-6, "{more:?} changes nothing");
     }
     for same in
-        [&["--light", "45,-40,2"][..], &["--illuminant", "d65"], &["--ior", "1.5"], &["--level", "none"]]
+        [&["--light", "35,-50,2"][..], &["--illuminant", "d65"], &["--ior", "1.5"], &["--level", "none"]]
     {
         render(&sandbox, "sphere", "other.exr", same);
-        assert_eq!(sandbox.read("other.exr"), sandbox.read("plain.exr"), "{same:?} is the default");
+        assert!(sandbox.read("other.exr") == sandbox.read("plain.exr"), "{same:?} is not the default");
     }
 }
 
