@@ -31,7 +31,7 @@ pub struct Answers<'a> {
 /// What computes the answers.
 enum By<'a> {
     Sum(Reference<'a>),
-    Layers(Evaluator, Arc<Device>),
+    Layers(Box<Evaluator>, Arc<Device>),
 }
 
 impl<'a> Answers<'a> {
@@ -54,7 +54,7 @@ impl<'a> Answers<'a> {
             Method::Spectral => {
                 let device = prepare::device(wish)?;
                 let layers = prepare::layers(field, shading, shortest, &device)?;
-                By::Layers(Evaluator::new(&device, &layers, shading)?, device)
+                By::Layers(Box::new(Evaluator::new(&device, &layers, shading)?), device)
             }
         };
         Ok(Self { by, shading, bar: prepare::progress_bar("directions") })

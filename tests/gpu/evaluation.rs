@@ -11,6 +11,7 @@ use diffract::render::shading::Shading;
 use diffract::surface::HeightField;
 use diffract::surface::synth::{Kind, Spec, generate};
 use diffract::vk::device::Device;
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Directions per surface.
@@ -125,8 +126,8 @@ fn every_quarter_of_the_frequency_plane_is_the_right_way_round() {
     let heights = (0..side * side)
         .map(|i| {
             let (x, y) = ((i % side) as f64 / side as f64, (i / side) as f64 / side as f64);
-            0.05 * (6.283 * (3.0 * x + y)).sin()
-                + 0.04 * (6.283 * (2.0 * y - x) + 0.5).cos()
+            0.05 * (TAU * (3.0 * x + y)).sin()
+                + 0.04 * (TAU * (2.0 * y - x) + 0.5).cos()
                 + 0.03 * x * (1.0 - x) * y
         })
         .collect();

@@ -1,6 +1,8 @@
 //! The Vulkan side against the f64 side, on whatever device there is (lavapipe in `make test`), with validation and
 //! synchronization checks on: a message is a failure, a missing device too.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on has failed")]
+
 mod device;
 mod display;
 mod evaluation;
