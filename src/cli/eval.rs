@@ -1,27 +1,21 @@
 //! `diffract eval`: BRDF numbers for the directions of a CSV file.
 
-use super::options::{DeviceOptions, Method, OpticsOptions, SurfaceOptions};
-use super::{prepare, write};
+use super::answers::{Answers, WAVELENGTHS, shortest};
+use super::options::{ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
+use super::write;
 use crate::error::{Error, Result};
 use crate::input;
 use crate::optics::geometry::{Pair, direction};
-use crate::optics::reference::Reference;
-use crate::optics::spectrum::SHORTEST;
 use crate::output;
-use crate::render::evaluator::{Evaluator, Query};
-use crate::render::shading::Shading;
-use crate::surface::HeightField;
+use crate::render::evaluator::Query;
 use clap::Args;
 use glam::DVec3;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Columns of every query file, in degrees.
 const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_r", "phi_r"];
 /// Column that asks for one wavelength \[nm\].
 const WAVELENGTH: &str = "wavelength";
-/// Wavelengths that can be asked for \[nm\]: from hard ultraviolet to far infrared.
-const WAVELENGTHS: (f64, f64) = (10.0, 1e5);
 
 /// Arguments of `eval`.
 #[derive(Args, Debug)]
@@ -47,6 +41,8 @@ pub struct Arguments {
     #[command(flatten)]
     optics: OpticsOptions,
     #[command(flatten)]
+    colour: ColourOptions,
+    #[command(flatten)]
     device: DeviceOptions,
 }
 
@@ -55,20 +51,20 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.output {
         output::check(path)?;
     }
-    let shading = arguments.optics.shading()?;
+    let shading = arguments.optics.shading(&arguments.colour)?;
     let table = Table::read(&arguments.queries)?;
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
-    let values = match arguments.optics.method {
-        Method::Reference => by_reference(&field, &shading, &table.queries)?,
-        Method::Spectral => by_layers(arguments, &field, &shading, &table.queries)?,
-    };
-    let text = table.answered(&values);
-    match &arguments.output {
-        None => write::stdout(&text),
-        Some(path) => output::write_atomically(path, |file| {
-            file.write_all(text.as_bytes()).map_err(|e| output::write_failed(path, &e))
-        }),
-    }
+    let mut answers = Answers::prepare(
+        arguments.optics.method,
+        &arguments.device.wish(),
+        &field,
+        &shading,
+        shortest(&table.queries),
+    )?;
+    answers.announce(table.queries.len());
+    let values = answers.brdf(&table.queries)?;
+    answers.finish()?;
+    write::text(arguments.output.as_deref(), &table.answered(&values))
 }
 
 /// The file's columns as they were, and what they ask.
@@ -119,7 +115,7 @@ impl Table {
             };
             let [theta_i, phi_i, theta_r, phi_r] = angles.map(number);
             let wavelength = wavelength.map(number).transpose()?;
-            if let Some(nm) = wavelength.filter(|x| !(WAVELENGTHS.0..=WAVELENGTHS.1).contains(x)) {
+            if let Some(nm) = wavelength.filter(|nm| !(WAVELENGTHS.0..=WAVELENGTHS.1).contains(&(nm / 1e3))) {
                 return Err(bad(line, format!("the wavelength {nm} nm is not within 10 to 100000 nm")));
             }
             let pair = Pair::new(direction(theta_i?, phi_i?), direction(theta_r?, phi_r?));
@@ -154,53 +150,6 @@ impl Table {
         }
         text
     }
-}
-
-/// f from f·cos θ_i; 0 below the horizon.
-fn without_cosine(pair: &Pair, weighted: DVec3) -> DVec3 {
-    if pair.above_horizon() { weighted / pair.light.z } else { DVec3::ZERO }
-}
-
-fn by_reference(field: &HeightField, shading: &Shading, queries: &[Query]) -> Result<Vec<DVec3>> {
-    prepare::warn_of_coarse_samples(field, shortest(queries));
-    let reference = Reference::new(field, shading.coherence, shading.windows, shading.ior);
-    let bar = prepare::progress_bar("directions");
-    bar.set_length(queries.len() as u64);
-    let values = queries
-        .iter()
-        .map(|query| {
-            bar.inc(1);
-            match query.wavelength {
-                Some(wavelength) => Ok(DVec3::splat(reference.brdf(&query.pair, wavelength))),
-                None => {
-                    let weighted = reference.cosine_weighted_xyz(&query.pair, &shading.illuminant)?;
-                    Ok(without_cosine(&query.pair, weighted))
-                }
-            }
-        })
-        .collect();
-    bar.finish_and_clear();
-    values
-}
-
-fn by_layers(
-    arguments: &Arguments,
-    field: &HeightField,
-    shading: &Shading,
-    queries: &[Query],
-) -> Result<Vec<DVec3>> {
-    let device = prepare::device(&arguments.device.wish())?;
-    let layers = prepare::layers(field, shading, shortest(queries), &device)?;
-    let mut evaluator = Evaluator::new(&device, &layers, shading)?;
-    let weighted = evaluator.cosine_weighted(queries)?;
-    drop(evaluator);
-    prepare::finish(&device)?;
-    Ok(queries.iter().zip(weighted).map(|(query, f)| without_cosine(&query.pair, f)).collect())
-}
-
-/// The shortest wavelength that is asked for \[µm\]; colours ask for all.
-fn shortest(queries: &[Query]) -> f64 {
-    queries.iter().map(|q| q.wavelength.unwrap_or(SHORTEST)).fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]

@@ -1,10 +1,14 @@
 //! The command line: one file per command; raw arguments in, validated settings with units out.
 
+mod answers;
+mod brdf;
 mod devices;
 mod eval;
 mod options;
+mod peaks;
 mod prepare;
 mod profile;
+mod range;
 mod render;
 mod surface;
 mod usage;
@@ -25,6 +29,7 @@ use std::process::ExitCode;
   diffract render -o snake.png
   diffract render sphere --surface scan.png --pixel-size 97.66nm --height 434.7nm -o scan.exr
   diffract eval blaze --queries directions.csv --method reference
+  diffract brdf elaphe --light 30,0 -o hemisphere.png
   diffract surface info xenopeltis
 
 Lengths are written with their unit: 65um, 434.7nm. `diffract COMMAND --help` says more.",
@@ -41,6 +46,10 @@ enum Command {
     Render(render::Arguments),
     /// BRDF numbers for given directions
     Eval(eval::Arguments),
+    /// The hemisphere of one light direction, as a picture
+    Brdf(brdf::Arguments),
+    /// Peak angles against the grating equation
+    Peaks(peaks::Arguments),
     /// Frame times against the 5 to 15 fps target, and what the device could do
     Profile(profile::Arguments),
     /// What is in a height field and what it will cost; generated height fields
@@ -65,6 +74,8 @@ fn run(arguments: Arguments) -> Result<()> {
     match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
+        Command::Brdf(arguments) => brdf::run(&arguments),
+        Command::Peaks(arguments) => peaks::run(&arguments),
         Command::Profile(arguments) => profile::run(&arguments),
         Command::Surface(command) => surface::run(&command),
         Command::Devices(arguments) => devices::run(&arguments),

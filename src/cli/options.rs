@@ -127,9 +127,6 @@ pub struct OpticsOptions {
     /// Terms of the expansion, instead of what the tolerance asks for
     #[arg(long, value_name = "N", value_parser = terms, allow_hyphen_values = true)]
     pub terms: Option<usize>,
-    /// Wavelengths of a colour, instead of what the tolerance asks for
-    #[arg(long, value_name = "N", value_parser = wavelengths, allow_hyphen_values = true)]
-    pub wavelengths: Option<usize>,
     /// What surrounds the patch: gaussian:LENGTH or repeats:NxM
     #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
     pub coherence: Coherence,
@@ -139,25 +136,42 @@ pub struct OpticsOptions {
     /// Refractive index of the surface
     #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true, default_value = "1.5")]
     pub ior: f64,
-    /// The light's spectrum: d65, a, e, or a CSV file of wavelength in nm and power
-    #[arg(long, value_name = "NAME|FILE", default_value = "d65")]
-    pub illuminant: String,
 }
 
 impl OpticsOptions {
-    /// The settings that the options stand for.
-    pub fn shading(&self) -> Result<Shading> {
-        Ok(Shading {
+    /// The settings that the options stand for, where single wavelengths are asked for.
+    pub fn monochrome(&self) -> Shading {
+        Shading {
             coherence: self.coherence,
             windows: self.windows,
             ior: self.ior,
-            illuminant: Illuminant::from_name_or_file(&self.illuminant)?,
             tolerance: self.tolerance,
             basis: self.basis,
             terms: self.terms,
-            wavelengths: self.wavelengths,
+            ..Shading::default()
+        }
+    }
+
+    /// The settings that the options stand for, where colours are asked for.
+    pub fn shading(&self, colour: &ColourOptions) -> Result<Shading> {
+        Ok(Shading {
+            illuminant: Illuminant::from_name_or_file(&colour.illuminant)?,
+            wavelengths: colour.wavelengths,
+            ..self.monochrome()
         })
     }
+}
+
+/// From wavelengths to a colour.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Optics")]
+pub struct ColourOptions {
+    /// Wavelengths of a colour, instead of what the tolerance asks for
+    #[arg(long, value_name = "N", value_parser = wavelengths, allow_hyphen_values = true)]
+    pub wavelengths: Option<usize>,
+    /// The light's spectrum: d65, a, e, or a CSV file of wavelength in nm and power
+    #[arg(long, value_name = "NAME|FILE", default_value = "d65")]
+    pub illuminant: String,
 }
 
 /// The Vulkan device.
@@ -176,7 +190,8 @@ impl DeviceOptions {
     }
 }
 
-fn real(text: &str, range: (f64, f64), what: &str) -> Result<f64> {
+/// A finite number within `range`, ends included; `what` it is stands in the error.
+pub fn real(text: &str, range: (f64, f64), what: &str) -> Result<f64> {
     let value = text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
     value.filter(|x| (range.0..=range.1).contains(x)).ok_or_else(|| {
         Error::usage(

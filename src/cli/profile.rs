@@ -1,6 +1,6 @@
 //! `diffract profile`: how long a frame takes, what it does in that time, and what the device could do.
 
-use super::options::{DeviceOptions, Method, OpticsOptions, SurfaceOptions};
+use super::options::{ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions};
 use super::{prepare, write};
 use crate::error::{Error, Result};
 use crate::measure::cost::Cost;
@@ -16,7 +16,6 @@ use crate::units;
 use crate::vk::device::Device;
 use clap::Args;
 use serde::Serialize;
-use std::io::Write;
 use std::path::PathBuf;
 
 /// Frames a second of the thesis' shader on the GPU of its day.
@@ -34,18 +33,20 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Frames to measure
-    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(3..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(3..=100_000), allow_hyphen_values = true)]
     frames: u32,
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", value_parser = units::size, default_value = "640x480")]
+    #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "640x480")]
     size: [u32; 2],
     /// A light instead of the scene's, in degrees from up and around it; up to four
-    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light)]
+    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
     light: Vec<Light>,
     #[command(flatten)]
     surface: SurfaceOptions,
     #[command(flatten)]
     optics: OpticsOptions,
+    #[command(flatten)]
+    colour: ColourOptions,
     #[command(flatten)]
     device: DeviceOptions,
 }
@@ -100,7 +101,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.json {
         output::check(path)?;
     }
-    let shading = arguments.optics.shading()?;
+    let shading = arguments.optics.shading(&arguments.colour)?;
     let scene = Scene::open(&arguments.scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
     let device = prepare::device(&arguments.device.wish())?;
@@ -139,12 +140,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let report = report(arguments, &device, &layers, &cost, &times, pixels);
     write::stdout(&text(&report))?;
     if let Some(path) = &arguments.json {
-        let json = serde_json::to_string_pretty(&report).map_err(|e| {
-            Error::failed(format!("the report is no JSON ({e})"), "report this as a bug of diffract")
-        })?;
-        output::write_atomically(path, |file| {
-            writeln!(file, "{json}").map_err(|e| output::write_failed(path, &e))
-        })?;
+        write::json(path, &report)?;
     }
     Ok(())
 }

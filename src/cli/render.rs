@@ -1,6 +1,6 @@
 //! `diffract render`: a scene into a file.
 
-use super::options::{DeviceOptions, Method, OpticsOptions, SurfaceOptions, exposure};
+use super::options::{ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, exposure};
 use super::{prepare, write};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
@@ -46,6 +46,8 @@ pub struct Arguments {
     #[command(flatten)]
     optics: OpticsOptions,
     #[command(flatten)]
+    colour: ColourOptions,
+    #[command(flatten)]
     device: DeviceOptions,
 }
 
@@ -56,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.light.len() > MAX_LIGHTS {
         return Err(Error::usage("there are too many lights", format!("give at most {MAX_LIGHTS}")));
     }
-    let shading = arguments.optics.shading()?;
+    let shading = arguments.optics.shading(&arguments.colour)?;
     let scene = Scene::open(&arguments.scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
     let picture = draw(arguments, &scene, &field, &shading)?;

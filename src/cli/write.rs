@@ -66,3 +66,21 @@ pub fn stdout(text: &str) -> Result<()> {
         _ => Ok(()),
     }
 }
+
+/// Writes a text result to the file `path`, whole or not at all, or to stdout.
+pub fn text(path: Option<&Path>, text: &str) -> Result<()> {
+    match path {
+        None => stdout(text),
+        Some(path) => output::write_atomically(path, |file| {
+            file.write_all(text.as_bytes()).map_err(|e| output::write_failed(path, &e))
+        }),
+    }
+}
+
+/// Writes `report` as JSON to the file `path`.
+pub fn json(path: &Path, report: &impl serde::Serialize) -> Result<()> {
+    let json = serde_json::to_string_pretty(report).map_err(|e| {
+        Error::failed(format!("the report is no JSON ({e})"), "report this as a bug of diffract")
+    })?;
+    text(Some(path), &(json + "\n"))
+}

@@ -4,12 +4,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
+mod brdf;
 mod cache;
 mod devices;
 mod eval;
 mod hostile_files;
 mod hostile_options;
 mod profile;
+mod peaks;
 mod render;
 mod sandbox;
 mod surface;

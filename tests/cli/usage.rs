@@ -3,9 +3,11 @@
 use crate::sandbox::Sandbox;
 
 /// Every command and what its help has to mention.
-pub const COMMANDS: [(&[&str], &str); 7] = [
+pub const COMMANDS: [(&[&str], &str); 9] = [
     (&["render"], "--exposure"),
     (&["eval"], "--queries"),
+    (&["brdf"], "--light"),
+    (&["peaks"], "--angles"),
     (&["profile"], "--frames"),
     (&["surface"], "synth"),
     (&["surface", "info"], "--level"),
@@ -72,6 +74,10 @@ fn wrong_use_is_one_line_with_exit_code_2_that_names_where_the_help_is() {
         (&["render", "nothing", "-o", "a.png"], &["`nothing`", "snake, plate, sphere, disc"]),
         (&["eval", "blaze"], &["--queries", "`diffract eval --help`"]),
         (&["eval", "blaze", "--surface", "flat", "--queries", "q.csv"], &["twice"]),
+        (&["brdf", "blaze", "--light", "30,0"], &["--output", "`diffract brdf --help`"]),
+        (&["brdf", "blaze", "-o", "a.png"], &["--light", "`diffract brdf --help`"]),
+        (&["peaks", "blaze", "--theta-i", "30"], &["--angles", "`diffract peaks --help`"]),
+        (&["peaks", "blaze", "--angles", "0:9:1"], &["--theta-i", "`diffract peaks --help`"]),
         (&["surface", "synth", "blaze"], &["--output", "`diffract surface synth --help`"]),
         (&["surface", "synth", "marble", "-o", "a.png"], &["`marble`", "xenopeltis"]),
         (&["devices", "now"], &["'now'", "`diffract devices --help`"]),

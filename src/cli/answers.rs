@@ -1,0 +1,129 @@
+//! The BRDF for a list of directions, by whichever method is asked for.
+
+use super::options::Method;
+use super::prepare;
+use crate::error::Result;
+use crate::optics::geometry::Pair;
+use crate::optics::reference::Reference;
+use crate::optics::spectrum::SHORTEST;
+use crate::render::evaluator::{Evaluator, Query};
+use crate::render::shading::Shading;
+use crate::surface::HeightField;
+use crate::vk::device::Device;
+use crate::vk::selection::Wish;
+use glam::DVec3;
+use indicatif::ProgressBar;
+use std::sync::Arc;
+
+/// Wavelengths that can be asked for \[µm\]: from hard ultraviolet to far infrared.
+pub const WAVELENGTHS: (f64, f64) = (0.01, 100.0);
+/// Queries that are worth a submission of their own, and few enough for a progress bar to move and for memory to stay
+/// at a few megabytes.
+pub const AT_ONCE: usize = 16_384;
+
+/// A surface that is ready to be asked.
+pub struct Answers<'a> {
+    by: By<'a>,
+    shading: &'a Shading,
+    bar: ProgressBar,
+}
+
+/// What computes the answers.
+enum By<'a> {
+    Sum(Reference<'a>),
+    Layers(Box<Evaluator>, Arc<Device>),
+}
+
+impl<'a> Answers<'a> {
+    /// Makes `field` ready for wavelengths from `shortest` \[µm\]: the reference needs nothing, the layers need a device.
+    ///
+    /// # Errors
+    /// Where there is no device or it has no room, and for settings that the method cannot do.
+    pub fn prepare(
+        method: Method,
+        wish: &Wish,
+        field: &'a HeightField,
+        shading: &'a Shading,
+        shortest: f64,
+    ) -> Result<Self> {
+        let by = match method {
+            Method::Reference => {
+                prepare::warn_of_coarse_samples(field, shortest);
+                By::Sum(Reference::new(field, shading.coherence, shading.windows, shading.ior))
+            }
+            Method::Spectral => {
+                let device = prepare::device(wish)?;
+                let layers = prepare::layers(field, shading, shortest, &device)?;
+                By::Layers(Box::new(Evaluator::new(&device, &layers, shading)?), device)
+            }
+        };
+        Ok(Self { by, shading, bar: prepare::progress_bar("directions") })
+    }
+
+    /// Lets the progress bar end at `count` queries.
+    pub fn announce(&self, count: usize) {
+        self.bar.set_length(count as u64);
+    }
+
+    /// f \[sr⁻¹\] of each query, in order: three times the value at its wavelength, or the XYZ of the colour. 0 below
+    /// the horizon.
+    ///
+    /// # Errors
+    /// Where the device is lost, or a colour would take too many wavelengths.
+    pub fn brdf(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
+        let (shading, bar) = (self.shading, &self.bar);
+        match &mut self.by {
+            By::Sum(reference) => {
+                let one = |query: &Query| {
+                    bar.inc(1);
+                    summed(reference, shading, query)
+                };
+                queries.iter().map(one).collect()
+            }
+            By::Layers(evaluator, _) => {
+                let mut all = Vec::with_capacity(queries.len());
+                for part in queries.chunks(AT_ONCE) {
+                    let weighted = evaluator.cosine_weighted(part)?;
+                    all.extend(part.iter().zip(weighted).map(|(q, f)| without_cosine(&q.pair, f)));
+                    bar.inc(part.len() as u64);
+                }
+                Ok(all)
+            }
+        }
+    }
+
+    /// Gives the device back.
+    ///
+    /// # Errors
+    /// If validation had anything to say.
+    pub fn finish(self) -> Result<()> {
+        self.bar.finish_and_clear();
+        match self.by {
+            By::Sum(_) => Ok(()),
+            By::Layers(evaluator, device) => {
+                drop(evaluator);
+                prepare::finish(&device)
+            }
+        }
+    }
+}
+
+fn summed(reference: &Reference, shading: &Shading, query: &Query) -> Result<DVec3> {
+    match query.wavelength {
+        Some(wavelength) => Ok(DVec3::splat(reference.brdf(&query.pair, wavelength))),
+        None => {
+            let weighted = reference.cosine_weighted_xyz(&query.pair, &shading.illuminant)?;
+            Ok(without_cosine(&query.pair, weighted))
+        }
+    }
+}
+
+/// f from f·cos θ_i; 0 below the horizon.
+fn without_cosine(pair: &Pair, weighted: DVec3) -> DVec3 {
+    if pair.above_horizon() { weighted / pair.light.z } else { DVec3::ZERO }
+}
+
+/// The shortest wavelength that is asked for \[µm\]; colours ask for all.
+pub fn shortest(queries: &[Query]) -> f64 {
+    queries.iter().map(|q| q.wavelength.unwrap_or(SHORTEST)).fold(f64::INFINITY, f64::min)
+}

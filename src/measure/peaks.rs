@@ -1,0 +1,103 @@
+//! Where a surface sends each wavelength, and the period that the grating equation makes of it.
+
+use crate::optics::geometry::sin_cos_degrees;
+use crate::optics::grating;
+
+/// The largest response of one wavelength over a sweep of view angles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peak {
+    /// Wavelength \[µm\].
+    pub wavelength: f64,
+    /// The angle of the sweep with the largest response \[degrees\]; `None` where nothing is reflected at all.
+    pub angle: Option<f64>,
+    /// m λ/|sin α + sin θ_i| \[µm\] there; `None` also in the mirror direction, where every period fits.
+    pub period: Option<f64>,
+    /// The largest response \[sr⁻¹\].
+    pub response: f64,
+    /// Whether the maximum lies inside the sweep: at an end, the true one may lie beyond.
+    pub clear: bool,
+}
+
+impl Peak {
+    /// The peak among `responses` \[sr⁻¹\] at `angles` \[degrees\], for light of `wavelength` \[µm\] from `theta_i`
+    /// \[degrees\] and order `order`. Of equal responses the first counts. Angles are the sweep's own, not interpolated.
+    pub fn find(wavelength: f64, theta_i: f64, order: u32, angles: &[f64], responses: &[f64]) -> Self {
+        let best =
+            responses.iter().enumerate().fold(None, |best: Option<(usize, f64)>, (i, &f)| match best {
+                Some((_, largest)) if f <= largest => best,
+                _ => (f > 0.0).then_some((i, f)).or(best),
+            });
+        let Some((place, response)) = best else {
+            return Self { wavelength, angle: None, period: None, response: 0.0, clear: false };
+        };
+        // Odd to the last bit, so that the mirror direction has a sum of exactly 0.
+        let sine = |angle: f64| sin_cos_degrees(angle.abs()).0 * angle.signum();
+        let period = grating::period(wavelength, sine(theta_i), sine(angles[place]), order);
+        let clear = place > 0 && place + 1 < angles.len();
+        Self { wavelength, angle: Some(angles[place]), period, response, clear }
+    }
+}
+
+/// What the periods of many wavelengths say together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Statistics {
+    /// Wavelengths with a period.
+    pub count: usize,
+    /// Wavelengths whose maximum lies inside the sweep.
+    pub clear: usize,
+    /// Mean period \[µm\]; `None` where no wavelength has one.
+    pub mean: Option<f64>,
+    /// Standard deviation of the sample, with n − 1 \[µm\]; `None` below two wavelengths.
+    pub deviation: Option<f64>,
+}
+
+impl Statistics {
+    /// Over every peak that has a period, clear or not.
+    pub fn of(peaks: &[Peak]) -> Self {
+        let periods: Vec<f64> = peaks.iter().filter_map(|p| p.period).collect();
+        let count = periods.len();
+        let mean = periods.iter().sum::<f64>() / count as f64;
+        let squares = periods.iter().map(|d| (d - mean).powi(2)).sum::<f64>();
+        Self {
+            count,
+            clear: peaks.iter().filter(|p| p.clear).count(),
+            mean: (count > 0).then_some(mean),
+            deviation: (count > 1).then(|| (squares / (count as f64 - 1.0)).sqrt()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_response_gives_the_angle_and_the_period() {
+        let angles = [-10.0, 0.0, 30.0, 40.0];
+        let peak = Peak::find(0.5, 0.0, 2, &angles, &[1.0, 2.0, 5.0, 3.0]);
+        assert_eq!((peak.angle, peak.response, peak.clear), (Some(30.0), 5.0, true));
+        assert!((peak.period.unwrap() - 2.0).abs() < 1e-12);
+        assert!(!Peak::find(0.5, 0.0, 1, &angles, &[6.0, 2.0, 5.0, 3.0]).clear, "at the start");
+        assert!(!Peak::find(0.5, 0.0, 1, &angles, &[1.0, 2.0, 5.0, 7.0]).clear, "at the end");
+        assert_eq!(Peak::find(0.5, 0.0, 1, &angles, &[1.0, 5.0, 5.0, 3.0]).angle, Some(0.0), "the first");
+    }
+
+    #[test]
+    fn the_mirror_direction_has_no_period_and_darkness_no_angle() {
+        let angles = [-31.0, -30.0, -29.0];
+        let mirror = Peak::find(0.5, 30.0, 1, &angles, &[1.0, 2.0, 1.0]);
+        assert_eq!((mirror.angle, mirror.period), (Some(-30.0), None));
+        let dark = Peak::find(0.5, 30.0, 1, &angles, &[0.0; 3]);
+        assert_eq!((dark.angle, dark.period, dark.response, dark.clear), (None, None, 0.0, false));
+        assert_eq!(Statistics::of(&[mirror, dark]).mean, None);
+    }
+
+    #[test]
+    fn statistics_are_those_of_the_periods() {
+        let peak = |period, clear| Peak { wavelength: 0.5, angle: Some(1.0), period, response: 1.0, clear };
+        let all = [peak(Some(1.0), true), peak(Some(2.0), false), peak(Some(3.0), true), peak(None, true)];
+        let s = Statistics::of(&all);
+        assert_eq!((s.count, s.clear, s.mean, s.deviation), (3, 3, Some(2.0), Some(1.0)));
+        assert_eq!(Statistics::of(&all[..1]).deviation, None);
+    }
+}

@@ -1,0 +1,163 @@
+//! Maps of the hemisphere.
+
+use crate::sandbox::Sandbox;
+
+/// Pixels on a side of the maps here.
+const SIDE: usize = 64;
+/// A window that makes spots a few pixels wide.
+const WINDOW: [&str; 4] = ["--coherence", "gaussian:8um", "--size", "64x64"];
+
+type Map = Vec<[f32; 4]>;
+
+/// The EXR map of a run that has to succeed in silence.
+#[track_caller]
+fn map(sandbox: &Sandbox, surface: &str, light: &str, more: &[&str]) -> Map {
+    let arguments = ["brdf", surface, "-o", "m.exr", "--light", light];
+    assert_eq!(sandbox.run2(&arguments, &[&WINDOW[..], more].concat()).done(), "");
+    match image::open(sandbox.path("m.exr")).unwrap() {
+        image::DynamicImage::ImageRgba32F(p) if p.width() == p.height() => p.pixels().map(|p| p.0).collect(),
+        other => panic!("{:?} {}x{}", other.color(), other.width(), other.height()),
+    }
+}
+
+/// s_x, s_y of a pixel, as the contract has it.
+fn place(index: usize) -> [f64; 2] {
+    let (i, j) = ((index % SIDE) as f64, (index / SIDE) as f64);
+    let n = SIDE as f64;
+    [2.0 * (i + 0.5) / n - 1.0, 1.0 - 2.0 * (j + 0.5) / n]
+}
+
+/// Where the brightest pixel among those that `keep` takes stands.
+fn brightest(map: &Map, keep: impl Fn([f64; 2]) -> bool) -> [f64; 2] {
+    let green = |i: &usize| map[*i][1];
+    let inside = (0..map.len()).filter(|&i| keep(place(i)));
+    place(inside.max_by(|a, b| green(a).total_cmp(&green(b))).unwrap())
+}
+
+/// Whether `at` is within one and a half pixels of `expected`.
+fn stands(at: [f64; 2], expected: [f64; 2]) -> bool {
+    (at[0] - expected[0]).hypot(at[1] - expected[1]) < 3.0 / SIDE as f64
+}
+
+/// ‖a − b‖/‖b‖ over all cells.
+fn deviation(a: &Map, b: &Map) -> f64 {
+    let pairs = || a.iter().flatten().zip(b.iter().flatten());
+    let square = |x: f32| f64::from(x).powi(2);
+    (pairs().map(|(a, b)| square(a - b)).sum::<f64>() / pairs().map(|(_, b)| square(*b)).sum::<f64>()).sqrt()
+}
+
+#[test]
+fn a_mirrors_spot_stands_opposite_the_light() {
+    let sandbox = Sandbox::new();
+    for (light, tangential) in [
+        ("30,0", [0.5, 0.0]),
+        ("30,90", [0.0, 0.5]),
+        (
+            "45,200",
+            [
+                45f64.to_radians().sin() * 200f64.to_radians().cos(),
+                45f64.to_radians().sin() * 200f64.to_radians().sin(),
+            ],
+        ),
+    ] {
+        let spot = brightest(&map(&sandbox, "flat", light, &["--wavelength", "550nm"]), |_| true);
+        assert!(stands(spot, tangential.map(|s| -s)), "{light}: {spot:?}");
+        assert!(!stands(spot, tangential), "{light}: the check takes the light's own side");
+    }
+}
+
+#[test]
+fn a_blazes_orders_stand_along_x_and_its_brightest_leans_to_minus_x() {
+    let sandbox = Sandbox::new();
+    // Wavelength over period is 0.22; a facet's mirror direction lies at about s_x = -0.2.
+    let map = map(&sandbox, "blaze", "0,0", &["--wavelength", "550nm"]);
+    assert!(stands(brightest(&map, |_| true), [-0.22, 0.0]));
+    for order in [-2.0f64, -1.0, 0.0, 1.0] {
+        let x = 0.22 * order;
+        let spot = brightest(&map, |[s_x, s_y]| (s_x - x).abs() < 0.11 && s_y.abs() < 0.9);
+        assert!(stands(spot, [x, 0.0]), "order at {x}: {spot:?}");
+    }
+}
+
+#[test]
+fn outside_the_disc_everything_is_0_and_inside_alpha_is_1() {
+    let sandbox = Sandbox::new();
+    let colour = map(&sandbox, "blaze", "30,0", &[]);
+    for (index, pixel) in colour.iter().enumerate() {
+        let [x, y] = place(index);
+        if x * x + y * y < 1.0 {
+            assert!(pixel[3] == 1.0 && pixel.iter().all(|c| c.is_finite()), "{x} {y}: {pixel:?}");
+        } else {
+            assert_eq!(*pixel, [0.0; 4], "{x} {y}");
+        }
+    }
+    assert!(colour.iter().any(|p| p[..3].iter().any(|&c| c < 0.0)), "no colour lies outside sRGB");
+    let grey = map(&sandbox, "blaze", "30,0", &["--wavelength", "550nm"]);
+    assert!(grey.iter().all(|p| p[0] == p[1] && p[1] == p[2]));
+}
+
+#[test]
+fn a_pixel_is_what_eval_says_of_its_direction() {
+    let sandbox = Sandbox::new();
+    let grey = map(&sandbox, "blaze", "30,0", &["--wavelength", "550nm", "--method", "reference"]);
+    let index = 30 * SIDE + 12;
+    let [x, y] = place(index);
+    let (theta, phi) = (x.hypot(y).asin().to_degrees(), y.atan2(x).to_degrees());
+    sandbox.write("q.csv", format!("theta_i,phi_i,theta_r,phi_r,wavelength\n30,0,{theta},{phi},550\n"));
+    let csv = sandbox
+        .run(["eval", "blaze", "--queries", "q.csv", "--method", "reference", "--coherence", "gaussian:8um"])
+        .done();
+    let expected: f64 = csv.trim().rsplit(',').next().unwrap().parse().unwrap();
+    assert!(expected > 0.0 && (f64::from(grey[index][0]) / expected - 1.0).abs() < 1e-6, "{expected}");
+}
+
+#[test]
+fn spectral_agrees_with_the_reference_and_another_wavelength_does_not() {
+    let sandbox = Sandbox::new();
+    let ask = |more: &[&str]| map(&sandbox, "blaze", "30,40", more);
+    let reference = ask(&["--wavelength", "550nm", "--method", "reference"]);
+    assert!(deviation(&ask(&["--wavelength", "550nm"]), &reference) < 1e-2);
+    assert!(deviation(&ask(&["--wavelength", "560nm"]), &reference) > 1e-2);
+}
+
+#[test]
+fn several_lights_are_summed_with_their_intensities() {
+    let sandbox = Sandbox::new();
+    let ask = |light: &str, more: &[&str]| map(&sandbox, "blaze", light, more);
+    let (one, other) = (ask("30,0", &[]), ask("50,120", &[]));
+    let both = ask("30,0", &["--light", "50,120,2"]);
+    let sum = |weight: f32| -> Map {
+        let cell = |a: &[f32; 4], b: &[f32; 4]| {
+            [0, 1, 2, 3].map(|c| if c == 3 { a[c] } else { a[c] + weight * b[c] })
+        };
+        one.iter().zip(&other).map(|(a, b)| cell(a, b)).collect()
+    };
+    assert!(deviation(&both, &sum(2.0)) < 1e-5);
+    assert!(deviation(&both, &sum(1.0)) > 1e-2);
+}
+
+#[test]
+fn a_png_is_the_exr_as_displayed_at_the_exposure() {
+    let sandbox = Sandbox::new();
+    let linear = map(&sandbox, "blaze", "30,0", &[]);
+    let arguments = ["brdf", "blaze", "--light", "30,0", "-o", "m.png", "--exposure", "-3"];
+    sandbox.run2(&arguments, &WINDOW).done();
+    let shown = image::open(sandbox.path("m.png")).unwrap().to_rgb8();
+    for (pixel, linear) in shown.pixels().zip(&linear) {
+        let [r, g, b, _] = linear.map(f64::from);
+        assert_eq!(pixel.0, diffract::optics::color::display(glam::DVec3::new(r, g, b), -3.0));
+    }
+    assert!(shown.pixels().any(|p| p.0 != [0; 3] && p.0 != [255; 3]));
+}
+
+#[test]
+fn a_map_has_to_be_square_and_of_a_known_format() {
+    let sandbox = Sandbox::new();
+    for more in
+        [&["-o", "m.png", "--size", "64x32"][..], &["-o", "m.gif"], &["-o", "m.png", "--size", "8192x8192"]]
+    {
+        sandbox.run2(&["brdf", "flat", "--light", "30,0"], more).refused(2);
+    }
+    let lights = ["--light", "1,1"].repeat(5);
+    sandbox.run2(&["brdf", "flat", "-o", "m.png"], &lights).refused(2);
+}

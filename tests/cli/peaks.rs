@@ -1,0 +1,134 @@
+//! Peak angles and the grating equation.
+
+use crate::sandbox::{Outcome, Sandbox};
+
+/// The blaze's first order with light from the steep side and from the flat side, and the view angles that hold it from
+/// 380 to 780 nm.
+const SIDES: [(&str, &str); 2] = [("75", "-57:-38:0.01"), ("-75", "38:57:0.01")];
+/// The blaze's period \[nm\].
+const PERIOD: f64 = 2500.0;
+
+fn peaks(sandbox: &Sandbox, surface: &str, theta_i: &str, angles: &str, more: &[&str]) -> Outcome {
+    sandbox.run2(&["peaks", surface, "--theta-i", theta_i, "--angles", angles], more)
+}
+
+/// The table of a run that has to succeed with one line on stderr, and that line.
+#[track_caller]
+fn table(outcome: Outcome) -> (Vec<[f64; 4]>, String) {
+    assert_eq!((outcome.code, outcome.stderr.lines().count()), (Some(0), 1), "{outcome:?}");
+    (rows(&outcome.stdout), outcome.stderr)
+}
+
+/// wavelength, angle, period, response; NaN for empty cells.
+#[track_caller]
+fn rows(csv: &str) -> Vec<[f64; 4]> {
+    let mut lines = csv.lines();
+    assert_eq!(lines.next(), Some("wavelength,angle,period,response"));
+    let number = |cell: &str| if cell.is_empty() { f64::NAN } else { cell.parse().unwrap() };
+    lines.map(|line| line.split(',').map(number).collect::<Vec<_>>().try_into().unwrap()).collect()
+}
+
+/// Largest deviation of one wavelength's period from `period`, and that of the mean, both relative.
+fn deviations(rows: &[[f64; 4]], period: f64) -> (f64, f64) {
+    let off = |d: f64| (d / period - 1.0).abs();
+    let mean = rows.iter().map(|r| r[2]).sum::<f64>() / rows.len() as f64;
+    (rows.iter().map(|r| off(r[2])).fold(0.0, f64::max), off(mean))
+}
+
+#[test]
+fn the_blazes_period_comes_out_of_its_first_order_on_both_sides() {
+    let sandbox = Sandbox::new();
+    for (theta_i, angles) in SIDES {
+        let outcome = peaks(&sandbox, "blaze", theta_i, angles, &["--json", "p.json"]);
+        let (rows, line) = table(outcome);
+        assert_eq!((rows.len(), rows[0][0], rows[400][0]), (401, 380.0, 780.0));
+        let (worst, mean) = deviations(&rows, PERIOD);
+        assert!(worst < 1e-3 && mean < 2e-4, "{theta_i}: {worst:e}, {mean:e}");
+        assert!(line.contains("401 of 401 wavelengths"), "{line}");
+        // The same judgement has to tell a period that is a thousandth off.
+        assert!(deviations(&rows, PERIOD * 1.001).1 > 2e-4);
+
+        let json: serde_json::Value = serde_json::from_slice(&sandbox.read("p.json")).unwrap();
+        let average = rows.iter().map(|r| r[2]).sum::<f64>() / rows.len() as f64;
+        let variance = rows.iter().map(|r| (r[2] - average).powi(2)).sum::<f64>() / 400.0;
+        let close = |value: &serde_json::Value, x: f64| (value.as_f64().unwrap() - x).abs() < 1e-6;
+        assert!(close(&json["period_nm"]["mean"], average), "{json}");
+        assert!(close(&json["period_nm"]["standard_deviation"], variance.sqrt()), "{json}");
+        assert_eq!(
+            (&json["clear"], &json["wavelengths"], &json["order"]),
+            (&401.into(), &401.into(), &1.into())
+        );
+    }
+}
+
+#[test]
+fn light_that_comes_in_the_other_way_is_brighter_in_the_blazes_first_order() {
+    // The blaze rises along +x, so its facets lean toward -x and throw light there, away from the mirror direction at +75.
+    let sandbox = Sandbox::new();
+    let [away, toward] = SIDES.map(|(theta_i, angles)| {
+        let more = ["--wavelengths", "550:550:1", "--coherence", "gaussian:30um"];
+        table(peaks(&sandbox, "blaze", theta_i, angles, &more)).0[0][3]
+    });
+    assert!(toward > 3.0 * away, "{toward} {away}");
+}
+
+#[test]
+fn the_reference_finds_the_same_angles_without_vulkan() {
+    let sandbox = Sandbox::new();
+    let no_vulkan = Sandbox::new().without_vulkan();
+    let more = ["--wavelengths", "450:650:100", "--pixel-size", "95nm", "--coherence", "gaussian:40um"];
+    let spectral = table(peaks(&sandbox, "blaze", "-75", "40:54:0.1", &more)).0;
+    let by_sum = [&more[..], &["--method", "reference"]].concat();
+    let (reference, _) = table(peaks(&no_vulkan, "blaze", "-75", "40:54:0.1", &by_sum));
+    assert_eq!(reference.len(), 3);
+    for (a, b) in spectral.iter().zip(&reference) {
+        // Two neighbouring angles of the sweep can be as bright within the tolerance.
+        assert!((a[1] - b[1]).abs() < 0.1001 && (a[3] / b[3] - 1.0).abs() < 2e-2, "{a:?} {b:?}");
+        assert!((b[2] / PERIOD - 1.0).abs() < 5e-3, "{b:?}");
+    }
+    let line = peaks(&no_vulkan, "blaze", "-75", "40:54:0.1", &more).refused(1);
+    assert!(line.contains("mesa-vulkan-drivers"), "{line}");
+}
+
+#[test]
+fn the_axis_turns_the_plane_of_incidence_and_the_order_multiplies_the_period() {
+    let sandbox = Sandbox::new();
+    let more = ["--wavelengths", "500:600:50", "--coherence", "gaussian:30um"];
+    let ask = |angles: &str, own: &[&str]| {
+        table(peaks(&sandbox, "blaze", "20", angles, &[&more[..], own].concat())).0
+    };
+    // The blaze is constant along y: nothing but the mirror's spot there, where there is no period.
+    for row in ask("-30:-10:0.5", &["--axis", "y"]) {
+        assert!(row[1] == -20.0 && row[2].is_nan() && row[3] > 0.0, "{row:?}");
+    }
+    let (first, third) = (ask("-40:-28:0.1", &[]), ask("-40:-28:0.1", &["--order", "3"]));
+    for (a, b) in first.iter().zip(&third) {
+        assert_eq!(a[1], b[1]);
+        assert!((b[2] / a[2] - 3.0).abs() < 1e-9 && (a[2] / PERIOD - 1.0).abs() < 2e-2, "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn a_peak_at_an_end_is_not_clear_and_darkness_has_empty_cells() {
+    let sandbox = Sandbox::new();
+    let more = ["--wavelengths", "500:600:50", "--coherence", "gaussian:30um", "--method", "reference"];
+    let (rows, line) = table(peaks(&sandbox, "flat", "30", "-29.5:-20:0.5", &more));
+    assert!(rows.iter().all(|r| r[1] == -29.5), "{rows:?}");
+    assert!(line.contains("0 of 3 wavelengths"), "{line}");
+    // Samples 400 nm apart hold |u| up to 0.69 at 550 nm, and this range is beyond.
+    let coarse = [&more[..], &["--pixel-size", "400nm"]].concat();
+    let outcome = peaks(&sandbox, "flat", "60", "60:70:1", &coarse);
+    assert!(outcome.stdout.lines().skip(1).all(|l| l.ends_with(",,,0e0")), "{outcome:?}");
+    assert!(outcome.stderr.contains("no period"), "{outcome:?}");
+}
+
+#[test]
+fn a_named_table_holds_what_stdout_would() {
+    let sandbox = Sandbox::new();
+    let more = ["--wavelengths", "550:550:1", "--coherence", "gaussian:10um", "--method", "reference"];
+    let printed = peaks(&sandbox, "flat", "30", "-40:-20:1", &more).stdout;
+    let named = peaks(&sandbox, "flat", "30", "-40:-20:1", &[&more[..], &["-o", "p.csv"]].concat());
+    assert_eq!((named.code, named.stdout.as_str()), (Some(0), ""));
+    assert_eq!(sandbox.read("p.csv"), printed.as_bytes());
+    assert_eq!(rows(&printed)[0][1], -30.0);
+}
