@@ -88,6 +88,13 @@ impl Resources {
         for (number, image) in numbers.into_iter().zip(&images) {
             descriptors.image(number, image, if number == binding::PIGMENT { &repeat } else { &edge });
         }
+        // Until a geometry pass is there: some drivers touch every binding of a set, read by the shader or not.
+        for number in binding::VIEW_DIRECTIONS..binding::LIGHT_DIRECTIONS + MAX_LIGHTS as u32 {
+            descriptors.image(number, &images[3], &edge);
+        }
+        for number in [binding::QUERIES, binding::ANSWERS] {
+            descriptors.buffer(number, &buffers[1]);
+        }
         Ok(Self { descriptors, frame, combs, _images: images, edge, _repeat: repeat, _buffers: buffers })
     }
 }
