@@ -81,7 +81,7 @@ pub fn terms_for(x: f64, tolerance: f64, roundoff: f64) -> Result<usize> {
                  cancel, and 32-bit floats leave {rounding:.1e} of that",
                 x.exp()
             ),
-            "ask for a larger --tolerance, level or crop the surface to a smaller height range, or use --method reference",
+            "use --basis optimal, a larger --tolerance, or a surface of a smaller height range (--level plane helps tilted scans)",
         ));
     }
     let mut term = 1.0;

@@ -3,8 +3,10 @@
 //! A file is written beside its place and renamed, so another process sees all of it or nothing; a check sum over the
 //! whole is compared when it is read, and a file that does not match is made anew.
 
+use super::audit::{PLANES, PlaneTerms};
+use super::coefficients::Coefficients;
 use super::kernel::{Interpolation, Kernel};
-use super::layers::{Coefficients, Errors, Layers, PLANES, PlaneTerms, Settings};
+use super::layers::{Errors, Layers, Settings};
 use crate::error::Result;
 use crate::output;
 use crate::surface::HeightField;

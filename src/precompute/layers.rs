@@ -1,6 +1,8 @@
 //! The layers: spectra of the basis functions under the window, packed for the shader, with the number of terms chosen
 //! by comparing against the transform of e^{izh} itself.
 
+use super::audit::{Audit, FAINT, PLANES, PlaneTerms};
+use super::coefficients::Coefficients;
 use super::kernel::{Interpolation, Kernel};
 use super::transform::{PaddedAxis, Spectrum, Transformer};
 use crate::error::{Error, Result};
@@ -11,7 +13,7 @@ use crate::expansion::{Basis, Expansion, HeightScale};
 use crate::memory;
 use crate::surface::HeightField;
 use rayon::prelude::*;
-use rustfft::num_complex::{Complex32, Complex64};
+use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
 /// What the layers are made for.
@@ -37,11 +39,6 @@ pub struct Settings {
 const INTERPOLATION_SHARE: f64 = 0.7;
 /// Share of the tolerance that goes to truncation and rounding together; shares add as squares.
 const EXPANSION_SHARE: f64 = 0.35;
-
-/// Intensity relative to the mirror peak below which errors are not judged: a 65 µm window's mirror peak at normal
-/// incidence is 439 sr⁻¹ at 550 nm, and 4.4e-5 sr⁻¹ under a light of irradiance π is below what a display shows as black
-/// at exposure 0.
-pub const FAINT: f64 = 1e-7;
 
 /// The largest |z| = k|w| that wavelengths from `shortest` \[µm\] allow \[rad/µm\]: |w| ≤ 2.
 pub fn largest_z(shortest: f64) -> f64 {
@@ -90,50 +87,6 @@ pub struct Layers {
     /// RGBA texels (Re, Im of term 2p; Re, Im of term 2p + 1), pair by pair, row by row in growing f_y; in units of the
     /// flat mirror's peak amplitude.
     pub texels: Vec<f32>,
-}
-
-/// c_n(z) on a uniform grid of z, fine enough to be linear between its points.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Coefficients {
-    /// Distance of neighbouring points \[rad/µm\]; the first stands at 0, the last at or beyond z_max.
-    pub step: f64,
-    /// Points.
-    pub columns: usize,
-    /// `[term][point]`: real and imaginary part.
-    pub values: Vec<[f32; 2]>,
-}
-
-impl Coefficients {
-    /// The table of `terms` coefficients of `expansion` up to `z_max` over heights of half range `half_range` \[µm\].
-    /// Interpolating all coefficients alike interpolates e^{izh} itself, with an error of (Δz·a)²/8.
-    fn new(expansion: &dyn Expansion, terms: usize, z_max: f64, half_range: f64, tolerance: f64) -> Self {
-        /// Share of the tolerance that this interpolation may take.
-        const SHARE: f64 = 1e-3;
-        /// Bounds on the number of intervals: the larger keeps a row within the 4096 texels that every Vulkan device holds.
-        const INTERVALS: (f64, f64) = (64.0, 4094.0);
-        let intervals = (z_max * half_range / (8.0 * SHARE * tolerance).sqrt()).ceil();
-        let intervals = intervals.clamp(INTERVALS.0, INTERVALS.1);
-        let step = z_max / intervals;
-        let columns = intervals as usize + 2;
-        let mut values = vec![[0.0; 2]; columns * terms];
-        let mut c = vec![Complex64::ZERO; terms];
-        for column in 0..columns {
-            expansion.coefficients(column as f64 * step, &mut c);
-            for (n, c) in c.iter().enumerate() {
-                values[n * columns + column] = [c.re as f32, c.im as f32];
-            }
-        }
-        Self { step, columns, values }
-    }
-}
-
-/// What one audited plane of k|w| needs.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PlaneTerms {
-    /// k|w| \[rad/µm\].
-    pub z: f64,
-    /// Terms that keep the error there.
-    pub terms: usize,
 }
 
 impl Layers {
@@ -320,143 +273,6 @@ fn pack(spectrum: &Spectrum, size: [usize; 2], transformer: &Transformer, kernel
 
 /// What the progress counts on before the number of terms is known.
 const GUESSED_TERMS: usize = 16;
-
-/// The audited k|w|, as parts of the largest, growing: from grazing directions, where only scattering is left, to the
-/// mirror direction at the shortest wavelength.
-pub const PLANES: [f64; 9] = [0.02, 0.06, 0.14, 0.25, 0.4, 0.55, 0.7, 0.85, 0.995];
-
-/// The layers' judge: at a few z, texels that directions can reach, with the transform of e^{izh} there.
-struct Audit {
-    planes: [Plane; PLANES.len()],
-}
-
-struct Plane {
-    z: f64,
-    /// Kept column and row of each judged texel.
-    texels: Vec<[usize; 2]>,
-    exact: Vec<Complex64>,
-    /// `[term][texel]`, rounded as stored.
-    terms: Vec<Vec<Complex32>>,
-}
-
-impl Audit {
-    /// Texels per plane that are spread evenly: the RMS of as many exponentially distributed values is good to a few per
-    /// cent.
-    const SPREAD: usize = 2000;
-    /// The brightest texels per plane, judged beside them: a grating's orders are few, and all that one sees.
-    const BRIGHTEST: usize = 500;
-
-    fn new(
-        transformer: &Transformer,
-        heights: &[f64],
-        half_range: f64,
-        z_max: f64,
-        progress: impl Fn(usize) -> Result<()>,
-    ) -> Result<Self> {
-        let mut planes = Vec::new();
-        for (index, share) in PLANES.into_iter().enumerate() {
-            progress(index)?;
-            let z = share * z_max;
-            let spectrum = transformer.spectrum(|i| Complex64::cis(z * half_range * heights[i]));
-            let radius = (z_max * z_max - z * z).sqrt() / (2.0 * PI);
-            let mut texels = spread(transformer, radius, Self::SPREAD);
-            texels.extend(brightest(transformer, &spectrum, radius, Self::BRIGHTEST));
-            let exact = texels.iter().map(|&[c, r]| spectrum.at(c, r)).collect();
-            planes.push(Plane { z, texels, exact, terms: Vec::new() });
-        }
-        planes
-            .try_into()
-            .map(|planes| Self { planes })
-            .map_err(|_| Error::failed("the audit lost a plane", "report this as a bug of diffract"))
-    }
-
-    /// Takes a pair of terms in.
-    fn add(&mut self, spectrum: &Spectrum) {
-        for plane in &mut self.planes {
-            let pairs = plane.texels.iter().map(|&[c, r]| spectrum.split(c, r));
-            let stored = |v: Complex64| Complex32::new(v.re as f32, v.im as f32);
-            let (even, odd) = pairs.map(|[a, b]| (stored(a), stored(b))).unzip();
-            plane.terms.extend([even, odd]);
-        }
-    }
-
-    /// The worst plane's RMS relative intensity error with `terms` terms.
-    fn error(&self, expansion: &dyn Expansion, terms: usize) -> f64 {
-        self.planes.iter().map(|plane| plane.error(expansion, terms)).fold(0.0, f64::max)
-    }
-
-    /// The smallest number of terms, of `terms`, that keeps each plane within `allowed`; never fewer than a lower plane.
-    fn terms_by_z(
-        &self,
-        expansion: &dyn Expansion,
-        terms: usize,
-        allowed: f64,
-    ) -> [PlaneTerms; PLANES.len()] {
-        let mut least = 1;
-        std::array::from_fn(|i| {
-            let plane = &self.planes[i];
-            least = (least..terms).find(|&n| plane.error(expansion, n) <= allowed).unwrap_or(terms);
-            PlaneTerms { z: plane.z, terms: least }
-        })
-    }
-}
-
-impl Plane {
-    /// RMS relative intensity error with the first `terms` terms, summed in f32 as the shader does.
-    fn error(&self, expansion: &dyn Expansion, terms: usize) -> f64 {
-        let mut c = vec![Complex64::ZERO; terms];
-        expansion.coefficients(self.z, &mut c);
-        let c: Vec<Complex32> = c.iter().map(|c| Complex32::new(c.re as f32, c.im as f32)).collect();
-        // Where nothing is seen, nothing can be wrong: such texels would only dilute the mean.
-        let seen = self.exact.iter().enumerate().filter(|(_, exact)| exact.norm_sqr() >= FAINT);
-        let (count, squares) = seen.fold((0usize, 0.0), |(count, squares), (t, exact)| {
-            let sum: Complex32 = c.iter().zip(&self.terms).map(|(c, term)| c * term[t]).sum();
-            let truth = exact.norm_sqr();
-            (count + 1, squares + ((f64::from(sum.norm_sqr()) - truth) / truth).powi(2))
-        });
-        (squares / count.max(1) as f64).sqrt()
-    }
-}
-
-/// Kept texels spread evenly over |f| ≤ `radius` \[µm⁻¹\], the frequencies that some direction above the horizon and some
-/// wavelength reach at one z: |f|² ≤ (z_max² − z²)/(2π)², from |(u,v,w)| ≤ 2.
-fn spread(transformer: &Transformer, radius: f64, most: usize) -> Vec<[usize; 2]> {
-    let (x, y) = (&transformer.x, &transformer.y);
-    // The additive recurrence of the plastic number (Roberts 2018) covers a square evenly for any count.
-    const PLASTIC: f64 = 1.324_717_957_244_746;
-    let spot = |i: usize, power: i32| (0.5 + i as f64 * PLASTIC.powi(-power)).fract() * 2.0 - 1.0;
-    (0..most)
-        .filter_map(|i| {
-            let (fx, fy) = (spot(i, 1) * radius, spot(i, 2) * radius);
-            let column = (fx * x.length).round() as i64 + x.bins as i64;
-            let row = (fy * y.length).round() as i64 + y.bins as i64;
-            let inside = fx.hypot(fy) <= radius
-                && (0..x.kept() as i64).contains(&column)
-                && (0..y.kept() as i64).contains(&row);
-            inside.then_some([column as usize, row as usize])
-        })
-        .collect()
-}
-
-/// The `most` kept texels with |f| ≤ `radius` at which `spectrum` is largest.
-fn brightest(transformer: &Transformer, spectrum: &Spectrum, radius: f64, most: usize) -> Vec<[usize; 2]> {
-    let (x, y) = (&transformer.x, &transformer.y);
-    let frequency = |k: usize, axis: &PaddedAxis| (k as f64 - axis.bins as f64) / axis.length;
-    let mut best: Vec<(f64, [usize; 2])> = Vec::new();
-    for column in 0..x.kept() {
-        best.extend(
-            (0..y.kept())
-                .filter(|&row| frequency(column, x).hypot(frequency(row, y)) <= radius)
-                .map(|row| (spectrum.at(column, row).norm_sqr(), [column, row])),
-        );
-        // Column by column, so that never more than one column is kept beside the best.
-        if best.len() > most {
-            best.select_nth_unstable_by(most, |a, b| b.0.total_cmp(&a.0));
-            best.truncate(most);
-        }
-    }
-    best.into_iter().map(|(_, texel)| texel).collect()
-}
 
 #[cfg(test)]
 mod tests {

@@ -1,6 +1,8 @@
 //! From a height field to the layers that the shader reads: expansion × window → spectra, judged as they are made.
 
+pub mod audit;
 pub mod cache;
+pub mod coefficients;
 pub mod kernel;
 pub mod layers;
 mod transform;

@@ -109,7 +109,12 @@ fn describe(instance: &Instance, raw: vk::PhysicalDevice) -> Candidate {
         max_side: p.limits.max_image_dimension2_d,
         max_layers: p.limits.max_image_array_layers,
         timestamp_period: f64::from(p.limits.timestamp_period),
-        missing: missing(instance, raw, p.api_version, queue_family),
+        missing: missing(
+            instance,
+            raw,
+            p.api_version,
+            queue_family.filter(|&i| families[i as usize].timestamp_valid_bits > 0),
+        ),
         driver: format!("{} {}", text(&driver.driver_name), text(&driver.driver_info)),
     }
 }
@@ -136,7 +141,7 @@ fn missing(
     let wanted =
         vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR | vk::FormatFeatureFlags::COLOR_ATTACHMENT;
     for (there, name) in [
-        (queue_family.is_some(), "a queue with graphics and compute"),
+        (queue_family.is_some(), "a queue with graphics, compute and timestamps"),
         (v13.dynamic_rendering == vk::TRUE, "dynamic rendering"),
         (v13.synchronization2 == vk::TRUE, "synchronization2"),
         (v13.maintenance4 == vk::TRUE, "maintenance4"),
