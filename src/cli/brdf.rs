@@ -1,7 +1,9 @@
 //! `diffract brdf`: the hemisphere of one light direction, as a picture.
 
 use super::answers::{self, Answers};
-use super::options::{ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, exposure};
+use super::options::{
+    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, check_lights, exposure,
+};
 use super::{say, write};
 use crate::error::{Error, Result};
 use crate::optics::color;
@@ -10,7 +12,7 @@ use crate::optics::spectrum::SHORTEST;
 use crate::output;
 use crate::render::evaluator::Query;
 use crate::render::picture::Picture;
-use crate::scene::{Light, MAX_LIGHTS};
+use crate::scene::Light;
 use crate::units;
 use clap::Args;
 use glam::DVec3;
@@ -87,9 +89,7 @@ fn wavelength(text: &str) -> Result<f64> {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let format = write::PictureFormat::of(&arguments.output)?;
     output::check(&arguments.output)?;
-    if arguments.light.len() > MAX_LIGHTS {
-        return Err(Error::usage("there are too many lights", format!("give at most {MAX_LIGHTS}")));
-    }
+    check_lights(&arguments.light)?;
     let radiance = map(arguments)?;
     let display = radiance.iter().map(|pixel| displayed(*pixel, arguments.exposure)).collect();
     let picture = Picture { size: [arguments.size; 2], radiance, display };

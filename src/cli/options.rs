@@ -5,7 +5,7 @@ use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
 use crate::render::shading::Shading;
-use crate::scene::Scene;
+use crate::scene::{Light, MAX_LIGHTS, Scene};
 use crate::surface::synth::{self, Kind, Spec};
 use crate::surface::{HeightField, Level, image_file};
 use crate::units;
@@ -188,6 +188,19 @@ impl DeviceOptions {
     pub fn wish(&self) -> Wish {
         self.device.clone().unwrap_or_default()
     }
+}
+
+/// Fails where there are more lights than a picture takes.
+pub fn check_lights(lights: &[Light]) -> Result<()> {
+    if lights.len() <= MAX_LIGHTS {
+        return Ok(());
+    }
+    Err(Error::usage("there are too many lights", format!("give at most {MAX_LIGHTS}")))
+}
+
+/// The lights that the user names, or else the scene's.
+pub fn lights_of(named: &[Light], scene: &Scene) -> Vec<Light> {
+    if named.is_empty() { scene.lights.clone() } else { named.to_vec() }
 }
 
 /// A finite number within `range`, ends included; `what` it is stands in the error.

@@ -1,6 +1,8 @@
 //! `diffract profile`: how long a frame takes, what it does in that time, and what the device could do.
 
-use super::options::{ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions};
+use super::options::{
+    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, check_lights, lights_of,
+};
 use super::{prepare, write};
 use crate::error::{Error, Result};
 use crate::measure::cost::Cost;
@@ -11,7 +13,7 @@ use crate::precompute::Layers;
 use crate::render::frame::View;
 use crate::render::picture::Painter;
 use crate::render::resources::Pigment;
-use crate::scene::{Light, MAX_LIGHTS, Scene};
+use crate::scene::{Light, Scene};
 use crate::units;
 use crate::vk::device::Device;
 use clap::Args;
@@ -95,9 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.optics.method == Method::Reference {
         return Err(Error::usage("--method reference has no frames to time", "use --method spectral"));
     }
-    if arguments.light.len() > MAX_LIGHTS {
-        return Err(Error::usage("there are too many lights", format!("give at most {MAX_LIGHTS}")));
-    }
+    check_lights(&arguments.light)?;
     if let Some(path) = &arguments.json {
         output::check(path)?;
     }
@@ -106,15 +106,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
     let device = prepare::device(&arguments.device.wish())?;
     let layers = prepare::layers(&field, &shading, SHORTEST, &device)?;
-    let bounds = scene.mesh.bounds();
-    let view = View {
-        camera: scene.camera,
-        centre: bounds.centre,
-        radius: bounds.radius,
-        lights: if arguments.light.is_empty() { scene.lights.clone() } else { arguments.light.clone() },
-        base_color: scene.base_color,
-        pigment: false,
-    };
+    let view = View::of(&scene, lights_of(&arguments.light, &scene));
     let mut painter = Painter::new(
         &device,
         &layers,

@@ -1,6 +1,8 @@
 //! `diffract render`: a scene into a file.
 
-use super::options::{ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, exposure};
+use super::options::{
+    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, check_lights, exposure, lights_of,
+};
 use super::{prepare, write};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
@@ -11,7 +13,7 @@ use crate::render::picture::{Painter, Picture};
 use crate::render::reference_picture::reference_picture;
 use crate::render::resources::Pigment;
 use crate::render::shading::Shading;
-use crate::scene::{Light, MAX_LIGHTS, Scene};
+use crate::scene::{Light, Scene};
 use crate::surface::HeightField;
 use crate::{input, output, units};
 use clap::Args;
@@ -55,9 +57,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let format = write::PictureFormat::of(&arguments.output)?;
     output::check(&arguments.output)?;
-    if arguments.light.len() > MAX_LIGHTS {
-        return Err(Error::usage("there are too many lights", format!("give at most {MAX_LIGHTS}")));
-    }
+    check_lights(&arguments.light)?;
     let shading = arguments.optics.shading(&arguments.colour)?;
     let scene = Scene::open(&arguments.scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
@@ -84,15 +84,7 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
         prepare::layers(field, shading, SHORTEST, &device)?
     };
     let pigment = scene.pigment.as_deref().map(read_pigment).transpose()?;
-    let bounds = scene.mesh.bounds();
-    let view = View {
-        camera: scene.camera,
-        centre: bounds.centre,
-        radius: bounds.radius,
-        lights: if arguments.light.is_empty() { scene.lights.clone() } else { arguments.light.clone() },
-        base_color: scene.base_color,
-        pigment: pigment.is_some(),
-    };
+    let view = View { pigment: pigment.is_some(), ..View::of(scene, lights_of(&arguments.light, scene)) };
     let pigment = pigment.unwrap_or_else(Pigment::white);
     let mut painter =
         Painter::new(&device, &layers, shading, &scene.mesh, &pigment, arguments.size, view.lights.len())?;

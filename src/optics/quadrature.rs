@@ -114,7 +114,7 @@ impl Rule {
     /// aliases what lies beyond 1/(|(u,v)| δq): N = |(u,v)|·SPAN·X. The many
     /// correlation lengths of a direction average the alias down, which pays for the directions that speckle makes darker
     /// than their surroundings, hence ε = tolerance. The base count is where Catmull–Rom weights reach the
-    /// tolerance on a smooth response (measured: 10 nodes 3e-4, 16 nodes 4e-5, the ray's own nodes on top).
+    /// tolerance on a smooth response (12 nodes: 1.1e-4, as the tests print; the ray's own nodes on top).
     pub fn gaussian(sigma: f64, tolerance: f64) -> Self {
         // Above one half the logarithm would ask for no nodes at all.
         let tolerance = tolerance.clamp(1e-8, 0.5);
@@ -199,6 +199,19 @@ mod tests {
             let white: DVec3 = nodes.weights.iter().sum();
             assert!((white - DVec3::new(0.9504, 1.0, 1.0889)).length() < 4e-4, "{white}");
         }
+    }
+
+    #[test]
+    fn near_the_mirror_the_weights_stand_in_for_nodes() {
+        // A response that varies with the wavelength as slowly as a mirror's: what is left is the jagged daylight.
+        let smooth = |q: f64| (q / 2.0).powi(2) * (1.0 + 0.5 * (3.0 * q).sin());
+        let truth = colour(&Nodes::trapezoid(&Illuminant::D65, 8001), &smooth);
+        let error = |nodes: &Nodes| (colour(nodes, &smooth) - truth).length() / truth.length();
+        let weighted = error(&Nodes::catmull_rom(&Illuminant::D65, 12));
+        let plain = error(&Nodes::trapezoid(&Illuminant::D65, 12));
+        eprintln!("12 nodes: Catmull-Rom {weighted:.1e}, trapezoid {plain:.1e}");
+        // A tenth of the finest tolerance that is common, and many times better than nodes alone.
+        assert!(weighted < 5e-4 && plain > 5.0 * weighted, "{weighted:e} against {plain:e}");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::interface::FrameBlock;
 use super::target::{self, Geometry, Target};
 use super::{shader, upload};
 use crate::error::{Error, Result};
-use crate::scene::{Camera, Light, MAX_LIGHTS, Mesh, Vertex};
+use crate::scene::{Camera, Light, MAX_LIGHTS, Mesh, Scene, Vertex};
 use crate::vk::access::Access;
 use crate::vk::buffer::Buffer;
 use crate::vk::commands::Recorder;
@@ -69,6 +69,19 @@ pub struct View {
 }
 
 impl View {
+    /// `scene` under `lights`, without its pigment texture.
+    pub fn of(scene: &Scene, lights: Vec<Light>) -> Self {
+        let bounds = scene.mesh.bounds();
+        Self {
+            camera: scene.camera,
+            centre: bounds.centre,
+            radius: bounds.radius,
+            lights,
+            base_color: scene.base_color,
+            pigment: false,
+        }
+    }
+
     /// The `Frame` block for a picture of `size` pixels.
     pub fn block(&self, size: [u32; 2]) -> FrameBlock {
         let mut lights = [[0.0, 0.0, 1.0, 0.0]; MAX_LIGHTS];

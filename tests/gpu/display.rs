@@ -14,15 +14,7 @@ use glam::DVec3;
 fn the_displayed_picture_is_the_twin_s_within_one_code() {
     let field = patch(Kind::Elaphe, 6.0);
     let scene = Scene::open("snake").unwrap();
-    let bounds = scene.mesh.bounds();
-    let view = View {
-        camera: scene.camera,
-        centre: bounds.centre,
-        radius: bounds.radius,
-        lights: scene.lights.clone(),
-        base_color: scene.base_color,
-        pigment: false,
-    };
+    let view = View::of(&scene, scene.lights.clone());
     let shading = shading(16.0, 1e-1);
     let background = DVec3::new(0.1, 0.2, 0.3);
     with_device(|device| {

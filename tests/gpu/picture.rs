@@ -17,18 +17,6 @@ use std::sync::Arc;
 
 const SIZE: [u32; 2] = [96, 72];
 
-fn view_of(scene: &Scene, lights: Vec<Light>) -> View {
-    let bounds = scene.mesh.bounds();
-    View {
-        camera: scene.camera,
-        centre: bounds.centre,
-        radius: bounds.radius,
-        lights,
-        base_color: scene.base_color,
-        pigment: false,
-    }
-}
-
 /// A picture with the directions that it shaded.
 fn paint(
     device: &Arc<Device>,
@@ -54,7 +42,7 @@ fn a_picture_is_the_reference_picture_within_its_tolerance() {
         Light { theta: 45.0, phi: -40.0, intensity: 2.0 },
         Light { theta: 70.0, phi: 60.0, intensity: 0.7 },
     ];
-    let view = view_of(&scene, lights);
+    let view = View::of(&scene, lights);
     with_device(|device| {
         let mut exact: Option<Vec<[f32; 4]>> = None;
         for tolerance in [1e-1, 1e-2, 1e-3] {
@@ -89,7 +77,7 @@ fn an_upright_sphere_is_lit_from_where_the_light_is() {
     let half = |light: Light| {
         let mut sides = [[0.0f64; 2]; 2];
         with_device(|device| {
-            let mut view = view_of(&scene, vec![light]);
+            let mut view = View::of(&scene, vec![light]);
             view.base_color = Vec3::ONE;
             let (picture, _) = paint(device, &field, &shading, &scene, &view);
             for (i, p) in picture.radiance.iter().enumerate() {
@@ -111,7 +99,7 @@ fn an_upright_sphere_is_lit_from_where_the_light_is() {
 fn directions_are_unit_vectors_where_the_mesh_covers_and_nothing_elsewhere() {
     let field = patch(Kind::Flat, 4.0);
     let scene = Scene::open("snake").unwrap();
-    let view = view_of(&scene, scene.lights.clone());
+    let view = View::of(&scene, scene.lights.clone());
     with_device(|device| {
         let (picture, directions) = paint(device, &field, &shading(4.0, 1e-1), &scene, &view);
         for (pixel, (light, seen)) in
@@ -130,7 +118,7 @@ fn directions_are_unit_vectors_where_the_mesh_covers_and_nothing_elsewhere() {
 fn the_same_view_gives_the_same_bits_and_every_pixel_is_finite() {
     let field = patch(Kind::Elaphe, 6.0);
     let scene = Scene::open("snake").unwrap();
-    let view = view_of(&scene, scene.lights.clone());
+    let view = View::of(&scene, scene.lights.clone());
     let shading = shading(16.0, 1e-1);
     with_device(|device| {
         let (first, _) = paint(device, &field, &shading, &scene, &view);
@@ -156,7 +144,7 @@ fn on_sphere(view: &View, pixel: usize) -> Option<DVec3> {
 fn interpolated_tangent_space_directions_are_close_to_those_of_exact_frames() {
     let scene = Scene::open("sphere").unwrap();
     let light = Light { theta: 45.0, phi: -40.0, intensity: 1.0 };
-    let view = view_of(&scene, vec![light]);
+    let view = View::of(&scene, vec![light]);
     with_device(|device| {
         let (_, directions) = paint(device, &patch(Kind::Flat, 4.0), &shading(4.0, 1e-1), &scene, &view);
         let mut angles: Vec<f64> = Vec::new();
