@@ -2,7 +2,7 @@
 
 use super::options::Method;
 use super::prepare;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::optics::geometry::Pair;
 use crate::optics::reference::Reference;
 use crate::optics::spectrum::SHORTEST;
@@ -55,6 +55,11 @@ impl<'a> Answers<'a> {
                 let device = prepare::device(wish)?;
                 let layers = prepare::layers(field, shading, shortest, &device)?;
                 By::Layers(Box::new(Evaluator::new(&device, &layers, shading)?), device)
+            }
+            Method::Table => {
+                let device = prepare::device(wish)?;
+                let table = prepare::color_table(field, shading, &device)?;
+                By::Layers(Box::new(Evaluator::of_table(&device, &table, shading)?), device)
             }
         };
         Ok(Self { by, shading, bar: prepare::progress_bar("directions") })
@@ -121,6 +126,17 @@ fn summed(reference: &Reference, shading: &Shading, query: &Query) -> Result<DVe
 /// f from f·cos θ_i; 0 below the horizon.
 fn without_cosine(pair: &Pair, weighted: DVec3) -> DVec3 {
     if pair.above_horizon() { weighted / pair.light.z } else { DVec3::ZERO }
+}
+
+/// Fails where `method` has no single wavelengths.
+pub fn check_single_wavelengths(method: Method) -> Result<()> {
+    if method != Method::Table {
+        return Ok(());
+    }
+    Err(Error::usage(
+        "--method table holds colours, summed over the spectrum, and no single wavelength",
+        "use --method spectral or --method reference",
+    ))
 }
 
 /// The shortest wavelength that is asked for \[µm\]; colours ask for all.

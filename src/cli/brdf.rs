@@ -90,6 +90,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let format = write::PictureFormat::of(&arguments.output)?;
     output::check(&arguments.output)?;
     check_lights(&arguments.light)?;
+    if arguments.wavelength.is_some() {
+        answers::check_single_wavelengths(arguments.optics.method)?;
+    }
     let radiance = map(arguments)?;
     let display = radiance.iter().map(|pixel| displayed(*pixel, arguments.exposure)).collect();
     let picture = Picture { size: [arguments.size; 2], radiance, display };

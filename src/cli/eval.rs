@@ -1,6 +1,6 @@
 //! `diffract eval`: BRDF numbers for the directions of a CSV file.
 
-use super::answers::{Answers, WAVELENGTHS, shortest};
+use super::answers::{Answers, WAVELENGTHS, check_single_wavelengths, shortest};
 use super::options::{ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
 use super::write;
 use crate::error::{Error, Result};
@@ -53,6 +53,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let shading = arguments.optics.shading(&arguments.colour)?;
     let table = Table::read(&arguments.queries)?;
+    if table.single_wavelengths {
+        check_single_wavelengths(arguments.optics.method)?;
+    }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     let mut answers = Answers::prepare(
         arguments.optics.method,

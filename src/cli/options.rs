@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
+use crate::render::color_table::Filter;
 use crate::render::shading::Shading;
 use crate::scene::{Light, MAX_LIGHTS, Scene};
 use crate::surface::synth::{self, Kind, Spec};
@@ -33,6 +34,8 @@ pub enum Method {
     /// Vulkan: sums wavelengths over precomputed spectra
     #[default]
     Spectral,
+    /// Vulkan: reads a colour table that the spectrum was summed into once
+    Table,
     /// The direct sum in 64-bit floats, on the CPU
     Reference,
 }
@@ -162,6 +165,15 @@ impl OpticsOptions {
     }
 }
 
+/// How a picture reads a colour table.
+#[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Optics")]
+pub struct FilterOptions {
+    /// What a pixel of --method table shows: the average over all that it sees, or its centre, as the other methods do
+    #[arg(long, value_name = "pixel|point", value_parser = filter, default_value = "pixel")]
+    pub filter: Filter,
+}
+
 /// From wavelengths to a colour.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Optics")]
@@ -228,6 +240,14 @@ pub fn seed(text: &str) -> Result<u64> {
     text.trim().parse().map_err(|_| {
         Error::usage(format!("`{text}` is no seed"), format!("give a whole number from 0 to {}", u64::MAX))
     })
+}
+
+fn filter(text: &str) -> Result<Filter> {
+    match text {
+        "pixel" => Ok(Filter::Pixel),
+        "point" => Ok(Filter::Point),
+        _ => Err(Error::usage(format!("there is no filter `{text}`"), "give pixel or point")),
+    }
 }
 
 fn basis(text: &str) -> Result<Basis> {

@@ -170,6 +170,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 fn search(arguments: &Arguments, evaluations: usize) -> Result<Vec<Peak>> {
     let optics = &arguments.optics;
+    answers::check_single_wavelengths(optics.method)?;
     let shading = optics.monochrome();
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     if optics.method == Method::Reference && evaluations > MANY_SUMS {

@@ -3,7 +3,9 @@
 use super::{check_validation, say, validation};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
+use crate::optics::spectrum::SHORTEST;
 use crate::precompute::{self, Layers, Settings, cache};
+use crate::render::color_table::{self, ColorTable, Grid, bake::layers_tolerance};
 use crate::render::shading::Shading;
 use crate::surface::HeightField;
 use crate::vk::device::Device;
@@ -27,32 +29,17 @@ pub fn finish(device: &Device) -> Result<()> {
 
 /// Layers of `field` for wavelengths from `shortest` \[µm\] on `device`.
 pub fn layers(field: &HeightField, shading: &Shading, shortest: f64, device: &Device) -> Result<Layers> {
-    let Coherence::Gaussian { length } = shading.coherence else {
-        return Err(Error::usage(
-            "--method spectral does not do --coherence repeats yet",
-            "use --coherence gaussian:LENGTH or --method reference",
-        ));
-    };
     if shading.windows != [1, 1] {
         return Err(Error::usage(
             "--method spectral does one window only",
-            "leave --windows away or use --method reference",
+            "leave --windows away, or use --method table or --method reference",
         ));
     }
+    let settings = settings("spectral", shading, shortest, device)?;
     warn_of_coarse_samples(field, shortest);
-    let memory_limit = (device.candidate().memory as f64 * DEVICE_SHARE) as usize;
-    let settings = Settings {
-        sigma: length / 4.0,
-        shortest_wavelength: shortest,
-        tolerance: shading.tolerance,
-        basis: shading.basis,
-        terms: shading.terms,
-        memory_limit,
-        side_limit: device.candidate().max_side as usize,
-    };
     let folder = cache::folder();
     let key = cache::key(field, &settings);
-    if let Some(layers) = folder.as_ref().and_then(|f| cache::load(f, &key, memory_limit)) {
+    if let Some(layers) = folder.as_ref().and_then(|f| cache::load(f, &key, settings.memory_limit)) {
         return Ok(layers);
     }
     let bar = progress_bar("spectra");
@@ -68,6 +55,57 @@ pub fn layers(field: &HeightField, shading: &Shading, shortest: f64, device: &De
         say(&format_args!("the spectra are not kept for next time: {error}"));
     }
     Ok(layers)
+}
+
+/// What layers are made for, where `shading` is asked for of `method`.
+fn settings(method: &str, shading: &Shading, shortest: f64, device: &Device) -> Result<Settings> {
+    let Coherence::Gaussian { length } = shading.coherence else {
+        return Err(Error::usage(
+            format!("--method {method} does not do --coherence repeats yet"),
+            "use --coherence gaussian:LENGTH or --method reference",
+        ));
+    };
+    Ok(Settings {
+        sigma: length / 4.0,
+        shortest_wavelength: shortest,
+        tolerance: shading.tolerance,
+        basis: shading.basis,
+        terms: shading.terms,
+        memory_limit: (device.candidate().memory as f64 * DEVICE_SHARE) as usize,
+        side_limit: device.candidate().max_side as usize,
+    })
+}
+
+/// The colour table of `field` on `device`, from the cache or baked with a progress bar.
+pub fn color_table(field: &HeightField, shading: &Shading, device: &Arc<Device>) -> Result<ColorTable> {
+    let tolerance = layers_tolerance(shading.tolerance);
+    let for_layers = Shading { tolerance, windows: [1, 1], ..shading.clone() };
+    let settings = settings("table", &for_layers, SHORTEST, device)?;
+    let room = settings.memory_limit as u64;
+    // What is hopeless is refused before any work: a table has at least one node.
+    Grid::new(settings.sigma, shading.tolerance, 1).check(device.candidate().max_side, room)?;
+    let folder = cache::folder();
+    let key = color_table::cache::key(field, &settings, shading);
+    if let Some(table) = folder.as_ref().and_then(|f| color_table::cache::load(f, &key, room)) {
+        warn_of_coarse_samples(field, SHORTEST);
+        return Ok(table);
+    }
+    let layers = layers(field, &for_layers, SHORTEST, device)?;
+    let bar = progress_bar("colours");
+    let made = (field, layers, &settings);
+    let table = color_table::make(device, made, shading, room, &|what, done, of| {
+        bar.set_message(what);
+        bar.set_length(of as u64);
+        bar.set_position(done as u64);
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    if let Some(folder) = folder
+        && let Err(error) = color_table::cache::store(&folder, &key, &table)
+    {
+        say(&format_args!("the colour table is not kept for next time: {error}"));
+    }
+    Ok(table)
 }
 
 /// A height field sampled at dx knows nothing above 1/(2dx); directions ask for up to 2/λ.

@@ -1,7 +1,8 @@
 //! `diffract profile`: how long a frame takes, what it does in that time, and what the device could do.
 
 use super::options::{
-    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, check_lights, lights_of,
+    ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions, check_lights,
+    lights_of,
 };
 use super::{prepare, write};
 use crate::error::{Error, Result};
@@ -9,16 +10,19 @@ use crate::measure::cost::Cost;
 use crate::measure::profile::{Summary, Times, measure};
 use crate::optics::spectrum::SHORTEST;
 use crate::output;
-use crate::precompute::Layers;
+use crate::render::color_table::Filter;
 use crate::render::frame::View;
 use crate::render::picture::Painter;
 use crate::render::resources::Pigment;
+use crate::render::shading::Shading;
 use crate::scene::{Light, Scene};
+use crate::surface::HeightField;
 use crate::units;
 use crate::vk::device::Device;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Frames a second of the thesis' shader on the GPU of its day.
 const TARGET_FPS: (f64, f64) = (5.0, 15.0);
@@ -47,6 +51,8 @@ pub struct Arguments {
     surface: SurfaceOptions,
     #[command(flatten)]
     optics: OpticsOptions,
+    #[command(flatten)]
+    filter: FilterOptions,
     #[command(flatten)]
     colour: ColourOptions,
     #[command(flatten)]
@@ -105,20 +111,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let scene = Scene::open(&arguments.scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
     let device = prepare::device(&arguments.device.wish())?;
-    let layers = prepare::layers(&field, &shading, SHORTEST, &device)?;
     let view = View::of(&scene, lights_of(&arguments.light, &scene));
-    let mut painter = Painter::new(
-        &device,
-        &layers,
-        &shading,
-        &scene.mesh,
-        &Pigment::white(),
-        arguments.size,
-        view.lights.len(),
-    )?;
-    let directions =
-        (0..view.lights.len()).map(|light| painter.directions(&view, light)).collect::<Result<Vec<_>>>()?;
-    let cost = Cost::of(&layers, painter.combs(), &directions);
+    let (mut painter, setting, cost) = prepare(arguments, &scene, &field, &shading, &device, &view)?;
     let bar = prepare::progress_bar("frames");
     let pixels = arguments.size[0] as usize * arguments.size[1] as usize;
     let times = measure(&mut painter, &view, arguments.frames as usize, pixels, &|done, of| {
@@ -129,7 +123,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     bar.finish_and_clear();
     drop(painter);
     prepare::finish(&device)?;
-    let report = report(arguments, &device, &layers, &cost, &times, pixels);
+    let report = report(arguments, &device, setting, &cost, &times, pixels);
     write::stdout(&text(&report))?;
     if let Some(path) = &arguments.json {
         write::json(path, &report)?;
@@ -137,10 +131,51 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
+/// What the method reads from.
+struct Setting {
+    method: &'static str,
+    terms: usize,
+    layers: usize,
+    kernel: String,
+}
+
+/// The painter of the method, with what it reads and how much of it.
+fn prepare(
+    arguments: &Arguments,
+    scene: &Scene,
+    field: &HeightField,
+    shading: &Shading,
+    device: &Arc<Device>,
+    view: &View,
+) -> Result<(Painter, Setting, Cost)> {
+    let (mesh, pigment, size, lights) = (&scene.mesh, Pigment::white(), arguments.size, view.lights.len());
+    let directions = |painter: &mut Painter| {
+        (0..lights).map(|light| painter.directions(view, light)).collect::<Result<Vec<_>>>()
+    };
+    if arguments.optics.method == Method::Table {
+        let table = prepare::color_table(field, shading, device)?;
+        let filter = arguments.filter.filter;
+        let mut painter = Painter::of_table(device, &table, filter, shading, (mesh, &pigment), size, lights)?;
+        let cost = Cost::of_table(&table.grid, filter, &directions(&mut painter)?, size);
+        let kernel = match filter {
+            Filter::Pixel => "trilinear, over pixels",
+            Filter::Point => "bilinear, at points",
+        };
+        let (terms, layers) = (table.grid.nodes, table.grid.layers());
+        return Ok((painter, Setting { method: "table", terms, layers, kernel: kernel.to_owned() }, cost));
+    }
+    let layers = prepare::layers(field, shading, SHORTEST, device)?;
+    let mut painter = Painter::new(device, &layers, shading, mesh, &pigment, size, lights)?;
+    let directions = directions(&mut painter)?;
+    let cost = Cost::of(&layers, painter.combs(), &directions);
+    let kernel = format!("{:?}", layers.interpolation.kernel).to_lowercase();
+    Ok((painter, Setting { method: "spectral", terms: layers.terms, layers: layers.pairs(), kernel }, cost))
+}
+
 fn report(
     arguments: &Arguments,
     device: &Device,
-    layers: &Layers,
+    setting: Setting,
     cost: &Cost,
     times: &Times,
     pixels: usize,
@@ -151,12 +186,12 @@ fn report(
         device: candidate.name.clone(),
         driver: candidate.driver.clone(),
         size: arguments.size,
-        method: "spectral",
+        method: setting.method,
         basis: arguments.optics.basis.name(),
         tolerance: arguments.optics.tolerance,
-        terms: layers.terms,
-        layers: layers.pairs(),
-        kernel: format!("{:?}", layers.interpolation.kernel).to_lowercase(),
+        terms: setting.terms,
+        layers: setting.layers,
+        kernel: setting.kernel,
         wavelengths: cost.wavelengths_per_pixel(),
         covered: cost.covered as f64 / pixels as f64,
         gpu_ms: times.gpu.into(),

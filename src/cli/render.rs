@@ -1,13 +1,15 @@
 //! `diffract render`: a scene into a file.
 
 use super::options::{
-    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, check_lights, exposure, lights_of,
+    ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions, check_lights,
+    exposure, lights_of,
 };
 use super::{prepare, write};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::optics::color;
 use crate::optics::spectrum::SHORTEST;
+use crate::precompute::Layers;
 use crate::render::frame::View;
 use crate::render::picture::{Painter, Picture};
 use crate::render::reference_picture::reference_picture;
@@ -15,11 +17,13 @@ use crate::render::resources::Pigment;
 use crate::render::shading::Shading;
 use crate::scene::{Light, Scene};
 use crate::surface::HeightField;
+use crate::vk::device::Device;
 use crate::{input, output, units};
 use clap::Args;
 use glam::DVec3;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]
@@ -48,6 +52,8 @@ pub struct Arguments {
     #[command(flatten)]
     optics: OpticsOptions,
     #[command(flatten)]
+    filter: FilterOptions,
+    #[command(flatten)]
     colour: ColourOptions,
     #[command(flatten)]
     device: DeviceOptions,
@@ -74,20 +80,22 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
         ));
     }
     let device = prepare::device(&arguments.device.wish())?;
-    // The reference needs the frame's directions only; these layers are the smallest there are, and always the same.
-    let layers = if reference {
-        let flat = HeightField::new(1, 1, [SHORTEST / 4.0; 2], vec![0.0])?;
-        let coherence = Coherence::Gaussian { length: 1.0 };
-        let shading = Shading { coherence, tolerance: 1e-1, ..Shading::default() };
-        prepare::layers(&flat, &shading, SHORTEST, &device)?
-    } else {
-        prepare::layers(field, shading, SHORTEST, &device)?
-    };
     let pigment = scene.pigment.as_deref().map(read_pigment).transpose()?;
     let view = View { pigment: pigment.is_some(), ..View::of(scene, lights_of(&arguments.light, scene)) };
     let pigment = pigment.unwrap_or_else(Pigment::white);
-    let mut painter =
-        Painter::new(&device, &layers, shading, &scene.mesh, &pigment, arguments.size, view.lights.len())?;
+    let (mesh, size, lights) = (&scene.mesh, arguments.size, view.lights.len());
+    let mut painter = if arguments.optics.method == Method::Table {
+        let table = prepare::color_table(field, shading, &device)?;
+        let filter = arguments.filter.filter;
+        Painter::of_table(&device, &table, filter, shading, (mesh, &pigment), size, lights)?
+    } else {
+        let layers = if reference {
+            directions_only(&device)?
+        } else {
+            prepare::layers(field, shading, SHORTEST, &device)?
+        };
+        Painter::new(&device, &layers, shading, mesh, &pigment, size, lights)?
+    };
     let exposure = arguments.exposure.unwrap_or(scene.exposure);
     let picture = if reference {
         let radiance = reference_radiance(&mut painter, &view, field, shading)?;
@@ -98,6 +106,14 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
     drop(painter);
     prepare::finish(&device)?;
     Ok(picture)
+}
+
+/// The reference needs the frame's directions only; these layers are the smallest there are, and always the same.
+fn directions_only(device: &Arc<Device>) -> Result<Layers> {
+    let flat = HeightField::new(1, 1, [SHORTEST / 4.0; 2], vec![0.0])?;
+    let coherence = Coherence::Gaussian { length: 1.0 };
+    let shading = Shading { coherence, tolerance: 1e-1, ..Shading::default() };
+    prepare::layers(&flat, &shading, SHORTEST, device)
 }
 
 fn reference_radiance(

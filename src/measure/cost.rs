@@ -2,9 +2,10 @@
 
 use crate::optics::geometry::Pair;
 use crate::precompute::Layers;
+use crate::render::color_table::{Filter, Grid};
 use crate::render::picture::Directions;
 use crate::render::tables::Combs;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
 /// Work of a frame.
@@ -42,6 +43,34 @@ impl Cost {
                 let (wavelengths, samples) = of_pair(layers, combs, &Pair::new(vector(light), vector(view)));
                 cost.wavelengths += wavelengths;
                 cost.samples += samples;
+            }
+        }
+        cost
+    }
+}
+
+impl Cost {
+    /// Counts a frame of `size` pixels that reads `directions` (one entry per light) from a colour table of `grid` by
+    /// `filter`.
+    pub fn of_table(grid: &Grid, filter: Filter, directions: &[Directions], size: [u32; 2]) -> Self {
+        let mut cost = Self::default();
+        for (index, seen) in directions.iter().enumerate() {
+            let covered = |i: usize| seen.view[i][3] != 0.0;
+            let toward = |i: usize| {
+                let along = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
+                DVec2::new(along(0), along(1))
+            };
+            // To the other pixel of a quad's row or column, as derivatives are taken.
+            let step =
+                |i: usize, other: usize| if covered(other) { toward(other) - toward(i) } else { DVec2::ZERO };
+            let width = size[0] as usize;
+            for i in (0..seen.view.len()).filter(|&i| covered(i)) {
+                cost.covered += usize::from(index == 0);
+                let (x, y) = (i % width, i / width);
+                let below = if (y ^ 1) < size[1] as usize { (y ^ 1) * width + x } else { i };
+                let beside = if (x ^ 1) < width { y * width + (x ^ 1) } else { i };
+                let taps = filter.taps_over(grid, step(i, beside), step(i, below));
+                cost.samples += taps * grid.layers();
             }
         }
         cost

@@ -108,7 +108,7 @@ pub fn store(folder: &Path, key: &blake3::Hash, layers: &Layers) -> Result<()> {
 }
 
 /// Takes away what programs that were killed while they wrote left in `folder`. What is in use is younger than a day.
-fn sweep(folder: &Path) {
+pub fn sweep(folder: &Path) {
     const DAY: Duration = Duration::from_secs(24 * 60 * 60);
     for file in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let temporary = file.file_name().as_encoded_bytes().starts_with(output::TEMPORARY.as_bytes());

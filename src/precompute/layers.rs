@@ -103,7 +103,12 @@ impl Layers {
 }
 
 /// The padded grid for `settings`, checked against its memory limit before any of it is taken.
-fn plan(field: &HeightField, settings: &Settings, interpolation: Interpolation) -> Result<[PaddedAxis; 2]> {
+fn plan(
+    field: &HeightField,
+    settings: &Settings,
+    interpolation: Interpolation,
+    shift: [f64; 2],
+) -> Result<[PaddedAxis; 2]> {
     let samples = [field.columns(), field.rows()];
     let band = bands(field, settings.shortest_wavelength);
     // Whether it fits is known before the axes, which are as long as the window, are made.
@@ -121,6 +126,7 @@ fn plan(field: &HeightField, settings: &Settings, interpolation: Interpolation) 
             interpolation.kernel,
             band[i],
             i == 1,
+            shift[i],
         )
     };
     let axes = [axis(0), axis(1)];
@@ -161,6 +167,19 @@ pub fn compute(
     settings: &Settings,
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<Layers> {
+    compute_at(field, settings, [0.0; 2], progress)
+}
+
+/// As [`compute`], with the centre of the window `shift` \[µm\] from that of the patch.
+///
+/// # Errors
+/// As [`compute`].
+pub fn compute_at(
+    field: &HeightField,
+    settings: &Settings,
+    shift: [f64; 2],
+    progress: &dyn Fn(usize, usize) -> Result<()>,
+) -> Result<Layers> {
     let scale = HeightScale::of(field);
     let z_max = largest_z(settings.shortest_wavelength);
     let expansion: Box<dyn Expansion> = match settings.basis {
@@ -192,7 +211,7 @@ pub fn compute(
             "ask for a larger --tolerance, or use --method reference",
         ));
     }
-    let [x, y] = plan(field, settings, interpolation)?;
+    let [x, y] = plan(field, settings, interpolation, shift)?;
     let size = [x.bins + interpolation.kernel.guard() + 1, y.kept()];
     let pair_bytes = size[0] * size[1] * 16;
     let transformer = Transformer::new(field, x, y);

@@ -23,14 +23,15 @@ pub struct PaddedAxis {
     window: Vec<f64>,
     /// Column or row of the patch under each padded sample.
     patch_index: Vec<usize>,
-    /// Sub-sample shift of the origin: the centre of an even number of samples lies between two.
+    /// Sub-sample shift of the origin: the centre of an even number of samples, for one, lies between two.
     shift: f64,
 }
 
 impl PaddedAxis {
     /// The axis of a patch of `samples` samples `spacing` \[µm\] apart under a Gaussian of standard deviation `sigma`
     /// \[µm\] padded to at least `ratio`·σ, keeping frequencies up to `band` \[µm⁻¹\]. `upward`: sample 0 of the patch
-    /// has the largest coordinate, as rows of an image have.
+    /// has the largest coordinate, as rows of an image have. The window's centre is `centre` \[µm\] from the patch's.
+    #[allow(clippy::too_many_arguments, reason = "each is a number of its own kind")]
     pub fn new(
         samples: usize,
         spacing: f64,
@@ -39,12 +40,16 @@ impl PaddedAxis {
         kernel: Kernel,
         band: f64,
         upward: bool,
+        centre: f64,
     ) -> Self {
         /// A transform this short costs nothing and still holds every kernel's guard.
         const FEWEST: usize = 8;
         let padded = fast_size(((ratio * sigma / spacing).ceil() as usize).max(FEWEST));
         let length = padded as f64 * spacing;
-        let shift = if samples.is_multiple_of(2) { 0.5 } else { 0.0 };
+        // The window's centre in samples of the patch, and how far the next sample stands above it.
+        let centre = (samples as f64 - 1.0) / 2.0 + centre / spacing;
+        let middle = centre.ceil() as i64;
+        let shift = centre.ceil() - centre;
         // Padded sample m stands at (m + shift)·spacing, the upper half of m wrapped to negative positions.
         let place = |m: usize| {
             let signed = if m < padded.div_ceil(2) { m as i64 } else { m as i64 - padded as i64 };
@@ -59,8 +64,7 @@ impl PaddedAxis {
                 gaussian(x) / kernel.transform(x / length) * scale
             })
             .collect();
-        // Position (j + shift)·spacing is column (samples − 1)/2 + shift + j of the patch: a whole number.
-        let middle = ((samples as f64 - 1.0) / 2.0 + shift) as i64;
+        // Position (j + shift)·spacing is column centre + shift + j = middle + j of the patch.
         let patch_index = (0..padded)
             .map(|m| {
                 let index = (middle + place(m).0).rem_euclid(samples as i64) as usize;
@@ -87,7 +91,7 @@ impl PaddedAxis {
         (k as i64 - self.bins as i64).rem_euclid(self.samples as i64) as usize
     }
 
-    /// The factor that moves the origin to the patch centre, for kept bin `k`.
+    /// The factor that moves the origin to the window's centre, for kept bin `k`.
     fn origin_phase(&self, k: usize) -> Complex64 {
         let bin = k as f64 - self.bins as f64;
         Complex64::cis(2.0 * PI * bin * self.shift / self.samples as f64)
@@ -223,13 +227,13 @@ mod tests {
 
     #[test]
     fn the_transform_is_the_plain_sum_with_the_origin_at_the_patch_centre() {
-        for (columns, rows) in [(7, 6), (6, 5)] {
+        for (columns, rows, shift) in [(7, 6, [0.0; 2]), (6, 5, [0.0; 2]), (6, 7, [0.33, 1.1])] {
             let heights: Vec<f64> = (0..columns * rows).map(|i| ((i * 37 % 11) as f64).sin() * 0.1).collect();
             let field = HeightField::new(columns, rows, [0.2, 0.3], heights).unwrap();
             // Bilinear deapodisation is divided out again below: the plain window is what is compared.
             let (sigma, kernel) = (1.0, Kernel::Bilinear);
-            let x = PaddedAxis::new(columns, 0.2, sigma, 10.0, kernel, 1.5, false);
-            let y = PaddedAxis::new(rows, 0.3, sigma, 10.0, kernel, 1.5, true);
+            let x = PaddedAxis::new(columns, 0.2, sigma, 10.0, kernel, 1.5, false, shift[0]);
+            let y = PaddedAxis::new(rows, 0.3, sigma, 10.0, kernel, 1.5, true, shift[1]);
             let transformer = Transformer::new(&field, x, y);
             let spectrum = transformer.spectrum(|i| Complex64::cis(9.0 * field.heights()[i]));
             let (x, y) = (&transformer.x, &transformer.y);
@@ -240,8 +244,8 @@ mod tests {
                 for j in -100i64..100 {
                     for i in -100i64..100 {
                         // Copies of the patch: column 0 at the patch's left edge, row 0 at its top.
-                        let px = field.x(0) + i as f64 * 0.2;
-                        let py = field.y(0) - j as f64 * 0.3;
+                        let px = field.x(0) + i as f64 * 0.2 - shift[0];
+                        let py = field.y(0) - j as f64 * 0.3 - shift[1];
                         if px.abs() > x.length / 2.0 || py.abs() > y.length / 2.0 {
                             continue;
                         }

@@ -1,5 +1,6 @@
 //! Answers to single directions, by the same optics that frames shade with.
 
+use super::color_table::ColorTable;
 use super::interface::{QueryBlock, binding};
 use super::resources::{Pigment, Resources};
 use super::shader;
@@ -47,6 +48,23 @@ impl Evaluator {
     /// Where the device has no room.
     pub fn new(device: &Arc<Device>, layers: &Layers, shading: &Shading) -> Result<Self> {
         let resources = Resources::new(device, layers, shading, &Pigment::white())?;
+        let pipeline = Pipeline::compute(device, shader!("eval.comp"), &resources.descriptors, 4)?;
+        Self::with(device, resources, pipeline)
+    }
+
+    /// An evaluator that reads `table` instead; it answers in colours only.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn of_table(device: &Arc<Device>, table: &ColorTable, shading: &Shading) -> Result<Self> {
+        let resources = Resources::of_table(device, table, shading, &Pigment::white())?;
+        let constants = [table.grid.nodes as i32];
+        let code = shader!("table_eval.comp");
+        let pipeline = Pipeline::compute_with(device, code, &resources.descriptors, 4, &constants)?;
+        Self::with(device, resources, pipeline)
+    }
+
+    fn with(device: &Arc<Device>, resources: Resources, pipeline: Pipeline) -> Result<Self> {
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let bytes = |one: usize| (AT_ONCE * one) as u64;
         let queries = Buffer::new(
@@ -59,7 +77,6 @@ impl Evaluator {
         let answers = Buffer::new(device, "answers", bytes(16), storage, MemoryLocation::GpuToCpu)?;
         resources.descriptors.buffer(binding::QUERIES, &queries);
         resources.descriptors.buffer(binding::ANSWERS, &answers);
-        let pipeline = Pipeline::compute(device, shader!("eval.comp"), &resources.descriptors, 4)?;
         Ok(Self { commands: Commands::new(device, "evaluation")?, pipeline, queries, answers, resources })
     }
 

@@ -1,5 +1,6 @@
 //! A frame: depth, shading, display. The same commands draw offscreen and to a window.
 
+use super::color_table::Filter;
 use super::interface::FrameBlock;
 use super::target::{self, Geometry, Target};
 use super::{shader, upload};
@@ -167,7 +168,20 @@ impl PixelPass {
     /// # Errors
     /// Where the device refuses.
     pub fn shading(device: &Arc<Device>, descriptors: &Descriptors) -> Result<Self> {
-        Self::new(device, shader!("diffraction.frag"), descriptors, 0)
+        Self::new(device, shader!("diffraction.frag"), descriptors, 0, &[])
+    }
+
+    /// The same from a colour table of `nodes` coefficients, read by `filter`.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn table(
+        device: &Arc<Device>,
+        descriptors: &Descriptors,
+        nodes: usize,
+        filter: Filter,
+    ) -> Result<Self> {
+        Self::new(device, shader!("table.frag"), descriptors, 0, &[nodes as i32, filter.taps()])
     }
 
     /// The pass that finds out how fast the device reads the layers; its push constant is the number of reads.
@@ -175,13 +189,27 @@ impl PixelPass {
     /// # Errors
     /// Where the device refuses.
     pub fn probe(device: &Arc<Device>, descriptors: &Descriptors) -> Result<Self> {
-        Self::new(device, shader!("probe.frag"), descriptors, 4)
+        Self::new(device, shader!("probe.frag"), descriptors, 4, &[])
     }
 
-    fn new(device: &Arc<Device>, code: Code<'_>, descriptors: &Descriptors, push_bytes: u32) -> Result<Self> {
+    fn new(
+        device: &Arc<Device>,
+        code: Code<'_>,
+        descriptors: &Descriptors,
+        push_bytes: u32,
+        constants: &[i32],
+    ) -> Result<Self> {
         let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth: None };
         let vertex = shader!("display.vert");
-        let pipeline = Pipeline::graphics(device, vertex, Some(code), &drawing, descriptors, push_bytes)?;
+        let pipeline = Pipeline::graphics_with(
+            device,
+            vertex,
+            Some(code),
+            &drawing,
+            descriptors,
+            push_bytes,
+            constants,
+        )?;
         Ok(Self { pipeline })
     }
 

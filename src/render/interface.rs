@@ -34,6 +34,10 @@ pub mod binding {
     pub const ALBEDOS: u32 = 10;
     /// ω_i of every pixel for the first light; the other lights follow.
     pub const LIGHT_DIRECTIONS: u32 = 11;
+    /// The colour table's texture.
+    pub const COLOR_TABLE: u32 = 15;
+    /// Where its texels stand.
+    pub const TABLE: u32 = 16;
 }
 
 /// The `Frame` block (std140).
@@ -80,6 +84,20 @@ pub struct OpticsBlock {
     pub padding: [i32; 2],
 }
 
+/// The `Table` block (std140).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct TableBlock {
+    /// Texture coordinate per unit of u.
+    pub texture_per_uv: f32,
+    /// Texels of the finest level per unit of u.
+    pub texels_per_uv: f32,
+    /// What a stored 1 stands for.
+    pub unit: f32,
+    /// Added to the level that a footprint asks for.
+    pub finest: f32,
+}
+
 /// A direction to evaluate.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -107,6 +125,8 @@ pub fn optics_bindings() -> Vec<Binding> {
         (binding::PIGMENT, T::COMBINED_IMAGE_SAMPLER),
         (binding::QUERIES, T::STORAGE_BUFFER),
         (binding::ANSWERS, T::STORAGE_BUFFER),
+        (binding::COLOR_TABLE, T::COMBINED_IMAGE_SAMPLER),
+        (binding::TABLE, T::UNIFORM_BUFFER),
     ]
     .into_iter()
     .chain(geometry)

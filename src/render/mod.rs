@@ -1,6 +1,7 @@
 //! Joins optics and Vulkan: the layers as a texture, the tables that the shaders read, passes, frames, targets. Only this
 //! floor knows both sides.
 
+pub mod color_table;
 pub mod evaluator;
 pub mod frame;
 pub mod interface;

@@ -1,5 +1,6 @@
 //! One picture, offscreen: what `diffract render` writes.
 
+use super::color_table::{ColorTable, Filter};
 use super::frame::{DeviceMesh, DisplayPass, GeometryPass, PixelPass, View};
 use super::resources::{Pigment, Resources};
 use super::shading::Shading;
@@ -64,6 +65,36 @@ impl Painter {
         lights: usize,
     ) -> Result<Self> {
         let resources = Resources::new(device, layers, shading, pigment)?;
+        let shade = PixelPass::shading(device, &resources.descriptors)?;
+        Self::with(device, resources, shade, mesh, size, lights)
+    }
+
+    /// The same from a colour table, read by `filter`.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn of_table(
+        device: &Arc<Device>,
+        table: &ColorTable,
+        filter: Filter,
+        shading: &Shading,
+        (mesh, pigment): (&Mesh, &Pigment),
+        size: [u32; 2],
+        lights: usize,
+    ) -> Result<Self> {
+        let resources = Resources::of_table(device, table, shading, pigment)?;
+        let shade = PixelPass::table(device, &resources.descriptors, table.grid.nodes, filter)?;
+        Self::with(device, resources, shade, mesh, size, lights)
+    }
+
+    fn with(
+        device: &Arc<Device>,
+        resources: Resources,
+        shade: PixelPass,
+        mesh: &Mesh,
+        size: [u32; 2],
+        lights: usize,
+    ) -> Result<Self> {
         let geometry = Geometry::new(device, size, lights.min(MAX_LIGHTS))?;
         resources.read_from(&geometry);
         let target = Target::new(device, size)?;
@@ -72,7 +103,7 @@ impl Painter {
         Ok(Self {
             commands: Commands::new(device, "frame")?,
             find: GeometryPass::new(device, &resources.descriptors, &geometry)?,
-            shade: PixelPass::shading(device, &resources.descriptors)?,
+            shade,
             geometry,
             display,
             target,

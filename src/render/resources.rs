@@ -1,6 +1,7 @@
 //! What the optics needs on the device: the layers as a 2D-array texture, the tables, their descriptor set.
 
-use super::interface::{FrameBlock, OpticsBlock, binding, optics_bindings};
+use super::color_table::{ColorTable, grid::LEVELS};
+use super::interface::{FrameBlock, OpticsBlock, TableBlock, binding, optics_bindings};
 use super::shading::Shading;
 use super::tables::{Combs, Table, coefficient_table};
 use super::target::Geometry;
@@ -44,10 +45,10 @@ pub struct Resources {
     /// Wavelength combs, for counting what a frame does.
     pub combs: Combs,
     // Held for the descriptor set; fields go in order, so it goes first.
-    _images: [Image; 4],
+    _images: Vec<Image>,
     edge: Sampler,
-    _repeat: Sampler,
-    _buffers: [Buffer; 2],
+    _samplers: Vec<Sampler>,
+    _buffers: Vec<Buffer>,
 }
 
 impl Resources {
@@ -63,7 +64,7 @@ impl Resources {
         };
         let pairs = layers.pairs() as u32;
         let pigment_size = pigment.size.map(|n| n as usize);
-        let images = [
+        let images = vec![
             texture(device, "layers", float, layers.size, Some(pairs), bytemuck::cast_slice(&layers.texels))?,
             coefficients(device, layers)?,
             table("nodes", &combs.nodes)?,
@@ -74,7 +75,7 @@ impl Resources {
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let optics = optics_block(layers, shading.ior);
-        let buffers = [
+        let buffers = vec![
             upload::buffer(device, "optics", uniform, bytemuck::bytes_of(&optics))?,
             upload::buffer(device, "combs", storage, bytemuck::cast_slice(&combs.bins))?,
         ];
@@ -95,7 +96,82 @@ impl Resources {
         for number in [binding::QUERIES, binding::ANSWERS] {
             descriptors.buffer(number, &buffers[1]);
         }
-        Ok(Self { descriptors, frame, combs, _images: images, edge, _repeat: repeat, _buffers: buffers })
+        descriptors.image(binding::COLOR_TABLE, &images[0], &edge);
+        descriptors.buffer(binding::TABLE, &buffers[0]);
+        Ok(Self {
+            descriptors,
+            frame,
+            combs,
+            _images: images,
+            edge,
+            _samplers: vec![repeat],
+            _buffers: buffers,
+        })
+    }
+
+    /// Uploads a colour table and `pigment`; the layers that it was made from are not needed. What only they need is bound
+    /// to something else that is there.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn of_table(
+        device: &Arc<Device>,
+        table: &ColorTable,
+        shading: &Shading,
+        pigment: &Pigment,
+    ) -> Result<Self> {
+        let grid = &table.grid;
+        let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+        let (size, layers) = ([grid.side as u32; 2], grid.layers() as u32);
+        let format = vk::Format::R16G16B16A16_SFLOAT;
+        let description = Description { name: "colour table", format, size, layers, array: true, usage };
+        let image = Image::with_levels(device, &description, LEVELS as u32)?;
+        let levels: Vec<&[u8]> = table.levels.iter().map(|level| bytemuck::cast_slice(level)).collect();
+        upload::levels(device, &image, layers, &levels)?;
+        let pigment_size = pigment.size.map(|n| n as usize);
+        let images = vec![
+            image,
+            texture(device, "pigment", vk::Format::R8G8B8A8_SRGB, pigment_size, None, &pigment.texels)?,
+        ];
+        let edge = Sampler::linear(device, "table sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
+        let repeat = Sampler::linear(device, "pigment sampler", vk::SamplerAddressMode::REPEAT)?;
+        let levels = Sampler::trilinear(device, "colour table sampler")?;
+        let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let optics = OpticsBlock {
+            sigma: table.sigma as f32,
+            normal_reflectance: schlick(shading.ior, 1.0) as f32,
+            ..OpticsBlock::default()
+        };
+        let block = TableBlock {
+            texture_per_uv: (1.0 / (grid.spacing * grid.side as f64)) as f32,
+            texels_per_uv: (1.0 / grid.spacing) as f32,
+            unit: table.unit,
+            finest: 0.0,
+        };
+        let buffers = vec![
+            upload::buffer(device, "optics", uniform, bytemuck::bytes_of(&optics))?,
+            upload::buffer(device, "table", uniform, bytemuck::bytes_of(&block))?,
+            upload::buffer(device, "no combs", storage, &[0; 16])?,
+        ];
+        let frame =
+            Buffer::new(device, "frame", size_of::<FrameBlock>() as u64, uniform, MemoryLocation::CpuToGpu)?;
+        let descriptors = Descriptors::new(device, "optics set", &optics_bindings())?;
+        descriptors.buffer(binding::FRAME, &frame);
+        descriptors.buffer(binding::OPTICS, &buffers[0]);
+        descriptors.buffer(binding::TABLE, &buffers[1]);
+        for number in [binding::COMBS, binding::QUERIES, binding::ANSWERS] {
+            descriptors.buffer(number, &buffers[2]);
+        }
+        descriptors.image(binding::COLOR_TABLE, &images[0], &levels);
+        descriptors.image(binding::PIGMENT, &images[1], &repeat);
+        let geometry = binding::VIEW_DIRECTIONS..binding::LIGHT_DIRECTIONS + MAX_LIGHTS as u32;
+        for number in [binding::COEFFICIENTS, binding::LAYERS, binding::NODES].into_iter().chain(geometry) {
+            descriptors.image(number, &images[0], &edge);
+        }
+        let combs = Combs::none();
+        let samplers = vec![repeat, levels];
+        Ok(Self { descriptors, frame, combs, _images: images, edge, _samplers: samplers, _buffers: buffers })
     }
 }
 

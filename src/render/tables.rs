@@ -64,6 +64,11 @@ impl Combs {
         Self { bins, nodes: table(&levels) }
     }
 
+    /// No wavelengths: their sum is made already.
+    pub fn none() -> Self {
+        Self { bins: vec![[0, 0]; UV_BINS], nodes: Table { size: [0, 0], values: Vec::new() } }
+    }
+
     /// Nodes that a direction at |(u, v)| = `uv` sums over.
     pub fn nodes_at(&self, uv: f64) -> &[[f32; 4]] {
         let bin = ((uv * 0.5 * UV_BINS as f64) as usize).min(UV_BINS - 1);

@@ -32,31 +32,37 @@ pub fn buffer(device: &Arc<Device>, name: &str, usage: vk::BufferUsageFlags, dat
 
 /// Fills every layer of `image` with tightly packed `data`, layer by layer, and leaves it ready for shaders.
 pub fn image(device: &Arc<Device>, image: &Image, layers: u32, data: &[u8]) -> Result<()> {
-    let [_, height] = image.size();
-    let row_bytes = data.len() / (layers as usize * height as usize);
-    let rows_at_once = (STAGING / row_bytes).clamp(1, height as usize);
+    levels(device, image, layers, &[data])
+}
+
+/// The same for an image of mip levels, each with data of its own, the finest first.
+pub fn levels(device: &Arc<Device>, image: &Image, layers: u32, data: &[&[u8]]) -> Result<()> {
+    let row_bytes = |level: usize| {
+        let height = (image.size()[1] >> level).max(1) as usize;
+        (data[level].len() / (layers as usize * height), height)
+    };
+    let (widest, _) = row_bytes(0);
+    let rows_at_once = (STAGING / widest).clamp(1, image.size()[1] as usize);
     let usage = vk::BufferUsageFlags::TRANSFER_SRC;
-    let size = (rows_at_once * row_bytes) as u64;
+    let size = (rows_at_once * widest) as u64;
     let mut staging = Buffer::new(device, "staging", size, usage, MemoryLocation::CpuToGpu)?;
     let mut commands = Commands::new(device, "upload")?;
     commands.run(|record| {
         record.images(&[(image, Access::Nothing, Access::TransferWrite)]);
         Ok(())
     })?;
-    for (layer, texels) in data.chunks(row_bytes * height as usize).enumerate() {
-        for (part, rows) in texels.chunks(rows_at_once * row_bytes).enumerate() {
-            staging.write(rows)?;
-            let first_row = (part * rows_at_once) as u32;
-            commands.run(|record| {
-                record.copy_to_image(
-                    &staging,
-                    image,
-                    layer as u32,
-                    first_row,
-                    (rows.len() / row_bytes) as u32,
-                );
-                Ok(())
-            })?;
+    for (level, data) in data.iter().enumerate() {
+        let (row_bytes, height) = row_bytes(level);
+        for (layer, texels) in data.chunks(row_bytes * height).enumerate() {
+            for (part, rows) in texels.chunks(rows_at_once * row_bytes).enumerate() {
+                staging.write(rows)?;
+                let first_row = (part * rows_at_once) as u32;
+                let rows = (rows.len() / row_bytes) as u32;
+                commands.run(|record| {
+                    record.copy_to_level(&staging, image, [layer as u32, level as u32], first_row, rows);
+                    Ok(())
+                })?;
+            }
         }
     }
     commands.run(|record| {

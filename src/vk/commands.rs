@@ -143,12 +143,21 @@ impl Recorder<'_> {
         unsafe { self.device.cmd_copy_buffer(self.raw, from.raw(), to.raw(), &regions) };
     }
 
-    /// Copies tightly packed texels from the start of `from` into rows `first_row` … of layer `layer` of `to`.
-    pub fn copy_to_image(&self, from: &Buffer, to: &Image, layer: u32, first_row: u32, rows: u32) {
-        let regions = [region(to, layer, first_row, rows)];
+    /// Copies tightly packed texels from the start of `from` into rows `first_row` … of mip level `level` of a layer of `to`.
+    pub fn copy_to_level(
+        &self,
+        from: &Buffer,
+        to: &Image,
+        [layer, level]: [u32; 2],
+        first_row: u32,
+        rows: u32,
+    ) {
+        let mut region = region(to, layer, first_row, rows);
+        region.image_subresource.mip_level = level;
+        region.image_extent.width = (to.size()[0] >> level).max(1);
         let layout = Access::TransferWrite.row().2;
         // SAFETY: recording is open, the image is in the transfer layout, the buffer holds the texels.
-        unsafe { self.device.cmd_copy_buffer_to_image(self.raw, from.raw(), to.raw(), layout, &regions) };
+        unsafe { self.device.cmd_copy_buffer_to_image(self.raw, from.raw(), to.raw(), layout, &[region]) };
     }
 
     /// Copies all texels of layer 0 of `from`, tightly packed, to the start of `to`.

@@ -1,4 +1,4 @@
-//! An image with its memory and one view of all of it.
+//! An image with its memory and one view of all of it, mip levels included.
 
 use super::device::Device;
 use super::failure;
@@ -33,15 +33,24 @@ pub struct Image {
     format: vk::Format,
     size: [u32; 2],
     layers: u32,
+    levels: u32,
     device: Arc<Device>,
 }
 
 impl Image {
-    /// Makes an image.
+    /// Makes an image of one mip level.
     ///
     /// # Errors
     /// Where it exceeds the device's limits or memory.
     pub fn new(device: &Arc<Device>, description: &Description<'_>) -> Result<Self> {
+        Self::with_levels(device, description, 1)
+    }
+
+    /// Makes an image of `levels` mip levels, each half the one before along both sides.
+    ///
+    /// # Errors
+    /// Where it exceeds the device's limits or memory.
+    pub fn with_levels(device: &Arc<Device>, description: &Description<'_>, levels: u32) -> Result<Self> {
         let Description { name, format, size, layers, array, usage } = *description;
         let limits = device.candidate();
         if size[0] > limits.max_side || size[1] > limits.max_side || layers > limits.max_layers {
@@ -57,7 +66,7 @@ impl Image {
             .image_type(vk::ImageType::TYPE_2D)
             .format(format)
             .extent(vk::Extent3D { width: size[0], height: size[1], depth: 1 })
-            .mip_levels(1)
+            .mip_levels(levels)
             .array_layers(layers)
             .samples(vk::SampleCountFlags::TYPE_1)
             .tiling(vk::ImageTiling::OPTIMAL)
@@ -79,6 +88,7 @@ impl Image {
             format,
             size,
             layers,
+            levels,
             device: device.clone(),
         };
         let allocation = device.allocate(name, requirements, MemoryLocation::GpuOnly, false)?;
@@ -111,7 +121,7 @@ impl Image {
     pub fn range(&self) -> vk::ImageSubresourceRange {
         vk::ImageSubresourceRange::default()
             .aspect_mask(self.aspect())
-            .level_count(1)
+            .level_count(self.levels)
             .layer_count(self.layers)
     }
 
@@ -128,6 +138,11 @@ impl Image {
     /// The format.
     pub fn format(&self) -> vk::Format {
         self.format
+    }
+
+    /// Number of mip levels.
+    pub fn levels(&self) -> u32 {
+        self.levels
     }
 
     /// Width and height.

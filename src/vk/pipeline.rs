@@ -54,6 +54,22 @@ pub struct Drawing<'a> {
 /// Code of a stage: its file's name and its SPIR-V.
 pub type Code<'a> = (&'a str, &'a [u8]);
 
+/// Where each of `constants` stands: number i at its i-th place.
+fn entries(constants: &[i32]) -> Vec<vk::SpecializationMapEntry> {
+    let size = size_of::<i32>();
+    let at = |i: usize| {
+        vk::SpecializationMapEntry::default().constant_id(i as u32).offset((i * size) as u32).size(size)
+    };
+    (0..constants.len()).map(at).collect()
+}
+
+fn specialization<'a>(
+    constants: &'a [i32],
+    entries: &'a [vk::SpecializationMapEntry],
+) -> vk::SpecializationInfo<'a> {
+    vk::SpecializationInfo::default().map_entries(entries).data(bytemuck::cast_slice(constants))
+}
+
 /// A pipeline and its layout.
 pub struct Pipeline {
     raw: vk::Pipeline,
@@ -96,10 +112,26 @@ impl Pipeline {
         descriptors: &Descriptors,
         push_bytes: u32,
     ) -> Result<Self> {
+        Self::compute_with(device, code, descriptors, push_bytes, &[])
+    }
+
+    /// A compute pipeline whose specialization constants 0, 1, … are `constants`.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn compute_with(
+        device: &Arc<Device>,
+        code: Code<'_>,
+        descriptors: &Descriptors,
+        push_bytes: u32,
+        constants: &[i32],
+    ) -> Result<Self> {
+        let entries = entries(constants);
+        let special = specialization(constants, &entries);
         let mut own = Self::empty(device, descriptors, vk::PipelineBindPoint::COMPUTE, push_bytes)?;
         let module = Module::new(device, code.0, code.1)?;
         let info = vk::ComputePipelineCreateInfo::default()
-            .stage(module.stage(vk::ShaderStageFlags::COMPUTE))
+            .stage(module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&special))
             .layout(own.layout);
         // SAFETY: module and layout are live and agree with the shader's declarations.
         own.raw = unsafe { device.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) }
@@ -120,11 +152,33 @@ impl Pipeline {
         descriptors: &Descriptors,
         push_bytes: u32,
     ) -> Result<Self> {
+        Self::graphics_with(device, vertex, fragment, drawing, descriptors, push_bytes, &[])
+    }
+
+    /// As [`Self::graphics`], with `constants` as specialization constants 0, 1, … of the fragment stage.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn graphics_with(
+        device: &Arc<Device>,
+        vertex: Code<'_>,
+        fragment: Option<Code<'_>>,
+        drawing: &Drawing<'_>,
+        descriptors: &Descriptors,
+        push_bytes: u32,
+        constants: &[i32],
+    ) -> Result<Self> {
+        let entries = entries(constants);
+        let special = specialization(constants, &entries);
         let mut own = Self::empty(device, descriptors, vk::PipelineBindPoint::GRAPHICS, push_bytes)?;
         let vertex_module = Module::new(device, vertex.0, vertex.1)?;
         let fragment_module = fragment.map(|code| Module::new(device, code.0, code.1)).transpose()?;
         let mut stages = vec![vertex_module.stage(vk::ShaderStageFlags::VERTEX)];
-        stages.extend(fragment_module.iter().map(|m| m.stage(vk::ShaderStageFlags::FRAGMENT)));
+        stages.extend(
+            fragment_module
+                .iter()
+                .map(|m| m.stage(vk::ShaderStageFlags::FRAGMENT).specialization_info(&special)),
+        );
 
         let bindings = [vk::VertexInputBindingDescription::default().stride(drawing.vertex_stride)];
         let mut input = vk::PipelineVertexInputStateCreateInfo::default();

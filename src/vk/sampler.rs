@@ -18,15 +18,24 @@ impl Sampler {
     /// # Errors
     /// Where the device refuses.
     pub fn linear(device: &Arc<Device>, name: &str, address: vk::SamplerAddressMode) -> Result<Self> {
-        let info = vk::SamplerCreateInfo::default()
-            .mag_filter(vk::Filter::LINEAR)
-            .min_filter(vk::Filter::LINEAR)
-            .address_mode_u(address)
-            .address_mode_v(address)
-            .address_mode_w(address);
+        Self::new(device, name, &filtering(address))
+    }
+
+    /// Linear in both directions and between mip levels, the edge going on beyond the edges.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn trilinear(device: &Arc<Device>, name: &str) -> Result<Self> {
+        let info = filtering(vk::SamplerAddressMode::CLAMP_TO_EDGE)
+            .mipmap_mode(vk::SamplerMipmapMode::LINEAR)
+            .max_lod(vk::LOD_CLAMP_NONE);
+        Self::new(device, name, &info)
+    }
+
+    fn new(device: &Arc<Device>, name: &str, info: &vk::SamplerCreateInfo<'_>) -> Result<Self> {
         // SAFETY: the device is live and `info` complete.
         let raw =
-            unsafe { device.raw().create_sampler(&info, None) }.map_err(|c| failure("make a sampler", c))?;
+            unsafe { device.raw().create_sampler(info, None) }.map_err(|c| failure("make a sampler", c))?;
         device.name(raw, name);
         Ok(Self { raw, device: device.clone() })
     }
@@ -35,6 +44,16 @@ impl Sampler {
     pub fn raw(&self) -> vk::Sampler {
         self.raw
     }
+}
+
+/// Linear in both directions, with `address` beyond the edges.
+fn filtering(address: vk::SamplerAddressMode) -> vk::SamplerCreateInfo<'static> {
+    vk::SamplerCreateInfo::default()
+        .mag_filter(vk::Filter::LINEAR)
+        .min_filter(vk::Filter::LINEAR)
+        .address_mode_u(address)
+        .address_mode_v(address)
+        .address_mode_w(address)
 }
 
 impl Drop for Sampler {

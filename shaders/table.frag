@@ -1,0 +1,53 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Shades a pixel from a colour table: for each light one lookup, and the pigment below what the surface reflects.
+#include "interface.glsl"
+#include "spectrum.glsl"
+#include "diffraction.glsl"
+#include "color.glsl"
+#include "table.glsl"
+
+// What `geometry.frag` wrote.
+layout(set = 0, binding = 9) uniform sampler2D view_directions;
+layout(set = 0, binding = 10) uniform sampler2D albedos;
+layout(set = 0, binding = 11) uniform sampler2D light_directions_0;
+layout(set = 0, binding = 12) uniform sampler2D light_directions_1;
+layout(set = 0, binding = 13) uniform sampler2D light_directions_2;
+layout(set = 0, binding = 14) uniform sampler2D light_directions_3;
+
+vec3 light_direction(int light, ivec2 pixel) {
+    switch (light) {
+    case 0: return texelFetch(light_directions_0, pixel, 0).xyz;
+    case 1: return texelFetch(light_directions_1, pixel, 0).xyz;
+    case 2: return texelFetch(light_directions_2, pixel, 0).xyz;
+    default: return texelFetch(light_directions_3, pixel, 0).xyz;
+    }
+}
+
+layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 to_view = texelFetch(view_directions, pixel, 0);
+    // Of a pair of pixels only one of which is covered there is no difference to take.
+    bvec2 within = equal(vec2(dFdx(to_view.w), dFdy(to_view.w)), vec2(0.0));
+    vec3 albedo = texelFetch(albedos, pixel, 0).rgb;
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < frame.counts.x; ++i) {
+        vec3 to_light = light_direction(i, pixel);
+        Pair pair = pair_of(to_light, to_view.xyz);
+        vec2 toward = to_light.xy + to_view.xy;
+        vec3 xyz;
+        if (MAX_TAPS == 0) {
+            xyz = table_xyz(pair, toward, 0.0);
+        } else {
+            vec2 dx = dFdx(toward), dy = dFdy(toward);
+            xyz = table_xyz(pair, toward, within.x ? dx : vec2(0.0), within.y ? dy : vec2(0.0));
+        }
+        // Below the horizon there is neither.
+        vec3 diffracted = pair.factor > 0.0 ? LINEAR_SRGB_FROM_XYZ * xyz : vec3(0.0);
+        vec3 pigmented = pair.factor > 0.0 ? albedo * ((1.0 - pair.reflectance) * to_light.z / PI) : vec3(0.0);
+        sum += (diffracted + pigmented) * (frame.lights[i].w * PI);
+    }
+    radiance = to_view.w > 0.0 ? vec4(sum, to_view.w) : vec4(0.0);
+}

@@ -1,0 +1,136 @@
+//! Where the texels of a colour table stand: a square grid over (u, v), fine enough for the tolerance.
+
+use crate::error::{Error, Result};
+use crate::memory;
+use std::f64::consts::PI;
+
+/// Share of the tolerance that goes to reading between the table's texels, which costs the most to lower. The rest: the
+/// nodes in w (0.4), the layers (about 0.4 of them is left after a spectrum is summed), the wavelengths (0.24).
+pub const GRID_SHARE: f64 = 0.75;
+
+/// Largest |u| and |v|.
+const EXTENT: f64 = 2.0;
+/// Each mip level is exactly half the one before, down to a side that is a small number.
+pub const LEVELS: usize = 8;
+/// Bytes of a texel: four 16-bit floats.
+const TEXEL: u64 = 8;
+
+/// The grid of a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// Texels along a side: an odd or even multiple of 2^(LEVELS − 1).
+    pub side: usize,
+    /// Distance of texels, in u and v.
+    pub spacing: f64,
+    /// Chebyshev nodes in |w|.
+    pub nodes: usize,
+}
+
+impl Grid {
+    /// The coarsest grid that reads the response of a Gaussian window of standard deviation `sigma` \[µm\] to the relative
+    /// error `tolerance`, with `nodes` in |w|.
+    ///
+    /// |P|² is band-limited: as a function of frequency it has the spectrum exp(−x²/(2σ²)) (in power, over displacements
+    /// x), the mirror's peak and speckle alike. Linear interpolation of suitably prefiltered samples (see
+    /// [`super::pyramid::prefilter`]) leaves a mean square error of (2πΔf)⁴⟨x⁴⟩/720 along each axis, with ⟨x⁴⟩ = 3σ⁴:
+    /// relative, (2πσΔf)² √(6/720) over both.
+    pub fn new(sigma: f64, tolerance: f64, nodes: usize) -> Self {
+        /// A wavelength in the blue third of the spectrum \[µm\]: frequencies are (u, v)/λ.
+        const WAVELENGTH: f64 = 0.45;
+        let error = GRID_SHARE * tolerance;
+        let spacing = WAVELENGTH * (error / (6.0f64 / 720.0).sqrt()).sqrt() / (2.0 * PI * sigma);
+        let unit = 1 << (LEVELS - 1);
+        // A short window's table is small, and finer than it must be.
+        let side = ((2.0 * EXTENT / spacing).ceil() as usize + 2).next_multiple_of(unit).max(2 * unit);
+        Self { side, spacing: 2.0 * EXTENT / (side - 2) as f64, nodes }
+    }
+
+    /// −u of column `i`, −v of row `i`.
+    pub fn at(&self, i: usize) -> f64 {
+        (i as f64 - self.centre()) * self.spacing
+    }
+
+    /// The texel of u = v = 0, between two.
+    pub fn centre(&self) -> f64 {
+        (self.side as f64 - 1.0) / 2.0
+    }
+
+    /// Layers of the texture: four of 3·K numbers in each.
+    pub fn layers(&self) -> usize {
+        (3 * self.nodes).div_ceil(4)
+    }
+
+    /// Bytes of the texture, mip levels included.
+    pub fn bytes(&self) -> u64 {
+        let side = self.side as u64;
+        (0..LEVELS).map(|level| (side >> level).pow(2) * self.layers() as u64 * TEXEL).sum()
+    }
+
+    /// Bytes that baking takes on the host: a float for each number, one plane of them twice, and the texture.
+    pub fn baking_bytes(&self) -> u64 {
+        let side = self.side as u64;
+        side * side * 4 * (3 * self.nodes as u64 + 1) + self.bytes()
+    }
+
+    /// Fails where a device with images of at most `max_side` texels and room for `memory` bytes, or this machine, cannot
+    /// hold the table.
+    ///
+    /// # Errors
+    /// With the numbers and what to do.
+    pub fn check(&self, max_side: u32, memory: u64) -> Result<()> {
+        let remedy = "ask for a larger --tolerance or a shorter --coherence, or use --method spectral";
+        let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+        let size = format!("{0} x {0} texels in {1} layers", self.side, self.layers());
+        if self.side > max_side as usize {
+            return Err(Error::failed(
+                format!("--method table needs a table of {size}, the device holds {max_side} x {max_side}"),
+                remedy,
+            ));
+        }
+        if self.bytes() > memory {
+            let (needed, there) = (gib(self.bytes()), gib(memory));
+            return Err(Error::failed(
+                format!(
+                    "--method table needs {needed:.2} GiB for {size}, the device has {there:.2} GiB for it"
+                ),
+                remedy,
+            ));
+        }
+        memory::ensure_room(self.baking_bytes(), &format!("--method table (a table of {size})"))
+            .map_err(|e| e.or(remedy))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_covers_every_direction_and_halves_exactly() {
+        for (sigma, tolerance) in [(16.25, 2e-2), (2.0, 1e-1), (0.1, 0.5), (30.0, 1e-2)] {
+            let grid = Grid::new(sigma, tolerance, 4);
+            assert!(grid.at(0) <= -EXTENT && grid.at(grid.side - 1) >= EXTENT, "{grid:?}");
+            assert!((grid.at(0) + grid.at(grid.side - 1)).abs() < 1e-12);
+            assert_eq!(grid.side % (1 << (LEVELS - 1)), 0);
+        }
+    }
+
+    #[test]
+    fn spacing_follows_the_window_and_the_root_of_the_tolerance() {
+        let side = |sigma, tolerance| Grid::new(sigma, tolerance, 4).side as f64;
+        assert!((side(16.0, 1e-2) / side(8.0, 1e-2) - 2.0).abs() < 0.1);
+        assert!((side(16.0, 1e-3) / side(16.0, 1e-2) - 10f64.sqrt()).abs() < 0.1);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_the_numbers() {
+        let grid = Grid::new(16.25, 2e-2, 4);
+        assert!(grid.check(16_384, 1 << 32).is_ok());
+        let small = grid.check(1024, 1 << 32).unwrap_err().to_string();
+        assert!(small.contains(&grid.side.to_string()) && small.contains("1024"), "{small}");
+        let little = grid.check(16_384, 1 << 20).unwrap_err().to_string();
+        assert!(little.contains("GiB") && little.contains("--tolerance"), "{little}");
+        let host = Grid { side: 1 << 24, ..grid }.check(u32::MAX, u64::MAX).unwrap_err().to_string();
+        assert!(host.contains("free") && host.contains("--method spectral"), "{host}");
+    }
+}

@@ -1,0 +1,106 @@
+//! Colour tables: the spectrum integrated once, over the directions along the surface.
+//!
+//! XYZ of Σ weight·q²·|P|² depends on (u, v, w) alone, for one surface, window and illuminant. It is smooth in w, so a few
+//! Chebyshev nodes hold it, and it varies over (u, v) on the scale that the window sets. A table has K coefficients of a
+//! polynomial in |w| at each place of a square grid over −(u, v). It holds intensities, so its mip levels, averages of it,
+//! are what a pixel sees that covers a range of (u, v).
+//!
+//! The shader's part is `shaders/table.glsl`; `shaders/bake.comp` makes the values.
+
+pub mod bake;
+pub mod cache;
+pub mod grid;
+pub mod nodes;
+pub mod pyramid;
+
+pub use grid::Grid;
+
+use super::shading::Shading;
+use crate::error::Result;
+use crate::precompute::{Layers, Settings, compute_at};
+use crate::surface::HeightField;
+use crate::vk::device::Device;
+use glam::DVec2;
+use std::sync::Arc;
+
+/// How a picture reads a table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filter {
+    /// What all of the pixel sees: the average over its footprint in (u, v).
+    #[default]
+    Pixel,
+    /// What the pixel's centre sees, as the other methods show it.
+    Point,
+}
+
+impl Filter {
+    /// Most samples along a footprint; 0: the centre alone. `MAX_TAPS` of the shader.
+    pub fn taps(self) -> i32 {
+        match self {
+            Self::Pixel => 4,
+            Self::Point => 0,
+        }
+    }
+
+    /// Samples of each layer over a footprint with the edges `dx` and `dy` in (u, v): the twin of `table_xyz` in
+    /// `shaders/table.glsl`.
+    pub fn taps_over(self, grid: &Grid, dx: DVec2, dy: DVec2) -> usize {
+        if self == Self::Point {
+            return 1;
+        }
+        let longer = dx.length().max(dy.length()).max(1e-9);
+        let shorter = dx.perp_dot(dy).abs() / longer;
+        (longer / shorter.max(grid.spacing)).ceil().clamp(1.0, f64::from(self.taps())) as usize
+    }
+}
+
+/// A finished table on the host, ready for upload and for the disk.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColorTable {
+    /// Where its texels stand.
+    pub grid: Grid,
+    /// σ of the window \[µm\].
+    pub sigma: f64,
+    /// What a stored 1 stands for.
+    pub unit: f32,
+    /// Mip levels from the finest: RGBA texels of 16-bit floats, layer by layer, row by row from the smallest v.
+    pub levels: Vec<Vec<u16>>,
+}
+
+/// Bakes the table of `field` under `shading`: `layers`, made for `settings`, are those of the window at the patch's centre;
+/// the other windows' are made as they are needed. `progress(what, done, of)` is called as work goes on; an error from it
+/// ends the work.
+///
+/// # Errors
+/// Where table or layers do not fit into `memory` \[bytes\] of the device or into this machine, where the surface takes more
+/// nodes than a table has, where the device is lost, and what `progress` returns.
+pub fn make(
+    device: &Arc<Device>,
+    (field, layers, settings): (&HeightField, Layers, &Settings),
+    shading: &Shading,
+    memory: u64,
+    progress: &dyn Fn(&'static str, usize, usize) -> Result<()>,
+) -> Result<ColorTable> {
+    let nodes = nodes::needed(&layers, shading.tolerance)?;
+    let grid = Grid::new(settings.sigma, shading.tolerance, nodes);
+    grid.check(device.candidate().max_side, memory)?;
+    let mut planes = pyramid::planes(&grid);
+    let [n, m] = shading.windows;
+    let share = 1.0 / (n * m) as f32;
+    let patch = field.patch_size();
+    let mut first = Some(layers);
+    for window in 0..n * m {
+        let place = [window % n, window / n];
+        let shift = [0, 1].map(|i| f64::from(place[i]) / f64::from(shading.windows[i]) * patch[i]);
+        let layers = match first.take() {
+            Some(layers) => layers,
+            None => compute_at(field, settings, shift, &|done, of| progress("spectra", done, of))?,
+        };
+        let steps = (n * m) as usize;
+        bake::bake(device, &layers, shading, &grid, share, &mut planes, &|done, of| {
+            progress("colours", window as usize * of + done, steps * of)
+        })?;
+    }
+    let (unit, levels) = pyramid::texels(&grid, planes);
+    Ok(ColorTable { grid, sigma: settings.sigma, unit, levels })
+}

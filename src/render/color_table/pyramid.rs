@@ -1,0 +1,199 @@
+//! From values at nodes to the texels of all mip levels.
+
+use super::grid::{Grid, LEVELS};
+use super::nodes;
+use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
+use rayon::prelude::*;
+
+/// Where the largest number of a table is put in the range of 16-bit floats, which ends at 65504 and loses precision below
+/// 6e-5: the faint directions need the room.
+const LARGEST: f32 = 3e4;
+
+/// XYZ at every node and place: a plane of `side`² floats for each node and channel, node by node.
+pub type Planes = Vec<Vec<f32>>;
+
+/// Empty planes of `grid`.
+pub fn planes(grid: &Grid) -> Planes {
+    vec![vec![0.0; grid.side * grid.side]; 3 * grid.nodes]
+}
+
+/// The texels of every level, and what a stored 1 stands for.
+pub fn texels(grid: &Grid, mut planes: Planes) -> (f32, Vec<Vec<u16>>) {
+    planes.par_iter_mut().for_each(|plane| prefilter(plane, grid.side));
+    to_coefficients(&mut planes, grid.nodes);
+    let largest =
+        planes.par_iter().map(|p| p.iter().fold(0f32, |m, x| m.max(x.abs()))).reduce(|| 0.0, f32::max);
+    let unit = if largest > 0.0 { largest / LARGEST } else { 1.0 };
+    let mut side = grid.side;
+    let mut levels = Vec::new();
+    for level in 0..LEVELS {
+        if level > 0 {
+            planes.par_iter_mut().for_each(|plane| *plane = halved(plane, side));
+            side /= 2;
+        }
+        levels.push(packed(&planes, side, unit));
+    }
+    (unit, levels)
+}
+
+/// Prepares samples for linear interpolation: (−1, 14, −1)/12 along each axis. Interpolated between, they are then as close
+/// to the function that was sampled as linear interpolation can be, 2.4 times closer than through the samples themselves
+/// (quasi-interpolation; Condat, Blu and Unser 2005), and their mean stays. Intensities stay positive.
+pub fn prefilter(plane: &mut [f32], side: usize) {
+    let three = |before: f32, own: f32, after: f32| (14.0 * own - before - after) / 12.0;
+    for row in plane.chunks_mut(side) {
+        let mut before = row[0];
+        for i in 0..side {
+            let own = row[i];
+            row[i] = three(before, own, row[(i + 1).min(side - 1)]);
+            before = own;
+        }
+    }
+    let mut before = plane[..side].to_vec();
+    for row in 0..side {
+        let (here, rest) = plane[row * side..].split_at_mut(side);
+        for (i, own) in here.iter_mut().enumerate() {
+            let value = *own;
+            let after = rest.get(i).copied().unwrap_or(value);
+            *own = three(before[i], value, after).max(0.0);
+            before[i] = value;
+        }
+    }
+}
+
+/// Values at nodes to coefficients of Chebyshev polynomials, in place.
+fn to_coefficients(planes: &mut Planes, count: usize) {
+    let places = planes.first().map_or(0, Vec::len);
+    let weights: Vec<f32> =
+        (0..count * count).map(|i| nodes::weight(i / count, i % count, count) as f32).collect();
+    // Columns of the planes are independent; planes are taken apart into blocks of places.
+    const BLOCK: usize = 1 << 14;
+    let mut blocks: Vec<Vec<&mut [f32]>> = (0..places.div_ceil(BLOCK)).map(|_| Vec::new()).collect();
+    for plane in planes.iter_mut() {
+        plane.chunks_mut(BLOCK).zip(&mut blocks).for_each(|(part, block)| block.push(part));
+    }
+    blocks.par_iter_mut().for_each(|block| {
+        let mut values = vec![0f32; count];
+        for i in 0..block[0].len() {
+            for channel in 0..3 {
+                for (m, value) in values.iter_mut().enumerate() {
+                    *value = block[m * 3 + channel][i];
+                }
+                for n in 0..count {
+                    block[n * 3 + channel][i] =
+                        weights[n * count..][..count].iter().zip(&values).map(|(w, v)| w * v).sum();
+                }
+            }
+        }
+    });
+}
+
+/// The averages of 2 × 2 texels of a plane of `side`.
+pub fn halved(plane: &[f32], side: usize) -> Vec<f32> {
+    let half = side / 2;
+    let mut small = Vec::with_capacity(half * half);
+    for rows in plane.chunks(2 * side) {
+        let (upper, lower) = rows.split_at(side);
+        let pairs = upper.chunks(2).zip(lower.chunks(2));
+        small.extend(pairs.map(|(a, b)| 0.25 * ((a[0] + a[1]) + (b[0] + b[1]))));
+    }
+    small
+}
+
+/// Four planes a layer, as 16-bit floats in units of `unit`.
+fn packed(planes: &Planes, side: usize, unit: f32) -> Vec<u16> {
+    let places = side * side;
+    let mut texels = vec![0u16; planes.len().div_ceil(4) * places * 4];
+    texels.par_chunks_mut(places * 4).zip(planes.par_chunks(4)).for_each(|(layer, four)| {
+        let mut row = vec![0f32; side * 4];
+        for (j, out) in layer.chunks_mut(side * 4).enumerate() {
+            for (c, plane) in four.iter().enumerate() {
+                for (i, value) in plane[j * side..][..side].iter().enumerate() {
+                    row[i * 4 + c] = value / unit;
+                }
+            }
+            out.reinterpret_cast_mut::<half::f16>().convert_from_f32_slice(&row);
+        }
+    });
+    texels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use half::f16;
+
+    #[test]
+    fn each_level_is_the_average_of_the_one_before_and_keeps_the_mean() {
+        let side = 8;
+        let plane: Vec<f32> = (0..side * side).map(|i| ((i * 37 % 23) as f32).powi(2)).collect();
+        let small = halved(&plane, side);
+        assert_eq!(small.len(), 16);
+        for (i, value) in small.iter().enumerate() {
+            let (x, y) = (i % 4 * 2, i / 4 * 2);
+            let four: f32 =
+                [(0, 0), (1, 0), (0, 1), (1, 1)].iter().map(|(a, b)| plane[(y + b) * side + x + a]).sum();
+            assert_eq!(*value, four / 4.0);
+        }
+        let mean = |p: &[f32]| p.iter().sum::<f32>() / p.len() as f32;
+        assert!((mean(&small) / mean(&plane) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn prefiltered_samples_are_closer_between_than_the_samples_themselves() {
+        // A Gaussian of two texels, as the mirror's peak is, off the grid's places.
+        let side = 64;
+        let f = |x: f64, y: f64| (-((x - 31.3).powi(2) + (y - 30.6).powi(2)) / 8.0).exp();
+        let plain: Vec<f32> =
+            (0..side * side).map(|i| f((i % side) as f64, (i / side) as f64) as f32).collect();
+        let mut filtered = plain.clone();
+        prefilter(&mut filtered, side);
+        let error = |plane: &[f32]| {
+            let (mut wrong, mut size) = (0.0, 0.0);
+            for i in 0..500 * 500 {
+                let (x, y) = (10.0 + (i % 500) as f64 * 0.08, 10.0 + (i / 500) as f64 * 0.08);
+                let (left, top) = (x as usize, y as usize);
+                let (s, t) = (x.fract(), y.fract());
+                let at = |a: usize, b: usize| f64::from(plane[(top + b) * side + left + a]);
+                let read = (at(0, 0) * (1.0 - s) + at(1, 0) * s) * (1.0 - t)
+                    + (at(0, 1) * (1.0 - s) + at(1, 1) * s) * t;
+                wrong += (read - f(x, y)).powi(2);
+                size += f(x, y).powi(2);
+            }
+            (wrong / size as f64).sqrt()
+        };
+        let (before, after) = (error(&plain), error(&filtered));
+        assert!(after < 0.5 * before && after < 0.02, "{before:.2e} to {after:.2e}");
+        let sum = |p: &[f32]| p.iter().map(|x| f64::from(*x)).sum::<f64>();
+        assert!((sum(&filtered) / sum(&plain) - 1.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn texels_hold_the_polynomials_that_the_shader_evaluates() {
+        let grid = Grid { side: 256, spacing: 0.01, nodes: 3 };
+        // Constant in (u, v): 1 + w + w², once, twice and three times for X, Y, Z.
+        let f = |w: f64| 1.0 + w + w * w;
+        let planes = (0..9)
+            .map(|i| vec![(f(nodes::place(i / 3, 3)) * (i % 3 + 1) as f64) as f32; 256 * 256])
+            .collect();
+        let (unit, levels) = texels(&grid, planes);
+        assert_eq!(levels.len(), LEVELS);
+        for (level, texels) in levels.iter().enumerate() {
+            let side = 256 >> level;
+            assert_eq!(texels.len(), 3 * side * side * 4);
+            let number =
+                |v: usize| f16::from_bits(texels[v / 4 * side * side * 4 + (side + 1) * 4 + v % 4]).to_f64();
+            for w in [0.0, 0.5, 1.9] {
+                let x: f64 = w - 1.0;
+                for c in 0..3 {
+                    let polynomial = number(c) + number(3 + c) * x + number(6 + c) * (2.0 * x * x - 1.0);
+                    let expected = f(w) * (c + 1) as f64;
+                    assert!(
+                        (polynomial * f64::from(unit) / expected - 1.0).abs() < 2e-3,
+                        "level {level}, w {w}"
+                    );
+                }
+            }
+        }
+    }
+}
