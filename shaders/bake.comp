@@ -7,7 +7,7 @@
 
 layout(local_size_x = 64) in;
 
-layout(constant_id = 0) const int NODES = 4; // of w
+layout(constant_id = 0) const int NODES = 8; // of w
 
 // Texels to bake: column and row of a square table, both halves of a word; all have |(u, v)| in one bin of wavelengths.
 layout(set = 0, binding = 7, std430) readonly buffer Places { uint places[]; };

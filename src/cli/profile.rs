@@ -161,7 +161,7 @@ fn prepare(
             Filter::Pixel => "trilinear, over pixels",
             Filter::Point => "bilinear, at points",
         };
-        let (terms, layers) = (table.grid.nodes, table.grid.layers());
+        let (terms, layers) = (table.grid.values(), table.grid.layers());
         return Ok((painter, Setting { method: "table", terms, layers, kernel: kernel.to_owned() }, cost));
     }
     let layers = prepare::layers(field, shading, SHORTEST, device)?;

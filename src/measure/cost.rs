@@ -70,7 +70,7 @@ impl Cost {
                 let below = if (y ^ 1) < size[1] as usize { (y ^ 1) * width + x } else { i };
                 let beside = if (x ^ 1) < width { y * width + (x ^ 1) } else { i };
                 let taps = filter.taps_over(grid, step(i, beside), step(i, below));
-                cost.samples += taps * grid.layers();
+                cost.samples += 3 * taps; // X, Y, Z
             }
         }
         cost

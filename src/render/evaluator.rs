@@ -58,9 +58,7 @@ impl Evaluator {
     /// Where the device has no room.
     pub fn of_table(device: &Arc<Device>, table: &ColorTable, shading: &Shading) -> Result<Self> {
         let resources = Resources::of_table(device, table, shading, &Pigment::white())?;
-        let constants = [table.grid.nodes as i32];
-        let code = shader!("table_eval.comp");
-        let pipeline = Pipeline::compute_with(device, code, &resources.descriptors, 4, &constants)?;
+        let pipeline = Pipeline::compute(device, shader!("table_eval.comp"), &resources.descriptors, 4)?;
         Self::with(device, resources, pipeline)
     }
 

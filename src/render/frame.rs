@@ -171,17 +171,12 @@ impl PixelPass {
         Self::new(device, shader!("diffraction.frag"), descriptors, 0, &[])
     }
 
-    /// The same from a colour table of `nodes` coefficients, read by `filter`.
+    /// The same from a colour table, read by `filter`.
     ///
     /// # Errors
     /// Where the device refuses.
-    pub fn table(
-        device: &Arc<Device>,
-        descriptors: &Descriptors,
-        nodes: usize,
-        filter: Filter,
-    ) -> Result<Self> {
-        Self::new(device, shader!("table.frag"), descriptors, 0, &[nodes as i32, filter.taps()])
+    pub fn table(device: &Arc<Device>, descriptors: &Descriptors, filter: Filter) -> Result<Self> {
+        Self::new(device, shader!("table.frag"), descriptors, 0, &[filter.taps()])
     }
 
     /// The pass that finds out how fast the device reads the layers; its push constant is the number of reads.

@@ -96,6 +96,10 @@ pub struct TableBlock {
     pub unit: f32,
     /// Added to the level that a footprint asks for.
     pub finest: f32,
+    /// Pieces of the range of |w|.
+    pub pieces: f32,
+    /// std140 rounds a block up to 16 bytes.
+    pub padding: [f32; 3],
 }
 
 /// A direction to evaluate.

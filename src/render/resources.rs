@@ -148,6 +148,8 @@ impl Resources {
             texels_per_uv: (1.0 / grid.spacing) as f32,
             unit: table.unit,
             finest: 0.0,
+            pieces: grid.pieces as f32,
+            padding: [0.0; 3],
         };
         let buffers = vec![
             upload::buffer(device, "optics", uniform, bytemuck::bytes_of(&optics))?,

@@ -1,7 +1,7 @@
 //! Baking: `bake.comp` sums the spectrum for every texel, a tile at a time.
 
 use super::grid::Grid;
-use super::nodes;
+use super::nodes::{self, NODES};
 use super::pyramid::Planes;
 use crate::error::Result;
 use crate::precompute::Layers;
@@ -97,16 +97,16 @@ pub fn bake(
     let places = Places::new(grid);
     let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
     let list = Buffer::with_data(device, "places", storage, bytemuck::cast_slice(&places.words))?;
-    let numbers = 6 * grid.nodes;
+    let numbers = 6 * grid.values();
     let sums = Buffer::new(device, "sums", (TILE * numbers * 4) as u64, storage, MemoryLocation::GpuToCpu)?;
     let longest = combs.bins.iter().map(|bin| bin[1] as usize).max().unwrap_or(0);
-    let stride = 1 + layers.pairs() * grid.nodes;
+    let stride = 1 + layers.pairs() * grid.values();
     let mut steps =
         Buffer::new(device, "steps", (longest * stride * 16) as u64, storage, MemoryLocation::CpuToGpu)?;
     resources.descriptors.buffer(binding::QUERIES, &list);
     resources.descriptors.buffer(binding::ANSWERS, &sums);
     resources.descriptors.buffer(binding::COMBS, &steps);
-    let constants = [grid.nodes as i32];
+    let constants = [grid.values() as i32];
     let pipeline = Pipeline::compute_with(
         device,
         shader!("bake.comp"),
@@ -162,13 +162,13 @@ fn step_table(layers: &Layers, grid: &Grid, comb: &[[f32; 4]], largest_w: f64) -
         let at = |i: usize| table.values[term * table.columns + i];
         std::array::from_fn(|part| at(left)[part] * (1.0 - t) + at(left + 1)[part] * t)
     };
-    let mut steps = Vec::with_capacity(comb.len() * (1 + layers.pairs() * grid.nodes));
+    let mut steps = Vec::with_capacity(comb.len() * (1 + layers.pairs() * grid.values()));
     for &[x, y, z, q] in comb {
         let q2 = q * q;
         steps.push([x * q2, y * q2, z * q2, q]);
         for pair in 0..layers.pairs() {
-            for m in 0..grid.nodes {
-                let z = 2.0 * PI * f64::from(q) * largest_w * nodes::place(m, grid.nodes);
+            for m in 0..grid.values() {
+                let z = 2.0 * PI * f64::from(q) * largest_w * nodes::place(m, grid.pieces);
                 let ([a, b], [c, d]) = (coefficient(2 * pair, z), coefficient(2 * pair + 1, z));
                 steps.push([a, b, c, d]);
             }
@@ -180,28 +180,33 @@ fn step_table(layers: &Layers, grid: &Grid, comb: &[[f32; 4]], largest_w: f64) -
 /// Adds what a tile holds, at nodes of 0 … `largest_w`, to the planes, at nodes of each place's own range: there and at the
 /// place opposite.
 fn scatter(sums: &[f32], words: &[u32], grid: &Grid, largest_w: f64, share: f32, planes: &mut Planes) {
-    let (last, count) = (grid.side - 1, grid.nodes);
+    let (last, values) = (grid.side * grid.side - 1, grid.values());
     let places: Vec<(usize, f64)> = words
-        .iter()
+        .par_iter()
         .map(|word| {
             let (x, y) = ((word & 0xffff) as usize, (word >> 16) as usize);
             (y * grid.side + x, nodes::largest_w(grid.at(x).hypot(grid.at(y))) / largest_w)
         })
         .collect();
-    planes.par_iter_mut().enumerate().for_each(|(number, plane)| {
-        let (node, channel) = (number / 3, number % 3);
-        let at =
-            |sign: usize, m: usize| &sums[((sign * count + m) * 3 + channel) * words.len()..][..words.len()];
-        let mut weights = vec![0f32; count];
+    // The three channels of a node have the same weights.
+    let mut of_nodes: Vec<Vec<(usize, &mut [f32])>> = (0..values).map(|_| Vec::new()).collect();
+    for (number, plane) in planes.iter_mut().enumerate() {
+        let (piece, channel, m) = (number / 12, number / NODES % 3, number % NODES);
+        of_nodes[piece * NODES + m].push((channel, plane));
+    }
+    of_nodes.into_par_iter().enumerate().for_each(|(number, mut channels)| {
+        let at = |sign: usize, node: usize, channel: usize| {
+            &sums[((sign * values + node) * 3 + channel) * words.len()..][..words.len()]
+        };
         for (i, &(place, ratio)) in places.iter().enumerate() {
-            // Lagrange's weights of the tile's nodes at this place's node, by way of the polynomials.
-            let x = 2.0 * ratio * nodes::place(node, count) - 1.0;
-            for (m, slot) in weights.iter_mut().enumerate() {
-                *slot = share * nodes::lagrange(m, count, x) as f32;
+            let (first, weights) = nodes::at(ratio * nodes::place(number, grid.pieces), grid.pieces);
+            for (channel, plane) in &mut channels {
+                let value = |sign| -> f32 {
+                    (0..NODES).map(|m| share * weights[m] as f32 * at(sign, first + m, *channel)[i]).sum()
+                };
+                plane[place] += value(0);
+                plane[last - place] += value(1);
             }
-            let value = |sign| weights.iter().enumerate().map(|(m, w)| w * at(sign, m)[i]).sum::<f32>();
-            plane[place] += value(0);
-            plane[last * grid.side + last - place] += value(1);
         }
     });
 }

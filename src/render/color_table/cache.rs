@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 /// First bytes of a file; the number changes whenever the table of the same key would change.
 const MAGIC: &[u8; 20] = b"diffract colours 001";
-/// Numbers of 8 bytes behind magic and key: side, spacing, nodes, σ, unit.
+/// Numbers of 8 bytes behind magic and key: side, spacing, pieces, σ, unit.
 const HEADER: usize = 5;
 const HASH: usize = blake3::OUT_LEN;
 const HEAD: usize = MAGIC.len() + HASH + HEADER * 8;
@@ -50,8 +50,8 @@ pub fn load(folder: &Path, key: &blake3::Hash, limit: u64) -> Option<ColorTable>
         return None;
     }
     let numbers: Vec<f64> = bytemuck::pod_collect_to_vec(&head[MAGIC.len() + HASH..]);
-    let grid = Grid { side: numbers[0] as usize, spacing: numbers[1], nodes: numbers[2] as usize };
-    let expected = grid.side <= 1 << 16 && grid.nodes <= super::nodes::MOST;
+    let grid = Grid { side: numbers[0] as usize, spacing: numbers[1], pieces: numbers[2] as usize };
+    let expected = grid.side <= 1 << 16 && grid.pieces <= super::nodes::MOST;
     if !expected || grid.bytes() > limit || size != HEAD as u64 + grid.bytes() + HASH as u64 {
         return None;
     }
@@ -81,7 +81,7 @@ pub fn store(folder: &Path, key: &blake3::Hash, table: &ColorTable) -> Result<()
     sweep(folder);
     let grid = &table.grid;
     let numbers: [f64; HEADER] =
-        [grid.side as f64, grid.spacing, grid.nodes as f64, table.sigma, f64::from(table.unit)];
+        [grid.side as f64, grid.spacing, grid.pieces as f64, table.sigma, f64::from(table.unit)];
     let mut head = MAGIC.to_vec();
     head.extend_from_slice(key.as_bytes());
     head.extend_from_slice(bytemuck::cast_slice(&numbers));
@@ -115,9 +115,9 @@ mod tests {
     #[test]
     fn what_is_stored_is_loaded_and_any_changed_byte_makes_it_absent() {
         let folder = tempfile::tempdir().unwrap();
-        let grid = Grid { side: 256, spacing: 0.02, nodes: 1 };
+        let grid = Grid { side: 256, spacing: 0.02, pieces: 1 };
         let levels =
-            (0..LEVELS).map(|l| (0..(256 >> l) * (256 >> l) * 4).map(|i| i as u16).collect()).collect();
+            (0..LEVELS).map(|l| (0..(256 >> l) * (256 >> l) * 12).map(|i| i as u16).collect()).collect();
         let table = ColorTable { grid, sigma: 1.5, unit: 0.25, levels };
         let key = blake3::hash(b"a table");
         assert!(load(folder.path(), &key, 1 << 30).is_none());

@@ -1,5 +1,6 @@
 //! Where the texels of a colour table stand: a square grid over (u, v), fine enough for the tolerance.
 
+use super::nodes::NODES;
 use crate::error::{Error, Result};
 use crate::memory;
 use std::f64::consts::PI;
@@ -22,19 +23,19 @@ pub struct Grid {
     pub side: usize,
     /// Distance of texels, in u and v.
     pub spacing: f64,
-    /// Chebyshev nodes in |w|.
-    pub nodes: usize,
+    /// Pieces of the range of |w|, with a cubic each.
+    pub pieces: usize,
 }
 
 impl Grid {
     /// The coarsest grid that reads the response of a Gaussian window of standard deviation `sigma` \[µm\] to the relative
-    /// error `tolerance`, with `nodes` in |w|.
+    /// error `tolerance`, with `pieces` in |w|.
     ///
     /// |P|² is band-limited: as a function of frequency it has the spectrum exp(−x²/(2σ²)) (in power, over displacements
     /// x), the mirror's peak and speckle alike. Linear interpolation of suitably prefiltered samples (see
     /// [`super::pyramid::prefilter`]) leaves a mean square error of (2πΔf)⁴⟨x⁴⟩/720 along each axis, with ⟨x⁴⟩ = 3σ⁴:
     /// relative, (2πσΔf)² √(6/720) over both.
-    pub fn new(sigma: f64, tolerance: f64, nodes: usize) -> Self {
+    pub fn new(sigma: f64, tolerance: f64, pieces: usize) -> Self {
         /// A wavelength in the blue third of the spectrum \[µm\]: frequencies are (u, v)/λ.
         const WAVELENGTH: f64 = 0.45;
         let error = GRID_SHARE * tolerance;
@@ -42,7 +43,7 @@ impl Grid {
         let unit = 1 << (LEVELS - 1);
         // A short window's table is small, and finer than it must be.
         let side = ((2.0 * EXTENT / spacing).ceil() as usize + 2).next_multiple_of(unit).max(2 * unit);
-        Self { side, spacing: 2.0 * EXTENT / (side - 2) as f64, nodes }
+        Self { side, spacing: 2.0 * EXTENT / (side - 2) as f64, pieces }
     }
 
     /// −u of column `i`, −v of row `i`.
@@ -55,9 +56,14 @@ impl Grid {
         (self.side as f64 - 1.0) / 2.0
     }
 
-    /// Layers of the texture: four of 3·K numbers in each.
+    /// Layers of the texture: X, Y and Z of each piece.
     pub fn layers(&self) -> usize {
-        (3 * self.nodes).div_ceil(4)
+        3 * self.pieces
+    }
+
+    /// Values of a channel that a texel's cubics are made from.
+    pub fn values(&self) -> usize {
+        NODES * self.pieces
     }
 
     /// Bytes of the texture, mip levels included.
@@ -69,7 +75,7 @@ impl Grid {
     /// Bytes that baking takes on the host: a float for each number, one plane of them twice, and the texture.
     pub fn baking_bytes(&self) -> u64 {
         let side = self.side as u64;
-        side * side * 4 * (3 * self.nodes as u64 + 1) + self.bytes()
+        side * side * 4 * (3 * self.values() as u64 + 1) + self.bytes()
     }
 
     /// Fails where a device with images of at most `max_side` texels and room for `memory` bytes, or this machine, cannot
@@ -108,7 +114,7 @@ mod tests {
     #[test]
     fn a_table_covers_every_direction_and_halves_exactly() {
         for (sigma, tolerance) in [(16.25, 2e-2), (2.0, 1e-1), (0.1, 0.5), (30.0, 1e-2)] {
-            let grid = Grid::new(sigma, tolerance, 4);
+            let grid = Grid::new(sigma, tolerance, 2);
             assert!(grid.at(0) <= -EXTENT && grid.at(grid.side - 1) >= EXTENT, "{grid:?}");
             assert!((grid.at(0) + grid.at(grid.side - 1)).abs() < 1e-12);
             assert_eq!(grid.side % (1 << (LEVELS - 1)), 0);
@@ -117,14 +123,14 @@ mod tests {
 
     #[test]
     fn spacing_follows_the_window_and_the_root_of_the_tolerance() {
-        let side = |sigma, tolerance| Grid::new(sigma, tolerance, 4).side as f64;
+        let side = |sigma, tolerance| Grid::new(sigma, tolerance, 2).side as f64;
         assert!((side(16.0, 1e-2) / side(8.0, 1e-2) - 2.0).abs() < 0.1);
         assert!((side(16.0, 1e-3) / side(16.0, 1e-2) - 10f64.sqrt()).abs() < 0.1);
     }
 
     #[test]
     fn what_does_not_fit_is_refused_with_the_numbers() {
-        let grid = Grid::new(16.25, 2e-2, 4);
+        let grid = Grid::new(16.25, 2e-2, 2);
         assert!(grid.check(16_384, 1 << 32).is_ok());
         let small = grid.check(1024, 1 << 32).unwrap_err().to_string();
         assert!(small.contains(&grid.side.to_string()) && small.contains("1024"), "{small}");

@@ -1,8 +1,8 @@
 //! Colour tables: the spectrum integrated once, over the directions along the surface.
 //!
 //! XYZ of Σ weight·q²·|P|² depends on (u, v, w) alone, for one surface, window and illuminant. It is smooth in w, so a few
-//! Chebyshev nodes hold it, and it varies over (u, v) on the scale that the window sets. A table has K coefficients of a
-//! polynomial in |w| at each place of a square grid over −(u, v). It holds intensities, so its mip levels, averages of it,
+//! cubics in w hold it, and it varies over (u, v) on the scale that the window sets. A table has the coefficients of these
+//! cubics at each place of a square grid over −(u, v). It holds intensities, so its mip levels, averages of it,
 //! are what a pixel sees that covers a range of (u, v).
 //!
 //! The shader's part is `shaders/table.glsl`; `shaders/bake.comp` makes the values.
@@ -73,7 +73,7 @@ pub struct ColorTable {
 ///
 /// # Errors
 /// Where table or layers do not fit into `memory` \[bytes\] of the device or into this machine, where the surface takes more
-/// nodes than a table has, where the device is lost, and what `progress` returns.
+/// pieces in w than a table has, where the device is lost, and what `progress` returns.
 pub fn make(
     device: &Arc<Device>,
     (field, layers, settings): (&HeightField, Layers, &Settings),
@@ -81,8 +81,8 @@ pub fn make(
     memory: u64,
     progress: &dyn Fn(&'static str, usize, usize) -> Result<()>,
 ) -> Result<ColorTable> {
-    let nodes = nodes::needed(&layers, shading.tolerance)?;
-    let grid = Grid::new(settings.sigma, shading.tolerance, nodes);
+    let pieces = nodes::needed(&layers, shading.tolerance)?;
+    let grid = Grid::new(settings.sigma, shading.tolerance, pieces);
     grid.check(device.candidate().max_side, memory)?;
     let mut planes = pyramid::planes(&grid);
     let [n, m] = shading.windows;

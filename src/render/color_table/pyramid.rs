@@ -1,7 +1,7 @@
 //! From values at nodes to the texels of all mip levels.
 
 use super::grid::{Grid, LEVELS};
-use super::nodes;
+use super::nodes::{self, NODES};
 use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
 use rayon::prelude::*;
 
@@ -9,18 +9,18 @@ use rayon::prelude::*;
 /// 6e-5: the faint directions need the room.
 const LARGEST: f32 = 3e4;
 
-/// XYZ at every node and place: a plane of `side`² floats for each node and channel, node by node.
+/// XYZ at every node and place: a plane of `side`² floats for each. A piece has the four nodes of X, then those of Y and Z.
 pub type Planes = Vec<Vec<f32>>;
 
 /// Empty planes of `grid`.
 pub fn planes(grid: &Grid) -> Planes {
-    vec![vec![0.0; grid.side * grid.side]; 3 * grid.nodes]
+    vec![vec![0.0; grid.side * grid.side]; 3 * grid.values()]
 }
 
 /// The texels of every level, and what a stored 1 stands for.
 pub fn texels(grid: &Grid, mut planes: Planes) -> (f32, Vec<Vec<u16>>) {
     planes.par_iter_mut().for_each(|plane| prefilter(plane, grid.side));
-    to_coefficients(&mut planes, grid.nodes);
+    planes.par_chunks_mut(NODES).for_each(to_coefficients);
     let largest =
         planes.par_iter().map(|p| p.iter().fold(0f32, |m, x| m.max(x.abs()))).reduce(|| 0.0, f32::max);
     let unit = if largest > 0.0 { largest / LARGEST } else { 1.0 };
@@ -61,31 +61,16 @@ pub fn prefilter(plane: &mut [f32], side: usize) {
     }
 }
 
-/// Values at nodes to coefficients of Chebyshev polynomials, in place.
-fn to_coefficients(planes: &mut Planes, count: usize) {
-    let places = planes.first().map_or(0, Vec::len);
-    let weights: Vec<f32> =
-        (0..count * count).map(|i| nodes::weight(i / count, i % count, count) as f32).collect();
-    // Columns of the planes are independent; planes are taken apart into blocks of places.
-    const BLOCK: usize = 1 << 14;
-    let mut blocks: Vec<Vec<&mut [f32]>> = (0..places.div_ceil(BLOCK)).map(|_| Vec::new()).collect();
-    for plane in planes.iter_mut() {
-        plane.chunks_mut(BLOCK).zip(&mut blocks).for_each(|(part, block)| block.push(part));
+/// The values at the nodes of one channel of a piece to coefficients of Chebyshev polynomials, in place.
+fn to_coefficients(planes: &mut [Vec<f32>]) {
+    let weights: [[f32; NODES]; NODES] =
+        std::array::from_fn(|n| std::array::from_fn(|m| nodes::weight(n, m) as f32));
+    let [a, b, c, d] = planes else { return };
+    for (((a, b), c), d) in a.iter_mut().zip(b).zip(c).zip(d) {
+        let values = [*a, *b, *c, *d];
+        let sum = |n: usize| weights[n].iter().zip(values).map(|(w, v)| w * v).sum();
+        (*a, *b, *c, *d) = (sum(0), sum(1), sum(2), sum(3));
     }
-    blocks.par_iter_mut().for_each(|block| {
-        let mut values = vec![0f32; count];
-        for i in 0..block[0].len() {
-            for channel in 0..3 {
-                for (m, value) in values.iter_mut().enumerate() {
-                    *value = block[m * 3 + channel][i];
-                }
-                for n in 0..count {
-                    block[n * 3 + channel][i] =
-                        weights[n * count..][..count].iter().zip(&values).map(|(w, v)| w * v).sum();
-                }
-            }
-        }
-    });
 }
 
 /// The averages of 2 × 2 texels of a plane of `side`.
@@ -100,16 +85,16 @@ pub fn halved(plane: &[f32], side: usize) -> Vec<f32> {
     small
 }
 
-/// Four planes a layer, as 16-bit floats in units of `unit`.
+/// The four coefficients of a channel as RGBA of a layer, 16-bit floats in units of `unit`.
 fn packed(planes: &Planes, side: usize, unit: f32) -> Vec<u16> {
     let places = side * side;
-    let mut texels = vec![0u16; planes.len().div_ceil(4) * places * 4];
-    texels.par_chunks_mut(places * 4).zip(planes.par_chunks(4)).for_each(|(layer, four)| {
-        let mut row = vec![0f32; side * 4];
-        for (j, out) in layer.chunks_mut(side * 4).enumerate() {
+    let mut texels = vec![0u16; planes.len() * places];
+    texels.par_chunks_mut(places * NODES).zip(planes.par_chunks(NODES)).for_each(|(layer, four)| {
+        let mut row = vec![0f32; side * NODES];
+        for (j, out) in layer.chunks_mut(side * NODES).enumerate() {
             for (c, plane) in four.iter().enumerate() {
                 for (i, value) in plane[j * side..][..side].iter().enumerate() {
-                    row[i * 4 + c] = value / unit;
+                    row[i * NODES + c] = value / unit;
                 }
             }
             out.reinterpret_cast_mut::<half::f16>().convert_from_f32_slice(&row);
@@ -170,27 +155,31 @@ mod tests {
 
     #[test]
     fn texels_hold_the_polynomials_that_the_shader_evaluates() {
-        let grid = Grid { side: 256, spacing: 0.01, nodes: 3 };
-        // Constant in (u, v): 1 + w + w², once, twice and three times for X, Y, Z.
-        let f = |w: f64| 1.0 + w + w * w;
-        let planes = (0..9)
-            .map(|i| vec![(f(nodes::place(i / 3, 3)) * (i % 3 + 1) as f64) as f32; 256 * 256])
+        let grid = Grid { side: 256, spacing: 0.01, pieces: 2 };
+        // Constant in (u, v): a cubic in the share of |w|, once, twice and three times for X, Y, Z.
+        let f = |x: f64| 1.0 + x + x * x - 0.5 * x.powi(3);
+        let planes = (0..24)
+            .map(|i| {
+                let (piece, channel, m) = (i / 12, i / 4 % 3, i % 4);
+                vec![(f(nodes::place(4 * piece + m, 2)) * (channel + 1) as f64) as f32; 256 * 256]
+            })
             .collect();
         let (unit, levels) = texels(&grid, planes);
         assert_eq!(levels.len(), LEVELS);
         for (level, texels) in levels.iter().enumerate() {
             let side = 256 >> level;
-            assert_eq!(texels.len(), 3 * side * side * 4);
-            let number =
-                |v: usize| f16::from_bits(texels[v / 4 * side * side * 4 + (side + 1) * 4 + v % 4]).to_f64();
-            for w in [0.0, 0.5, 1.9] {
-                let x: f64 = w - 1.0;
-                for c in 0..3 {
-                    let polynomial = number(c) + number(3 + c) * x + number(6 + c) * (2.0 * x * x - 1.0);
-                    let expected = f(w) * (c + 1) as f64;
+            assert_eq!(texels.len(), grid.layers() * side * side * 4);
+            for share in [0.0, 0.3, 0.7, 1.0] {
+                let piece = usize::from(share >= 0.5);
+                let x = 2.0 * (share * 2.0 - piece as f64) - 1.0;
+                for channel in 0..3 {
+                    let texel = &texels[(3 * piece + channel) * side * side * 4 + (side + 1) * 4..][..4];
+                    let [a, b, c, d] = std::array::from_fn(|i| f16::from_bits(texel[i]).to_f64());
+                    let cubic = a + b * x + c * (2.0 * x * x - 1.0) + d * (4.0 * x * x - 3.0) * x;
+                    let expected = f(share) * (channel + 1) as f64;
                     assert!(
-                        (polynomial * f64::from(unit) / expected - 1.0).abs() < 2e-3,
-                        "level {level}, w {w}"
+                        (cubic * f64::from(unit) / expected - 1.0).abs() < 2e-3,
+                        "level {level}, {share}"
                     );
                 }
             }
