@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Integrates the spectrum for texels of a colour table: for (u, v) and for -(u, v), at every node of w. The layers are read
-// once per wavelength and serve all of them.
+// once per wavelength and serve all nodes. Pair p of them is the polynomial T_p in k|w| (src/expansion/phase.rs), so that a
+// recurrence stands in for a table of coefficients: those of every node would cost more to read than the layers.
 #include "interface.glsl"
 #include "spectrum.glsl"
 
@@ -15,19 +16,19 @@ layout(set = 0, binding = 7, std430) readonly buffer Places { uint places[]; };
 // XYZ at each place, [sign][node][channel][place].
 layout(set = 0, binding = 8, std430) writeonly buffer Sums { float sums[]; };
 
-// The comb of these texels. For each wavelength: XYZ weight times q^2 and the wavenumber q; then the coefficients c_n(2 pi q w),
-// [pair of terms][node].
-layout(set = 0, binding = 4, std430) readonly buffer Steps { vec4 steps[]; };
-
 layout(push_constant) uniform Tile {
     uint first;       // of `places`
     uint count;
-    uint first_step;  // of `steps`
-    uint wavelengths;
-    uint pairs;       // that these texels need
+    int comb;         // row of `nodes`
+    int wavelengths;
     float spacing;    // of the table
     float centre;     // texel of u = v = 0
+    float x_per_z;    // 2 over the largest k|w|
+    int pieces;       // of the range of w, four nodes each
 } tile;
+
+const float PI = 3.14159265358979;
+const float LEAST_RANGE = 1e-3; // of w^2, as in table.glsl
 
 void main() {
     uint i = gl_GlobalInvocationID.x;
@@ -37,40 +38,52 @@ void main() {
     uint place = places[tile.first + i];
     // A table is over -(u, v): the sum of both directions along the surface.
     vec2 toward = (vec2(float(place & 0xffffu), float(place >> 16)) - tile.centre) * tile.spacing;
+    float largest_w = sqrt(max(4.0 - dot(toward, toward), LEAST_RANGE));
+    float w[NODES];
     vec3 with[NODES];
     vec3 against[NODES];
     for (int m = 0; m < NODES; ++m) {
+        // Chebyshev's points of each piece.
+        float along = float(m / 4) + 0.5 - 0.5 * cos(PI * (float(m % 4) + 0.5) / 4.0);
+        w[m] = largest_w * along / float(tile.pieces);
         with[m] = vec3(0.0);
         against[m] = vec3(0.0);
     }
-    uint stride = 1 + tile.pairs * NODES;
-    for (uint j = 0; j < tile.wavelengths; ++j) {
-        uint step = tile.first_step + j * stride;
-        vec4 weight = steps[step];
-        vec2 frequency = toward * weight.w;
+    for (int j = 0; j < tile.wavelengths; ++j) {
+        vec4 weight = texelFetch(nodes, ivec2(j, tile.comb), 0);
+        float wavenumber = weight.w;
+        vec2 frequency = toward * wavenumber;
         if (any(greaterThan(abs(frequency), optics.band))) {
             break; // wavenumbers grow
         }
         Read read = read_at(frequency);
-        // Sums of products of real and imaginary parts: P(f) and the P(-f) of conjugated layers are made of the same four.
-        vec4 parts[NODES];
+        float x[NODES];
+        float own[NODES];
+        float next[NODES];
+        vec4 sum[NODES]; // of the real parts of e^{izh} (xy) and of the imaginary ones (zw)
         for (int m = 0; m < NODES; ++m) {
-            parts[m] = vec4(0.0);
+            x[m] = 2.0 * PI * wavenumber * w[m] * tile.x_per_z - 1.0;
+            own[m] = 1.0;
+            next[m] = x[m];
+            sum[m] = vec4(0.0);
         }
-        for (uint p = 0; p < tile.pairs; ++p) {
-            vec4 s = read_layer(read, int(p));
+        for (int p = 0; p < optics.pairs; ++p) {
+            vec4 s = read_layer(read, p);
             for (int m = 0; m < NODES; ++m) {
-                vec4 c = steps[step + 1 + p * NODES + m];
-                parts[m] += c.xyxy * s.xyyx + c.zwzw * s.zwwz; // re re, im im, re im, im re
+                sum[m] += own[m] * s;
+                float after = 2.0 * x[m] * next[m] - own[m];
+                own[m] = next[m];
+                next[m] = after;
             }
         }
+        vec3 density = weight.xyz * (wavenumber * wavenumber);
         for (int m = 0; m < NODES; ++m) {
-            vec4 q = parts[m];
-            float difference = q.x - q.y, sum = q.z + q.w;
-            with[m] += weight.xyz * (difference * difference + sum * sum);
-            sum = q.x + q.y;
-            difference = q.w - q.z;
-            against[m] += weight.xyz * (sum * sum + difference * difference);
+            // P = C + iS; where the layers are conjugated, |C* + iS*| = |C - iS|.
+            vec4 a = sum[m];
+            vec4 parts = vec4(a.x - a.w, a.y + a.z, a.x + a.w, a.y - a.z);
+            parts *= parts;
+            with[m] += density * (parts.x + parts.y);
+            against[m] += density * (parts.z + parts.w);
         }
     }
     for (int m = 0; m < NODES; ++m) {

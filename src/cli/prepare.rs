@@ -2,6 +2,7 @@
 
 use super::{check_validation, say, validation};
 use crate::error::{Error, Result};
+use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::{self, Layers, Settings, cache};
@@ -78,8 +79,14 @@ fn settings(method: &str, shading: &Shading, shortest: f64, device: &Device) -> 
 
 /// The colour table of `field` on `device`, from the cache or baked with a progress bar.
 pub fn color_table(field: &HeightField, shading: &Shading, device: &Arc<Device>) -> Result<ColorTable> {
+    if shading.terms.is_some() {
+        return Err(Error::usage(
+            "--method table sums as many terms as its tolerance asks for",
+            "leave --terms away, or use --method spectral",
+        ));
+    }
     let tolerance = layers_tolerance(shading.tolerance);
-    let for_layers = Shading { tolerance, windows: [1, 1], ..shading.clone() };
+    let for_layers = Shading { tolerance, basis: Basis::Phase, windows: [1, 1], ..shading.clone() };
     let settings = settings("table", &for_layers, SHORTEST, device)?;
     let room = settings.memory_limit as u64;
     // What is hopeless is refused before any work: a table has at least one node.

@@ -6,6 +6,7 @@
 
 pub mod chebyshev;
 pub mod optimal;
+pub mod phase;
 pub mod taylor;
 
 use crate::surface::HeightField;
@@ -21,10 +22,12 @@ pub enum Basis {
     Chebyshev,
     /// Singular functions of e^{izh} on the heights that the surface really has.
     Optimal,
+    /// Polynomials in z, which colour tables are baked from.
+    Phase,
 }
 
 impl Basis {
-    /// Every basis.
+    /// Every basis that a user chooses from.
     pub const ALL: [Self; 3] = [Self::Taylor, Self::Chebyshev, Self::Optimal];
 
     /// The word for it on the command line and in reports.
@@ -33,6 +36,7 @@ impl Basis {
             Self::Taylor => "taylor",
             Self::Chebyshev => "chebyshev",
             Self::Optimal => "optimal",
+            Self::Phase => "phase",
         }
     }
 }

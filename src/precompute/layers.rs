@@ -8,6 +8,7 @@ use super::transform::{PaddedAxis, Spectrum, Transformer};
 use crate::error::{Error, Result};
 use crate::expansion::chebyshev::Chebyshev;
 use crate::expansion::optimal::Optimal;
+use crate::expansion::phase::Phase;
 use crate::expansion::taylor::{F32_ROUNDOFF, Taylor, terms_for};
 use crate::expansion::{Basis, Expansion, HeightScale};
 use crate::memory;
@@ -186,6 +187,7 @@ pub fn compute_at(
         Basis::Taylor => Box::new(Taylor { half_range: scale.half_range }),
         Basis::Chebyshev => Box::new(Chebyshev { half_range: scale.half_range }),
         Basis::Optimal => Box::new(Optimal::new(field, z_max)),
+        Basis::Phase => Box::new(Phase::new(scale.half_range, z_max)),
     };
     let expansion = expansion.as_ref();
     if settings.basis == Basis::Taylor && settings.terms.is_none() {

@@ -1,7 +1,7 @@
 //! Baking: `bake.comp` sums the spectrum for every texel, a tile at a time.
 
 use super::grid::Grid;
-use super::nodes::{self, NODES};
+use super::nodes::NODES;
 use super::pyramid::Planes;
 use crate::error::Result;
 use crate::precompute::Layers;
@@ -9,7 +9,6 @@ use crate::render::interface::{UV_BINS, binding};
 use crate::render::resources::{Pigment, Resources};
 use crate::render::shader;
 use crate::render::shading::Shading;
-use crate::render::tables::Combs;
 use crate::vk::access::Access;
 use crate::vk::buffer::Buffer;
 use crate::vk::commands::Commands;
@@ -28,9 +27,9 @@ pub const COMB_SHARE: f64 = 0.4;
 const GROUP: usize = 64;
 /// Most places of one submission.
 const TILE: usize = 1 << 15;
-/// Most products of a place, a wavelength and a pair of terms in a submission: a software device takes a quarter of a
-/// second for as many.
-const WORK: usize = 20_000_000;
+/// Most products of a place, a wavelength, a pair of terms and a node of w in a submission: a software device takes a quarter
+/// of a second for as many.
+const WORK: usize = 150_000_000;
 
 /// Push constants of `bake.comp`.
 #[repr(C)]
@@ -38,11 +37,12 @@ const WORK: usize = 20_000_000;
 struct Tile {
     first: u32,
     count: u32,
-    first_step: u32,
-    wavelengths: u32,
-    pairs: u32,
+    comb: i32,
+    wavelengths: i32,
     spacing: f32,
     centre: f32,
+    x_per_z: f32,
+    pieces: i32,
 }
 
 /// The places of half a grid, u ≤ 0, by the bin of |(u, v)| that their wavelengths depend on; within a bin along the ring, so
@@ -77,7 +77,7 @@ impl Places {
     }
 }
 
-/// Adds `share` of the table of `layers` to `planes`. `progress(done, of)` is called between submissions, in texels; an
+/// Adds `share` of the table of `layers`, of [`Basis::Phase`](crate::expansion::Basis::Phase), to `planes`. `progress(done, of)` is called between submissions, in texels; an
 /// error from it ends the work.
 ///
 /// # Errors
@@ -91,21 +91,16 @@ pub fn bake(
     planes: &mut Planes,
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<()> {
-    let resources = Resources::new(device, layers, shading, &Pigment::white())?;
-    let combs =
-        Combs::new(&shading.illuminant, layers.sigma, COMB_SHARE * shading.tolerance, shading.wavelengths);
+    let for_combs = Shading { tolerance: COMB_SHARE * shading.tolerance, ..shading.clone() };
+    let resources = Resources::new(device, layers, &for_combs, &Pigment::white())?;
+    let combs = &resources.combs;
     let places = Places::new(grid);
     let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
     let list = Buffer::with_data(device, "places", storage, bytemuck::cast_slice(&places.words))?;
     let numbers = 6 * grid.values();
     let sums = Buffer::new(device, "sums", (TILE * numbers * 4) as u64, storage, MemoryLocation::GpuToCpu)?;
-    let longest = combs.bins.iter().map(|bin| bin[1] as usize).max().unwrap_or(0);
-    let stride = 1 + layers.pairs() * grid.values();
-    let mut steps =
-        Buffer::new(device, "steps", (longest * stride * 16) as u64, storage, MemoryLocation::CpuToGpu)?;
     resources.descriptors.buffer(binding::QUERIES, &list);
     resources.descriptors.buffer(binding::ANSWERS, &sums);
-    resources.descriptors.buffer(binding::COMBS, &steps);
     let constants = [grid.values() as i32];
     let pipeline = Pipeline::compute_with(
         device,
@@ -117,11 +112,8 @@ pub fn bake(
     let mut commands = Commands::new(device, "bake")?;
     for bin in 0..UV_BINS {
         let [comb, wavelengths] = combs.bins[bin];
-        let nodes = &combs.nodes.values[comb as usize * combs.nodes.size[0]..][..wavelengths as usize];
-        // All of a bin is summed at the nodes of its inner edge, where the range is the longest.
-        let largest_w = nodes::largest_w(2.0 * bin as f64 / UV_BINS as f64);
-        steps.write(bytemuck::cast_slice(&step_table(layers, grid, nodes, largest_w)))?;
-        let at_once = (WORK / (wavelengths as usize * (layers.pairs() + 1))).clamp(GROUP, TILE);
+        let work = (wavelengths as usize * layers.pairs() * grid.values()).max(1);
+        let at_once = (WORK / work).clamp(GROUP, TILE);
         let mut first = places.begins[bin];
         while first < places.begins[bin + 1] {
             progress(first, places.words.len())?;
@@ -129,11 +121,12 @@ pub fn bake(
             let tile = Tile {
                 first: first as u32,
                 count: count as u32,
-                first_step: 0,
-                wavelengths: wavelengths as u32,
-                pairs: layers.pairs() as u32,
+                comb,
+                wavelengths,
                 spacing: grid.spacing as f32,
                 centre: grid.centre() as f32,
+                x_per_z: (2.0 / layers.z_max) as f32,
+                pieces: grid.pieces as i32,
             };
             commands.run(|record| {
                 record.bind(&pipeline, &resources.descriptors);
@@ -143,70 +136,27 @@ pub fn bake(
                 Ok(())
             })?;
             let read: &[f32] = bytemuck::cast_slice(&sums.bytes()?[..count * numbers * 4]);
-            scatter(read, &places.words[first..first + count], grid, largest_w, share, planes);
+            scatter(read, &places.words[first..first + count], grid, share, planes);
             first += count;
         }
     }
     progress(places.words.len(), places.words.len())
 }
 
-/// What `bake.comp` reads for each wavelength of a comb: weight times q² and q, then the coefficients.
-fn step_table(layers: &Layers, grid: &Grid, comb: &[[f32; 4]], largest_w: f64) -> Vec<[f32; 4]> {
-    let table = &layers.coefficients;
-    let coefficient = |term: usize, z: f64| {
-        if term >= layers.terms {
-            return [0.0; 2];
-        }
-        let column = (z / table.step).min(table.columns as f64 - 1.001);
-        let (left, t) = (column as usize, column.fract() as f32);
-        let at = |i: usize| table.values[term * table.columns + i];
-        std::array::from_fn(|part| at(left)[part] * (1.0 - t) + at(left + 1)[part] * t)
-    };
-    let mut steps = Vec::with_capacity(comb.len() * (1 + layers.pairs() * grid.values()));
-    for &[x, y, z, q] in comb {
-        let q2 = q * q;
-        steps.push([x * q2, y * q2, z * q2, q]);
-        for pair in 0..layers.pairs() {
-            for m in 0..grid.values() {
-                let z = 2.0 * PI * f64::from(q) * largest_w * nodes::place(m, grid.pieces);
-                let ([a, b], [c, d]) = (coefficient(2 * pair, z), coefficient(2 * pair + 1, z));
-                steps.push([a, b, c, d]);
-            }
-        }
-    }
-    steps
-}
-
-/// Adds what a tile holds, at nodes of 0 … `largest_w`, to the planes, at nodes of each place's own range: there and at the
-/// place opposite.
-fn scatter(sums: &[f32], words: &[u32], grid: &Grid, largest_w: f64, share: f32, planes: &mut Planes) {
+/// Adds what a tile holds to the planes, at each place and at the place opposite.
+fn scatter(sums: &[f32], words: &[u32], grid: &Grid, share: f32, planes: &mut Planes) {
     let (last, values) = (grid.side * grid.side - 1, grid.values());
-    let places: Vec<(usize, f64)> = words
-        .par_iter()
-        .map(|word| {
-            let (x, y) = ((word & 0xffff) as usize, (word >> 16) as usize);
-            (y * grid.side + x, nodes::largest_w(grid.at(x).hypot(grid.at(y))) / largest_w)
-        })
-        .collect();
-    // The three channels of a node have the same weights.
-    let mut of_nodes: Vec<Vec<(usize, &mut [f32])>> = (0..values).map(|_| Vec::new()).collect();
-    for (number, plane) in planes.iter_mut().enumerate() {
-        let (piece, channel, m) = (number / 12, number / NODES % 3, number % NODES);
-        of_nodes[piece * NODES + m].push((channel, plane));
-    }
-    of_nodes.into_par_iter().enumerate().for_each(|(number, mut channels)| {
-        let at = |sign: usize, node: usize, channel: usize| {
-            &sums[((sign * values + node) * 3 + channel) * words.len()..][..words.len()]
+    planes.par_iter_mut().enumerate().for_each(|(number, plane)| {
+        // Planes go by piece, channel and node; sums by node and channel.
+        let (piece, channel, m) = (number / (3 * NODES), number / NODES % 3, number % NODES);
+        let at = |sign: usize| {
+            let row = (sign * values + piece * NODES + m) * 3 + channel;
+            &sums[row * words.len()..][..words.len()]
         };
-        for (i, &(place, ratio)) in places.iter().enumerate() {
-            let (first, weights) = nodes::at(ratio * nodes::place(number, grid.pieces), grid.pieces);
-            for (channel, plane) in &mut channels {
-                let value = |sign| -> f32 {
-                    (0..NODES).map(|m| share * weights[m] as f32 * at(sign, first + m, *channel)[i]).sum()
-                };
-                plane[place] += value(0);
-                plane[last - place] += value(1);
-            }
+        for ((word, with), against) in words.iter().zip(at(0)).zip(at(1)) {
+            let place = (word >> 16) as usize * grid.side + (word & 0xffff) as usize;
+            plane[place] += share * with;
+            plane[last - place] += share * against;
         }
     });
 }
