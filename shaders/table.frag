@@ -24,6 +24,8 @@ vec3 light_direction(int light, ivec2 pixel) {
     }
 }
 
+layout(constant_id = 1) const int LIGHTS = 1; // known beforehand, so that only their directions are read
+
 layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
 
 void main() {
@@ -33,7 +35,7 @@ void main() {
     bvec2 within = equal(vec2(dFdx(to_view.w), dFdy(to_view.w)), vec2(0.0));
     vec3 albedo = texelFetch(albedos, pixel, 0).rgb;
     vec3 sum = vec3(0.0);
-    for (int i = 0; i < frame.counts.x; ++i) {
+    for (int i = 0; i < LIGHTS; ++i) {
         vec3 to_light = light_direction(i, pixel);
         Pair pair = pair_of(to_light, to_view.xyz);
         vec2 toward = to_light.xy + to_view.xy;

@@ -10,7 +10,7 @@ layout(set = 0, binding = 16, std140) uniform Table {
     float texture_per_uv;  // texture coordinate per unit of u
     float texels_per_uv;   // of the finest level
     float unit;            // what a stored 1 stands for
-    float finest;          // level that the footprint of one finest texel reads: the filter's own width is taken off
+    float finest;          // level that a footprint of one finest texel asks for: the samples' own width is taken off
     float pieces;          // of the range of |w|
 } table;
 
@@ -43,12 +43,16 @@ vec3 table_xyz(Pair pair, vec2 toward, float level) {
 }
 
 // The same averaged over a footprint with the edges `dx` and `dy`: `MAX_TAPS` samples at most along its longer side, each of
-// a level as wide as the shorter side or as their distance.
+// a level as wide as the shorter side or as their distance. The sides are those of a rectangle with the parallelogram's moments.
 vec3 table_xyz(Pair pair, vec2 toward, vec2 dx, vec2 dy) {
-    float length_x = length(dx), length_y = length(dy);
-    vec2 along = length_x > length_y ? dx : dy;
-    float longer = max(max(length_x, length_y), 1e-9);
-    float shorter = abs(dx.x * dy.y - dx.y * dy.x) / longer;
+    float xx = dx.x * dx.x + dy.x * dy.x, yy = dx.y * dx.y + dy.y * dy.y, xy = dx.x * dx.y + dy.x * dy.y;
+    float mean = 0.5 * (xx + yy), half_difference = 0.5 * (xx - yy);
+    float spread = sqrt(half_difference * half_difference + xy * xy);
+    float longer = max(sqrt(mean + spread), 1e-9);
+    float shorter = sqrt(max(mean - spread, 0.0));
+    vec2 axis = half_difference > 0.0 ? vec2(spread + half_difference, xy) : vec2(xy, spread - half_difference);
+    // A circle has no longer side.
+    vec2 along = axis * (longer * inversesqrt(max(dot(axis, axis), 1e-30)));
     // Finer than the finest texel there is nothing to resolve.
     float least = 1.0 / table.texels_per_uv;
     float taps = clamp(ceil(longer / max(shorter, least)), 1.0, float(MAX_TAPS));

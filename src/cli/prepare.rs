@@ -6,7 +6,7 @@ use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::{self, Layers, Settings, cache};
-use crate::render::color_table::{self, ColorTable, Grid, bake::layers_tolerance};
+use crate::render::color_table::{self, ColorTable, Grid, bake::layers_tolerance, check_tolerance};
 use crate::render::shading::Shading;
 use crate::surface::HeightField;
 use crate::vk::device::Device;
@@ -85,6 +85,7 @@ pub fn color_table(field: &HeightField, shading: &Shading, device: &Arc<Device>)
             "leave --terms away, or use --method spectral",
         ));
     }
+    check_tolerance(shading.tolerance)?;
     let tolerance = layers_tolerance(shading.tolerance);
     let for_layers = Shading { tolerance, basis: Basis::Phase, windows: [1, 1], ..shading.clone() };
     let settings = settings("table", &for_layers, SHORTEST, device)?;

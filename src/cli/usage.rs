@@ -89,7 +89,7 @@ mod tests {
             ("diffract render -o a.png --size", &["--size", "value"]),
             ("diffract render -o a.png --ior 1 --ior 2", &["--ior", "multiple times"]),
             ("diffract eval --queries q --ior -1", &["--ior", "`-1`", "from 1 to 10"]),
-            ("diffract eval --queries q --method x", &["--method", "'x'", "spectral, reference"]),
+            ("diffract eval --queries q --method x", &["--method", "'x'", "spectral, table, reference"]),
             ("diffract surface synth blaze -o a.png --seed -1", &["--seed", "`-1`", "whole number"]),
         ] {
             let said = wrong(line);

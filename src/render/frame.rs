@@ -171,12 +171,18 @@ impl PixelPass {
         Self::new(device, shader!("diffraction.frag"), descriptors, 0, &[])
     }
 
-    /// The same from a colour table, read by `filter`.
+    /// The same from a colour table, read by `filter`, for `lights` lights.
     ///
     /// # Errors
     /// Where the device refuses.
-    pub fn table(device: &Arc<Device>, descriptors: &Descriptors, filter: Filter) -> Result<Self> {
-        Self::new(device, shader!("table.frag"), descriptors, 0, &[filter.taps()])
+    pub fn table(
+        device: &Arc<Device>,
+        descriptors: &Descriptors,
+        filter: Filter,
+        lights: usize,
+    ) -> Result<Self> {
+        let constants = [filter.taps(), lights.min(MAX_LIGHTS) as i32];
+        Self::new(device, shader!("table.frag"), descriptors, 0, &constants)
     }
 
     /// The pass that finds out how fast the device reads the layers; its push constant is the number of reads.

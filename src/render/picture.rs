@@ -83,7 +83,7 @@ impl Painter {
         lights: usize,
     ) -> Result<Self> {
         let resources = Resources::of_table(device, table, shading, pigment)?;
-        let shade = PixelPass::table(device, &resources.descriptors, filter)?;
+        let shade = PixelPass::table(device, &resources.descriptors, filter, lights)?;
         Self::with(device, resources, shade, mesh, size, lights)
     }
 

@@ -147,7 +147,7 @@ impl Resources {
             texture_per_uv: (1.0 / (grid.spacing * grid.side as f64)) as f32,
             texels_per_uv: (1.0 / grid.spacing) as f32,
             unit: table.unit,
-            finest: 0.0,
+            finest: OWN_WIDTH,
             pieces: grid.pieces as f32,
             padding: [0.0; 3],
         };
@@ -189,6 +189,10 @@ impl Resources {
         }
     }
 }
+
+/// A linear sample of averages over Δ is the average over a box and a tent, with the variance Δ²/4; a footprint of width F has
+/// F²/12. So a footprint asks for Δ = F/√3: log₂(1/√3) levels below F.
+const OWN_WIDTH: f32 = -0.792_481_25;
 
 /// The `Optics` block of `layers`.
 pub fn optics_block(layers: &Layers, ior: f64) -> OpticsBlock {

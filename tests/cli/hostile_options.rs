@@ -111,6 +111,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--period", &[NO_NUMBER, NO_LENGTH, &["5nmx5nm", "1m"]]),
     ("--patch", &[NO_NUMBER, NO_LENGTH, NO_PAIR, &["1nm", "1m"]]),
     ("--level", &[NO_NUMBER, &["top", "Mean", "none,mean"]]),
+    ("--filter", &[NO_NUMBER, &["mip", "PIXEL", "pixel,point", "none"]]),
     ("--method", &[NO_NUMBER, &["guess", "SPECTRAL"]]),
     ("--basis", &[NO_NUMBER, &["fourier"]]),
     ("--illuminant", &[NO_NUMBER, &["d50", "missing.csv", ".", "/dev/zero", "grey.png"]]),

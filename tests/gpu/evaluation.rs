@@ -19,7 +19,7 @@ use std::sync::Arc;
 const DIRECTIONS: usize = 2000;
 
 /// What a display shows as black under a light of intensity 1 at exposure 0: DISPLAY_BLACK/π in f cos θ_i.
-const FLOOR: f64 = diffract::optics::color::DISPLAY_BLACK / std::f64::consts::PI;
+pub const FLOOR: f64 = diffract::optics::color::DISPLAY_BLACK / std::f64::consts::PI;
 
 /// A reproducible stream of numbers in 0 … 1 (splitmix64).
 pub fn uniforms(mut state: u64) -> impl FnMut() -> f64 {

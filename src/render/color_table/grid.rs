@@ -38,7 +38,9 @@ impl Grid {
     pub fn new(sigma: f64, tolerance: f64, pieces: usize) -> Self {
         /// A wavelength in the blue third of the spectrum \[µm\]: frequencies are (u, v)/λ.
         const WAVELENGTH: f64 = 0.45;
-        let error = GRID_SHARE * tolerance;
+        /// Above it the copies that lie behind the first term of the series count, too.
+        const LARGEST: f64 = 0.045;
+        let error = (GRID_SHARE * tolerance).min(LARGEST);
         let spacing = WAVELENGTH * (error / (6.0f64 / 720.0).sqrt()).sqrt() / (2.0 * PI * sigma);
         let unit = 1 << (LEVELS - 1);
         // A short window's table is small, and finer than it must be.

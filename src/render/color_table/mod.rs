@@ -16,7 +16,7 @@ pub mod pyramid;
 pub use grid::Grid;
 
 use super::shading::Shading;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::precompute::{Layers, Settings, compute_at};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
@@ -48,8 +48,10 @@ impl Filter {
         if self == Self::Point {
             return 1;
         }
-        let longer = dx.length().max(dy.length()).max(1e-9);
-        let shorter = dx.perp_dot(dy).abs() / longer;
+        let (xx, yy, xy) = (dx.x * dx.x + dy.x * dy.x, dx.y * dx.y + dy.y * dy.y, dx.x * dx.y + dy.x * dy.y);
+        let mean = 0.5 * (xx + yy);
+        let spread = (0.5 * (xx - yy)).hypot(xy);
+        let (longer, shorter) = ((mean + spread).sqrt().max(1e-9), (mean - spread).max(0.0).sqrt());
         (longer / shorter.max(grid.spacing)).ceil().clamp(1.0, f64::from(self.taps())) as usize
     }
 }
@@ -67,12 +69,32 @@ pub struct ColorTable {
     pub levels: Vec<Vec<u16>>,
 }
 
+/// The smallest tolerance of a table: its texels are 16-bit floats, which round by up to 4.9e-4, and a colour sums a dozen.
+pub const LEAST_TOLERANCE: f64 = 2e-3;
+
+/// Fails where 16-bit floats cannot hold `tolerance`.
+///
+/// # Errors
+/// With the reason and what to do.
+pub fn check_tolerance(tolerance: f64) -> Result<()> {
+    if tolerance >= LEAST_TOLERANCE {
+        return Ok(());
+    }
+    Err(Error::failed(
+        format!(
+            "--method table holds 16-bit floats, whose rounding takes a tolerance of {LEAST_TOLERANCE:.0e} or more, and \
+             {tolerance:.0e} is asked for"
+        ),
+        "ask for a larger --tolerance, or use --method spectral",
+    ))
+}
+
 /// Bakes the table of `field` under `shading`: `layers`, made for `settings`, are those of the window at the patch's centre;
 /// the other windows' are made as they are needed. `progress(what, done, of)` is called as work goes on; an error from it
 /// ends the work.
 ///
 /// # Errors
-/// Where table or layers do not fit into `memory` \[bytes\] of the device or into this machine, where the surface takes more
+/// Where the tolerance is below [`LEAST_TOLERANCE`], where table or layers do not fit into `memory` \[bytes\] of the device or into this machine, where the surface takes more
 /// pieces in w than a table has, where the device is lost, and what `progress` returns.
 pub fn make(
     device: &Arc<Device>,
@@ -81,6 +103,7 @@ pub fn make(
     memory: u64,
     progress: &dyn Fn(&'static str, usize, usize) -> Result<()>,
 ) -> Result<ColorTable> {
+    check_tolerance(shading.tolerance)?;
     let pieces = nodes::needed(&layers, shading.tolerance)?;
     let grid = Grid::new(settings.sigma, shading.tolerance, pieces);
     grid.check(device.candidate().max_side, memory)?;

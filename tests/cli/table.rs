@@ -1,0 +1,89 @@
+//! `--method table` as a user meets it.
+
+use crate::sandbox::Sandbox;
+
+const QUERIES: &str = "theta_i,phi_i,theta_r,phi_r\n20,0,20,180\n30,10,24,185\n40,60,10,200\n";
+
+fn ask(sandbox: &Sandbox, more: &[&str]) -> Vec<f64> {
+    let words = ["blaze", "--queries", "q.csv", "--coherence", "gaussian:8um"];
+    let csv = sandbox.run2(&["eval"], &[&words[..], more].concat()).done();
+    csv.lines()
+        .skip(1)
+        .flat_map(|line| line.split(',').skip(4).map(|x| x.parse().unwrap()).collect::<Vec<_>>())
+        .collect()
+}
+
+#[test]
+fn colours_agree_with_the_reference_and_come_from_the_cache_the_next_time() {
+    let sandbox = Sandbox::new();
+    sandbox.write("q.csv", QUERIES);
+    let exact = ask(&sandbox, &["--method", "reference"]);
+    let table = ["--method", "table", "--tolerance", "2e-2"];
+    let found = ask(&sandbox, &table);
+    let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let off: Vec<f64> = found.iter().zip(&exact).map(|(f, e)| f - e).collect();
+    assert!(norm(&off) <= 2e-2 * norm(&exact), "{found:?} {exact:?}");
+    let kept = || {
+        let files = std::fs::read_dir(sandbox.cache()).unwrap().flatten();
+        files.filter(|f| f.file_name().to_string_lossy().ends_with(".colours")).count()
+    };
+    assert_eq!(kept(), 1);
+    assert_eq!(ask(&sandbox, &table), found);
+    assert_eq!(kept(), 1);
+    // Another light makes another table.
+    let other = ask(&sandbox, &[&table[..], &["--illuminant", "a"]].concat());
+    assert!(other != found && kept() == 2);
+}
+
+#[test]
+fn what_a_table_cannot_do_is_refused_with_the_reason() {
+    let sandbox = Sandbox::new();
+    sandbox.write("q.csv", QUERIES);
+    sandbox.write("w.csv", "theta_i,phi_i,theta_r,phi_r,wavelength\n20,0,20,180,550\n");
+    let refused = |code: i32, words: &[&str]| sandbox.run2(words, &["--method", "table"]).refused(code);
+    for words in [
+        &["eval", "blaze", "--queries", "w.csv"][..],
+        &["brdf", "blaze", "--light", "30,0", "--wavelength", "550nm", "-o", "b.png"],
+        &["peaks", "blaze"],
+    ] {
+        assert!(refused(2, words).contains("single wavelength"), "{words:?}");
+    }
+    let queries = ["eval", "blaze", "--queries", "q.csv"];
+    let with = |more: &[&'static str]| [&queries[..], more].concat();
+    let fine = refused(1, &with(&["--tolerance", "1e-4"]));
+    assert!(fine.contains("16-bit") && fine.contains("2e-3") && fine.contains("--method spectral"), "{fine}");
+    let large = refused(1, &with(&["--coherence", "gaussian:500um", "--tolerance", "5e-3"]));
+    assert!(large.contains("texels") && large.contains("--coherence"), "{large}");
+    assert!(refused(2, &with(&["--coherence", "repeats:2x2"])).contains("table"));
+    assert!(refused(2, &with(&["--terms", "9"])).contains("--terms"));
+}
+
+#[test]
+fn windows_are_averaged_by_a_table() {
+    let sandbox = Sandbox::new();
+    sandbox.write("q.csv", QUERIES);
+    let windows = ["--windows", "2x1"];
+    let exact = ask(&sandbox, &[&["--method", "reference"][..], &windows].concat());
+    let found = ask(&sandbox, &[&["--method", "table", "--tolerance", "2e-2"][..], &windows].concat());
+    let (largest, off) = found
+        .iter()
+        .zip(&exact)
+        .fold((0f64, 0f64), |(largest, off), (f, e)| (largest.max(*e), off.max((f - e).abs())));
+    assert!(off <= 2e-2 * largest, "{found:?} {exact:?}");
+}
+
+#[test]
+fn a_profile_counts_three_samples_a_pixel_at_points_and_more_over_pixels() {
+    let sandbox = Sandbox::new();
+    let samples = |filter: &str| -> f64 {
+        let words = "profile sphere --surface bumps --coherence gaussian:8um --tolerance 1e-1 --size 32x24 --frames 3 \
+                     --method table --json p.json --filter";
+        sandbox.run(words.split_whitespace().chain([filter])).done();
+        let json = String::from_utf8(sandbox.read("p.json")).unwrap();
+        assert!(json.contains("\"method\": \"table\""), "{json}");
+        let (_, rest) = json.split_once("\"samples_per_covered_pixel\": ").unwrap();
+        rest.split([',', '\n']).next().unwrap().trim().parse().unwrap()
+    };
+    assert_eq!(samples("point"), 3.0);
+    assert!(samples("pixel") > 3.0);
+}
