@@ -29,7 +29,7 @@ impl Phase {
         const I_POWERS: [Complex64; 4] =
             [Complex64::ONE, Complex64::new(0.0, 1.0), Complex64::new(-1.0, 0.0), Complex64::new(0.0, -1.0)];
         let scale = z_max * half_range / 2.0;
-        let mut table = vec![Vec::with_capacity(INTERVALS + 1); MOST];
+        let mut table = vec![Vec::new(); MOST];
         for i in 0..=INTERVALS {
             let y = scale * (2.0 * i as f64 / INTERVALS as f64 - 1.0);
             for (m, j) in bessel_j(y.abs(), MOST).into_iter().enumerate() {
@@ -49,7 +49,7 @@ impl Expansion for Phase {
         let left = (place as usize).min(INTERVALS - 1);
         let row = &self.table[n / 2];
         let beta = row[left] + (row[left + 1] - row[left]) * (place - left as f64);
-        if n % 2 == 0 { beta.re } else { beta.im }
+        if n.is_multiple_of(2) { beta.re } else { beta.im }
     }
 
     fn coefficients(&self, z: f64, out: &mut [Complex64]) {

@@ -45,12 +45,13 @@ fn colours(seed: u64, count: usize) -> Vec<Query> {
     queries(seed, count).into_iter().map(|q| Query { wavelength: None, ..q }).collect()
 }
 
-/// ‖found − exact‖/‖exact‖ over all directions, then median and 99th percentile of the errors of single directions, each relative
-/// to its own value or to what a display shows as black.
+/// ‖found − exact‖/‖exact‖ over all directions, then median and 99th percentile of the errors of single directions that a
+/// display does not show as black, each relative to its own value.
 fn errors(found: &[DVec3], exact: &[DVec3]) -> [f64; 3] {
     assert!(found.iter().all(|f| f.is_finite()));
     let pairs = || found.iter().zip(exact);
-    let mut single: Vec<f64> = pairs().map(|(f, e)| (*f - *e).length() / e.length().max(FLOOR)).collect();
+    let mut single: Vec<f64> =
+        pairs().filter(|(_, e)| e.length() > FLOOR).map(|(f, e)| (*f - *e).length() / e.length()).collect();
     single.sort_by(f64::total_cmp);
     let difference: f64 = pairs().map(|(f, e)| (*f - *e).length_squared()).sum();
     let size: f64 = exact.iter().map(|e| e.length_squared()).sum();
@@ -87,7 +88,7 @@ fn meets_its_tolerance(kind: Kind, side: f64, length: f64, seed: u64, tolerances
                     Query { pair, ..*q }
                 })
                 .collect();
-            assert!(errors(&evaluator.cosine_weighted(&turned).unwrap(), &exact)[1] > 0.2);
+            assert!(errors(&evaluator.cosine_weighted(&turned).unwrap(), &exact)[1] > 3.0 * median.max(1e-3));
         }
     });
 }

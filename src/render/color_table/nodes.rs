@@ -81,27 +81,33 @@ pub fn needed(layers: &Layers, tolerance: f64) -> Result<usize> {
 /// Power summed over wavelengths as a function of w in some directions, from the layers themselves.
 struct Judge<'a> {
     layers: &'a Layers,
-    /// (u, v) of each direction.
-    directions: Vec<DVec2>,
+    /// (u, v) of directions everywhere and of those of the mirror's peak.
+    directions: [Vec<DVec2>; 2],
 }
 
-/// Directions that are looked at.
-const DIRECTIONS: usize = 400;
-/// Wavenumbers of the sum \[µm⁻¹\]: evenly from 690 to 420 nm, where the colour functions are large.
+/// Directions that are looked at, in each of two places.
+const DIRECTIONS: usize = 300;
+/// Wavenumbers of the sum \[µm⁻¹\]: evenly from 660 to 410 nm, where the colour functions are large.
 const WAVENUMBERS: usize = 16;
-const ENDS: (f64, f64) = (1.0 / 0.69, 1.0 / 0.42);
+const ENDS: (f64, f64) = (1.0 / 0.66, 1.0 / 0.41);
 /// Places in w where the polynomial is compared.
 const STEPS: usize = 17;
 /// A direction counts as dark at a w where it has less than this part of its RMS over w.
-const DARK: f64 = 0.1;
+const DARK: f64 = 0.05;
 
 impl<'a> Judge<'a> {
     fn new(layers: &'a Layers) -> Self {
-        // By the golden angle, denser toward the mirror direction, where the light is.
-        let direction = |i: usize| {
-            DVec2::from_angle(i as f64 * PI * (3.0 - 5f64.sqrt())) * (1.95 * i as f64 / DIRECTIONS as f64)
+        // By the golden angle, denser toward the mirror direction; and as many again within the mirror's peak.
+        let within = |radius: f64| {
+            move |i: usize| {
+                DVec2::from_angle(i as f64 * PI * (3.0 - 5f64.sqrt()))
+                    * (radius * i as f64 / DIRECTIONS as f64)
+            }
         };
-        Self { layers, directions: (0..DIRECTIONS).map(direction).collect() }
+        // Twice the standard deviation of its power, λ/(2√2 π σ).
+        let peak = 0.12 / layers.sigma;
+        let directions = [1.95, peak.min(1.95)].map(|radius| (0..DIRECTIONS).map(within(radius)).collect());
+        Self { layers, directions }
     }
 
     /// Index of the texel nearest to a frequency, and whether it holds the conjugate; `None` beyond the band.
@@ -137,10 +143,13 @@ impl<'a> Judge<'a> {
         sum.norm_sqr()
     }
 
-    /// Relative error of `pieces`, RMS over the directions and over w.
+    /// Relative error of `pieces`, RMS over w and over directions, everywhere or in the mirror's peak: the larger.
     fn error(&self, pieces: usize) -> f64 {
-        let squares: Vec<f64> = self.directions.par_iter().map(|&uv| self.error_at(uv, pieces)).collect();
-        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+        let rms = |directions: &Vec<DVec2>| {
+            let squares: Vec<f64> = directions.par_iter().map(|&uv| self.error_at(uv, pieces)).collect();
+            (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+        };
+        self.directions.iter().map(rms).fold(0.0, f64::max)
     }
 
     /// The mean squared error of a direction.

@@ -145,7 +145,7 @@ mod tests {
                 wrong += (read - f(x, y)).powi(2);
                 size += f(x, y).powi(2);
             }
-            (wrong / size as f64).sqrt()
+            (wrong / size).sqrt()
         };
         let (before, after) = (error(&plain), error(&filtered));
         assert!(after < 0.5 * before && after < 0.02, "{before:.2e} to {after:.2e}");
