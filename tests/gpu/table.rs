@@ -78,6 +78,9 @@ fn meets_its_tolerance(kind: Kind, side: f64, length: f64, seed: u64, tolerances
                 kind.name()
             );
             assert!(whole <= tolerance && median <= tolerance, "{} at {tolerance}: {whole:e}", kind.name());
+            if Some(&tolerance) != tolerances.last() {
+                continue;
+            }
             // The comparison sees a table that is turned by half a turn.
             let turned: Vec<Query> = queries
                 .iter()
