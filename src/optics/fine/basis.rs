@@ -55,8 +55,9 @@ impl Basis {
                 jacobi_anger(phase, degrees).into_iter().map(|c| c * weight).collect()
             })
             .collect();
-        let part =
-            |row: usize, n: usize| if row % 2 == 0 { rows[row / 2][n].re } else { rows[row / 2][n].im };
+        let part = |row: usize, n: usize| {
+            if row.is_multiple_of(2) { rows[row / 2][n].re } else { rows[row / 2][n].im }
+        };
         let decomposed = (DMatrix::from_fn(2 * points, degrees, part) * &lower).svd(true, true);
         let (Some(u), Some(v_t)) = (decomposed.u, decomposed.v_t) else {
             return Self { middle, half_range, series: Vec::new(), column_step: 1.0, table: Vec::new() };
