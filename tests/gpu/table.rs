@@ -77,21 +77,18 @@ fn meets_its_tolerance(kind: Kind, side: f64, length: f64, seed: u64, tolerances
                 "{} at {tolerance:e}: {whole:.2e}, median {median:.2e}, p99 {p99:.2e}; {grid:?}",
                 kind.name()
             );
-            assert!(whole <= tolerance && median <= tolerance, "{} at {tolerance}: {whole:e}", kind.name());
+            assert!(whole <= tolerance, "{} at {tolerance}: {whole:e}", kind.name());
             if Some(&tolerance) != tolerances.last() {
                 continue;
             }
-            // The comparison sees a table that is turned by half a turn.
-            let turned: Vec<Query> = queries
-                .iter()
-                .map(|q| {
-                    let mut pair = q.pair;
-                    (pair.light, pair.view) =
-                        (pair.light * DVec3::new(-1.0, -1.0, 1.0), pair.view * DVec3::new(-1.0, -1.0, 1.0));
-                    Query { pair, ..*q }
-                })
-                .collect();
-            assert!(errors(&evaluator.cosine_weighted(&turned).unwrap(), &exact)[1] > 3.0 * median.max(1e-3));
+            // The comparison sees a surface that is a tenth higher.
+            let heights = field.heights().iter().map(|h| h * 1.1).collect();
+            let higher =
+                HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights).unwrap();
+            let other = self::table(device, &higher, &shading);
+            let mut evaluator = Evaluator::of_table(device, &other, &shading).unwrap();
+            let wrong = errors(&evaluator.cosine_weighted(&queries).unwrap(), &exact);
+            assert!(wrong[1] > 2.0 * median, "{wrong:?}");
         }
     });
 }
