@@ -28,11 +28,23 @@ layout(constant_id = 1) const int LIGHTS = 1; // known beforehand, so that only 
 
 layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
 
+// The step of -(u, v) from a pixel to its neighbours at `next` and opposite: the shorter one, because the other may lead over an
+// edge to something else. Nothing where neither is covered.
+vec2 shorter_step(int light, vec2 toward, ivec2 pixel, ivec2 next) {
+    vec2 step = vec2(1e6);
+    for (int side = -1; side <= 1; side += 2) {
+        ivec2 other = clamp(pixel + side * next, ivec2(0), textureSize(view_directions, 0) - 1);
+        vec4 to_view = texelFetch(view_directions, other, 0);
+        vec2 found = float(side) * (light_direction(light, other).xy + to_view.xy - toward);
+        bool counts = to_view.w > 0.0 && other != pixel && dot(found, found) < dot(step, step);
+        step = counts ? found : step;
+    }
+    return step.x < 1e6 ? step : vec2(0.0);
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 to_view = texelFetch(view_directions, pixel, 0);
-    // Of a pair of pixels only one of which is covered there is no difference to take.
-    bvec2 within = equal(vec2(dFdx(to_view.w), dFdy(to_view.w)), vec2(0.0));
     vec3 albedo = texelFetch(albedos, pixel, 0).rgb;
     vec3 sum = vec3(0.0);
     for (int i = 0; i < LIGHTS; ++i) {
@@ -43,8 +55,8 @@ void main() {
         if (MAX_TAPS == 0) {
             xyz = table_xyz(pair, toward, 0.0);
         } else {
-            vec2 dx = dFdx(toward), dy = dFdy(toward);
-            xyz = table_xyz(pair, toward, within.x ? dx : vec2(0.0), within.y ? dy : vec2(0.0));
+            vec2 dx = shorter_step(i, toward, pixel, ivec2(1, 0)), dy = shorter_step(i, toward, pixel, ivec2(0, 1));
+            xyz = table_xyz(pair, toward, dx, dy);
         }
         // Below the horizon there is neither.
         vec3 diffracted = pair.factor > 0.0 ? LINEAR_SRGB_FROM_XYZ * xyz : vec3(0.0);

@@ -60,16 +60,23 @@ impl Cost {
                 let along = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
                 DVec2::new(along(0), along(1))
             };
-            // To the other pixel of a quad's row or column, as derivatives are taken.
-            let step =
-                |i: usize, other: usize| if covered(other) { toward(other) - toward(i) } else { DVec2::ZERO };
-            let width = size[0] as usize;
+            let (width, height) = (size[0] as i64, size[1] as i64);
+            // The shorter of the steps to both sides, as `shorter_step` of `shaders/table.frag` has it.
+            let step = |i: usize, next: [i64; 2]| {
+                let (x, y) = (i as i64 % width, i as i64 / width);
+                [-1, 1]
+                    .into_iter()
+                    .map(|side| [x + side * next[0], y + side * next[1]])
+                    .filter(|[x, y]| (0..width).contains(x) && (0..height).contains(y))
+                    .map(|[x, y]| (y * width + x) as usize)
+                    .filter(|&other| covered(other))
+                    .map(|other| toward(other) - toward(i))
+                    .min_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
+                    .unwrap_or(DVec2::ZERO)
+            };
             for i in (0..seen.view.len()).filter(|&i| covered(i)) {
                 cost.covered += usize::from(index == 0);
-                let (x, y) = (i % width, i / width);
-                let below = if (y ^ 1) < size[1] as usize { (y ^ 1) * width + x } else { i };
-                let beside = if (x ^ 1) < width { y * width + (x ^ 1) } else { i };
-                let taps = filter.taps_over(grid, step(i, beside), step(i, below));
+                let taps = filter.taps_over(grid, step(i, [1, 0]), step(i, [0, 1]));
                 cost.samples += 3 * taps; // X, Y, Z
             }
         }
