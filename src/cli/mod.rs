@@ -10,6 +10,7 @@ mod prepare;
 mod profile;
 mod range;
 mod render;
+mod stage;
 mod surface;
 mod usage;
 mod write;

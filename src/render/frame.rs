@@ -170,12 +170,13 @@ impl PixelPass {
         Self::new(device, shader!("diffraction.frag"), descriptors, 0)
     }
 
-    /// The pass that finds out how fast the device reads the layers; its push constant is the number of reads.
+    /// The pass that finds out how fast the device reads the layers; its push constants are the number of reads
+    /// and whether they are scattered.
     ///
     /// # Errors
     /// Where the device refuses.
     pub fn probe(device: &Arc<Device>, descriptors: &Descriptors) -> Result<Self> {
-        Self::new(device, shader!("probe.frag"), descriptors, 4)
+        Self::new(device, shader!("probe.frag"), descriptors, 8)
     }
 
     fn new(device: &Arc<Device>, code: Code<'_>, descriptors: &Descriptors, push_bytes: u32) -> Result<Self> {
