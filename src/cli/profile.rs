@@ -19,7 +19,7 @@ use std::path::PathBuf;
 /// Frames a second of the thesis' shader on the GPU of its day.
 const TARGET_FPS: (f64, f64) = (5.0, 15.0);
 /// A spread of medians beyond this means that the machine was busy with something else.
-const NOISY: f64 = 1.15;
+pub const NOISY: f64 = 1.15;
 
 /// Arguments of `profile`.
 #[derive(Args, Clone, Debug)]
@@ -29,7 +29,7 @@ pub struct Arguments {
     pub scene: String,
     /// Write the numbers as JSON too
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    pub json: Option<PathBuf>,
     /// Frames to measure
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(3..=100_000), allow_hyphen_values = true)]
     pub frames: u32,
@@ -41,7 +41,7 @@ pub struct Arguments {
     pub light: Vec<Light>,
     /// Compare so many random pixels with the f64 reference too, or `all`
     #[arg(long, value_name = "N|all", value_parser = compared, allow_hyphen_values = true)]
-    error: Option<usize>,
+    pub error: Option<usize>,
     #[command(flatten)]
     pub surface: SurfaceOptions,
     #[command(flatten)]

@@ -4,3 +4,4 @@ pub mod cost;
 pub mod error;
 pub mod peaks;
 pub mod profile;
+pub mod trade;
