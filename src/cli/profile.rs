@@ -6,6 +6,7 @@ use super::options::{
 use super::stage::{Setting, Stage};
 use super::{prepare, write};
 use crate::error::Result;
+use crate::measure::budget::Budget;
 use crate::measure::cost::Cost;
 use crate::measure::error::PixelErrors;
 use crate::measure::profile::{Bound, Rates, Summary, Times, measure, rates};
@@ -42,6 +43,9 @@ pub struct Arguments {
     /// Compare so many random pixels with the f64 reference too, or `all`
     #[arg(long, value_name = "N|all", value_parser = compared, allow_hyphen_values = true)]
     pub error: Option<usize>,
+    /// Print where the error comes from
+    #[arg(long)]
+    pub explain: bool,
     #[command(flatten)]
     pub surface: SurfaceOptions,
     #[command(flatten)]
@@ -89,6 +93,7 @@ struct Report {
     error: Option<PixelErrors>,
     #[serde(skip_serializing_if = "Option::is_none")]
     flip: Option<f64>,
+    budget: Budget,
 }
 
 #[derive(Serialize)]
@@ -114,7 +119,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let stage = Stage::set(arguments)?;
     let report = profile(&stage, arguments)?;
     prepare::finish(&stage.device)?;
-    write::stdout(&text(&report))?;
+    let budget = if arguments.explain { report.budget.to_text() } else { String::new() };
+    write::stdout(&(text(&report) + &budget))?;
     if let Some(path) = &arguments.json {
         write::json(path, &report)?;
     }
@@ -178,6 +184,7 @@ fn report(
         noisy: times.spread > NOISY,
         error: None,
         flip: None,
+        budget: setting.budget,
     }
 }
 

@@ -4,6 +4,7 @@ use super::options::{Method, lights_of};
 use super::prepare;
 use super::profile::Arguments;
 use crate::error::{Error, Result};
+use crate::measure::budget::Budget;
 use crate::measure::cost::Cost;
 use crate::measure::error::{self, PixelErrors};
 use crate::optics::spectrum::SHORTEST;
@@ -33,6 +34,7 @@ pub struct Setting {
     pub terms: usize,
     pub layers: usize,
     pub kernel: String,
+    pub budget: Budget,
 }
 
 impl Stage {
@@ -71,7 +73,9 @@ impl Stage {
             (0..lights).map(|light| painter.directions(&self.view, light)).collect::<Result<Vec<_>>>()?;
         let cost = Cost::of(&layers, painter.combs(), &directions);
         let kernel = format!("{:?}", layers.interpolation.kernel).to_lowercase();
-        let setting = Setting { method: "spectral", terms: layers.terms, layers: layers.pairs(), kernel };
+        let (terms, pairs) = (layers.terms, layers.pairs());
+        let budget = Budget::of_layers(&layers, shading);
+        let setting = Setting { method: "spectral", terms, layers: pairs, kernel, budget };
         Ok((painter, setting, cost, directions))
     }
 

@@ -6,7 +6,7 @@ use super::{prepare, profile, say, write};
 use crate::error::{Error, Result};
 use crate::measure::error::PixelErrors;
 use crate::measure::profile::measure;
-use crate::measure::trade::{self, Row, SEED};
+use crate::measure::trade::{self, Row, THESIS};
 use crate::optics::coherence::Coherence;
 use crate::render::reference_picture::covered;
 use crate::render::shading::Shading;
@@ -126,7 +126,7 @@ fn settings(quick: bool) -> Vec<String> {
     }
     let table: &[&str] = if quick { &["1e-1", "2e-2"] } else { &["1e-1", "5e-2", "2e-2", "1e-2"] };
     all.extend(table.iter().map(|e| format!("--method table --filter point --tolerance {e}")));
-    all.push(SEED.to_owned());
+    all.push(THESIS.to_owned());
     if quick {
         return all;
     }

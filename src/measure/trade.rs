@@ -46,8 +46,8 @@ impl Row {
     }
 }
 
-/// The options of the seed: 81 wavelengths 5 nm apart, 37 terms of the Taylor series.
-pub const SEED: &str = "--basis taylor --terms 37 --wavelengths 81";
+/// What the thesis sums, 37 terms of the Taylor series at 81 wavelengths, through the window and the reads of this program.
+pub const THESIS: &str = "--basis taylor --terms 37 --wavelengths 81";
 
 /// Whether each row is on the Pareto front: no other one is both as fast and as accurate, and better in one of them.
 pub fn pareto(rows: &[Row]) -> Vec<bool> {
@@ -137,9 +137,9 @@ pub fn markdown(rows: &[Row], heading: &str, impossible: &[(String, String)]) ->
             row.p99,
             row.flip,
             row.samples,
-            match (front[i], row.flags == SEED) {
+            match (front[i], row.flags == THESIS) {
                 (true, _) => "yes",
-                (false, true) => "no: the seed's setting",
+                (false, true) => "no: the thesis' terms and wavelengths",
                 (false, false) => "",
             }
         );
@@ -153,7 +153,7 @@ pub fn markdown(rows: &[Row], heading: &str, impossible: &[(String, String)]) ->
     text + "\n## Advice\n\n" + &advice(rows).lines().map(|line| format!("- {line}\n")).collect::<String>()
 }
 
-/// Frame time against error, with the Pareto front and the seed's setting.
+/// Frame time against error, with the Pareto front and what the thesis sums.
 pub fn figure(rows: &[Row], title: &str, caption: &str) -> Figure {
     const SHAPES: [Shape; 5] = [Shape::Disc, Shape::Square, Shape::Triangle, Shape::Diamond, Shape::Ring];
     let place = |row: &Row| [row.frame_ms, row.relative_l2];
@@ -177,10 +177,14 @@ pub fn figure(rows: &[Row], title: &str, caption: &str) -> Figure {
         let color = palette::SERIES[i % palette::SERIES.len()];
         panel = panel.named(*name, Mark::points(points, color, SHAPES[i % SHAPES.len()]));
     }
-    if let Some(seed) = rows.iter().find(|row| row.flags == SEED) {
-        let ring =
-            Mark::Points { points: vec![place(seed)], color: palette::INK, shape: Shape::Ring, radius: 9.0 };
-        panel = panel.named("the seed's setting: 37 terms, 81 wavelengths", ring);
+    if let Some(thesis) = rows.iter().find(|row| row.flags == THESIS) {
+        let ring = Mark::Points {
+            points: vec![place(thesis)],
+            color: palette::INK,
+            shape: Shape::Ring,
+            radius: 9.0,
+        };
+        panel = panel.named("the thesis' 37 terms and 81 wavelengths", ring);
     }
     Figure::new(title).row(vec![panel]).caption(caption).panel_size(760.0, 520.0)
 }
@@ -240,9 +244,9 @@ mod tests {
     }
 
     #[test]
-    fn the_figure_marks_the_seed() {
-        let rows = [row("--a", 10.0, 5e-2), row(SEED, 900.0, 2e-3)];
+    fn the_figure_marks_the_thesis() {
+        let rows = [row("--a", 10.0, 5e-2), row(THESIS, 900.0, 2e-3)];
         let svg = figure(&rows, "Speed", "One machine.").svg().unwrap();
-        assert!(svg.contains("seed") && svg.contains("Pareto"));
+        assert!(svg.contains("thesis") && svg.contains("Pareto"));
     }
 }

@@ -117,7 +117,8 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--surface", &[NO_NUMBER, &["nothing", "nothing.png", ".", "/dev/zero", "q.csv", "grey.png/x.png"]]),
     ("--device", &[&["", " ", "nothing", "7", "-1", "99999999999999999999", "\n"]]),
     ("--folder", &[&["", "/dev/null", "grey.png", "grey.png/trade"]]),
-    ("--quick", &[&["--quick"]]), // twice
+    ("--explain", &[&["--explain"]]), // twice
+    ("--quick", &[&["--quick"]]),     // twice
     ("--queries", &[&["", "nothing.csv", ".", "/dev/zero", "grey.png"]]),
     ("--frames", &[NO_NUMBER, &["0", "2", "-3", "1e3", "100001"]]),
     ("--sample-pixels", &[NO_NUMBER, &["0", "-3", "1.5", "1e3", "268435457", "10"]]), // 10: not with spectral
