@@ -6,11 +6,13 @@ use super::{prepare, profile, say, write};
 use crate::error::{Error, Result};
 use crate::measure::error::PixelErrors;
 use crate::measure::profile::measure;
-use crate::measure::trade::{self, Row, THESIS};
+use crate::measure::trade::{self, BASELINE, Row, THESIS};
 use crate::optics::coherence::Coherence;
+use crate::render::picture::Directions;
 use crate::render::reference_picture::covered;
 use crate::render::shading::Shading;
 use crate::scene::Light;
+use crate::surface::statistics::Statistics;
 use crate::{output, units};
 use clap::{Args, Parser};
 use glam::DVec3;
@@ -62,6 +64,8 @@ struct Words {
     profile: profile::Arguments,
 }
 
+/// What a sweep leaves.
+const FILES: [&str; 4] = ["trade.csv", "trade.md", "trade.svg", "trade.png"];
 /// Frames of a setting, and the seconds beyond which no more are drawn.
 const FRAMES: usize = 9;
 const SECONDS: f64 = 3.0;
@@ -77,10 +81,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(Error::usage("--folder: the name is empty", "give the results a folder"));
     }
     let stage = Stage::set(&setting(arguments, "")?)?;
-    std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, &e))?;
-    ["trade.csv", "trade.md", "trade.svg", "trade.png"]
-        .iter()
-        .try_for_each(|name| output::check(&file(name)))?;
+    // Nothing is made before there is something to write.
+    if folder.exists() {
+        FILES.iter().try_for_each(|name| output::check(&file(name)))?;
+    }
+    let store = |rows: &[Row]| {
+        std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, &e))?;
+        write::text(Some(&file("trade.csv")), &trade::csv(rows)?)
+    };
     let frame = frame_key(arguments, &stage);
     let mut rows = read_rows(&file("trade.csv"), &frame);
     let mut impossible = Vec::new();
@@ -94,10 +102,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             continue;
         }
         match measured(&stage, arguments, flags, &frame, &mut references) {
-            Ok(row) => rows.push(row),
+            Ok(row) => {
+                rows.push(row);
+                store(&rows)?;
+            }
             Err(error) => impossible.push((flags.clone(), error.to_string())),
         }
-        write::text(Some(&file("trade.csv")), &trade::csv(&rows)?)?;
+    }
+    if !rows.is_empty() && !rows.iter().any(|row| row.series == BASELINE) {
+        rows.extend(baseline(&stage, arguments, &frame, &mut references)?);
+        store(&rows)?;
     }
     bar.finish_and_clear();
     prepare::finish(&stage.device)?;
@@ -168,6 +182,28 @@ struct References {
     pictures: Vec<([u32; 2], Vec<DVec3>)>,
 }
 
+impl References {
+    /// The picture for the windows of `shading`, made once.
+    fn of(
+        &mut self,
+        stage: &Stage,
+        shading: &Shading,
+        directions: &[Directions],
+        pixels: &[usize],
+    ) -> Result<&[DVec3]> {
+        let known = self.pictures.iter().position(|(windows, _)| *windows == shading.windows);
+        let index = match known {
+            Some(index) => index,
+            None => {
+                let exact = stage.exact(shading, directions, pixels)?;
+                self.pictures.push((shading.windows, exact));
+                self.pictures.len() - 1
+            }
+        };
+        Ok(&self.pictures[index].1)
+    }
+}
+
 fn measured(
     stage: &Stage,
     arguments: &Arguments,
@@ -182,12 +218,7 @@ fn measured(
     let picture = painter.paint(&stage.view, stage.scene.exposure, stage.scene.background)?;
     drop(painter);
     let pixels = covered(&directions);
-    if !references.pictures.iter().any(|(windows, _)| *windows == shading.windows) {
-        let exact = stage.exact(&shading, &directions, &pixels)?;
-        references.pictures.push((shading.windows, exact));
-    }
-    let exact = references.pictures.iter().find(|(windows, _)| *windows == shading.windows);
-    let exact = exact.map_or(&[][..], |(_, exact)| exact);
+    let exact = references.of(stage, &shading, &directions, &pixels)?;
     let errors = PixelErrors::of(&shown(&picture, &pixels), exact, stage.scene.exposure);
     let series = match what.method {
         "spectral" => format!("spectral, {}", own.optics.basis.name()),
@@ -210,6 +241,58 @@ fn measured(
         p99: errors.p99,
         flip: stage.seen(&picture, &pixels, exact),
     })
+}
+
+/// What a user would take instead: the classical shader of a grating of one period, at the brightness that suits it best.
+/// `None` for surfaces that do not repeat.
+fn baseline(
+    stage: &Stage,
+    arguments: &Arguments,
+    frame: &str,
+    references: &mut References,
+) -> Result<Option<Row>> {
+    let [along_x, along_y] = Statistics::of(&stage.field).period;
+    let (axis, period) = match (along_x, along_y) {
+        (Some(period), _) => ([1.0, 0.0], period),
+        (None, Some(period)) => ([0.0, 1.0], period),
+        (None, None) => return Ok(None),
+    };
+    let own = setting(arguments, "--tolerance 1e-1")?;
+    let shading: Shading = own.optics.shading(&own.colour)?;
+    let (mut painter, _, _, directions) = stage.prepare(&own, &shading)?;
+    let pixels = covered(&directions);
+    let exact = references.of(stage, &shading, &directions, &pixels)?;
+    let mut colors = |strength: f32| {
+        painter.shade_as_grating(axis, period as f32, strength)?;
+        painter.paint(&stage.view, stage.scene.exposure, stage.scene.background)
+    };
+    // The picture is linear in the strength: least squares between that of 0 and that of 1.
+    let (pigment, one) = (shown(&colors(0.0)?, &pixels), shown(&colors(1.0)?, &pixels));
+    let parts = pigment.iter().zip(&one).zip(exact);
+    let (product, square) = parts.fold((0.0, 0.0), |(p, s), ((pigment, one), exact)| {
+        let orders = *one - *pigment;
+        (p + orders.dot(*exact - *pigment), s + orders.length_squared())
+    });
+    let picture = colors(if square > 0.0 { (product / square).max(0.0) as f32 } else { 0.0 })?;
+    let times = measure(&mut painter, &stage.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
+    let errors = PixelErrors::of(&shown(&picture, &pixels), exact, stage.scene.exposure);
+    Ok(Some(Row {
+        frame: frame.to_owned(),
+        flags: format!("grating equation, one period of {:.0} nm, for comparison", period * 1e3),
+        series: BASELINE.to_owned(),
+        terms: 0,
+        layers: 0,
+        kernel: "none".to_owned(),
+        wavelengths: 0.0,
+        samples: 0.0,
+        frame_ms: times.frame.p50,
+        fastest_ms: times.frame.min,
+        gpu_ms: times.gpu.p50,
+        spread: times.spread,
+        relative_l2: errors.relative_l2,
+        p99: errors.p99,
+        flip: stage.seen(&picture, &pixels, exact),
+    }))
 }
 
 /// A short name of everything that two runs have to share for their rows to be comparable.

@@ -130,6 +130,15 @@ impl Painter {
         Ok(best)
     }
 
+    /// From now on shades as a classical grating shader does, by [`PixelPass::grating`].
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn shade_as_grating(&mut self, axis: [f32; 2], period: f32, strength: f32) -> Result<()> {
+        self.shade = PixelPass::grating(&self.device, &self.resources.descriptors, axis, period, strength)?;
+        Ok(())
+    }
+
     /// The wavelength combs that the pictures use.
     pub fn combs(&self) -> &Combs {
         &self.resources.combs
