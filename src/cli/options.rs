@@ -239,7 +239,8 @@ fn basis(text: &str) -> Result<Basis> {
     })
 }
 
-fn tolerance(text: &str) -> Result<f64> {
+/// A relative error.
+pub fn tolerance(text: &str) -> Result<f64> {
     real(text, TOLERANCES, "tolerance")
 }
 

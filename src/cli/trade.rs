@@ -1,6 +1,6 @@
 //! `diffract trade`: speed against accuracy, measured over many settings.
 
-use super::options::{DeviceOptions, SurfaceOptions, check_lights, coherence, ior};
+use super::options::{DeviceOptions, SurfaceOptions, check_lights, coherence, ior, real, tolerance};
 use super::stage::{Stage, shown};
 use super::{prepare, profile, say, write};
 use crate::error::{Error, Result};
@@ -23,6 +23,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Examples:
   diffract trade --quick -o trade
   diffract trade sphere --surface blaze -o trade
+  diffract trade --fps 15 --tolerance 1e-2 -o trade    the last line is the setting that keeps both
 
 The folder gets trade.csv, trade.md, trade.svg and trade.png. A second run goes on where the first was stopped; \
 delete trade.csv to measure anew.")]
@@ -42,6 +43,12 @@ pub struct Arguments {
     /// A light instead of the scene's, in degrees from up and around it; up to four
     #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
     light: Vec<Light>,
+    /// Ask for the setting that keeps this relative L2 error
+    #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true)]
+    tolerance: Option<f64>,
+    /// Ask for the setting that keeps this frame rate
+    #[arg(long, value_name = "F", value_parser = fps, allow_hyphen_values = true)]
+    fps: Option<f64>,
     /// What surrounds the patch: gaussian:LENGTH or repeats:NxM
     #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
     coherence: Coherence,
@@ -62,6 +69,11 @@ pub struct Arguments {
 struct Words {
     #[command(flatten)]
     profile: profile::Arguments,
+}
+
+/// A frame rate.
+fn fps(text: &str) -> Result<f64> {
+    real(text, (1e-3, 1e5), "frame rate")
 }
 
 /// What a sweep leaves.
@@ -127,7 +139,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let figure = trade::figure(&rows, "Speed against accuracy", &heading);
     figure.save(&file("trade.svg"))?;
     figure.save(&file("trade.png"))?;
-    write::stdout(&format!("{heading}\n{}", trade::advice(&rows)))
+    let asked = match (arguments.tolerance, arguments.fps) {
+        (None, None) => String::new(),
+        (error, fps) => trade::wanted(&rows, error, fps),
+    };
+    write::stdout(&format!("{heading}\n{}{asked}", trade::advice(&rows)))
 }
 
 /// The settings of a sweep: each basis over tolerances, and off the beaten path by terms and by wavelengths.

@@ -98,6 +98,37 @@ pub fn advice(rows: &[Row]) -> String {
     lines.join("\n") + "\n"
 }
 
+/// The setting for who asks for an error, a frame rate or both: the fastest that keeps the error, the most accurate that
+/// keeps the rate. Where no setting keeps both, that is said, with the nearest on either side.
+pub fn wanted(rows: &[Row], error: Option<f64>, fps: Option<f64>) -> String {
+    let own = || rows.iter().filter(|row| row.series != BASELINE);
+    let (error_kept, rate_kept) = (
+        |row: &&Row| error.is_none_or(|e| row.relative_l2 <= e),
+        |row: &&Row| fps.is_none_or(|f| row.fps() >= f),
+    );
+    let fastest = own().filter(error_kept).min_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms));
+    let finest = own().filter(rate_kept).min_by(|a, b| a.relative_l2.total_cmp(&b.relative_l2));
+    let both = own().filter(error_kept).filter(rate_kept);
+    // With a rate to keep, what is left over goes into accuracy; without one, into speed.
+    let best = match fps {
+        Some(_) => both.min_by(|a, b| a.relative_l2.total_cmp(&b.relative_l2)),
+        None => both.min_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms)),
+    };
+    let said = |row: &Row| format!("{} (error {:.1e}, {:.2} fps)", row.flags, row.relative_l2, row.fps());
+    if let Some(row) = best {
+        return format!("asked for: {}\n", said(row));
+    }
+    let side = |name: &str, row: Option<&Row>| match row {
+        Some(row) => format!("; {name}: {}", said(row)),
+        None => String::new(),
+    };
+    let nearest = [
+        side("the fastest that keeps the error", fastest.filter(|_| error.is_some())),
+        side("the most accurate that keeps the rate", finest.filter(|_| fps.is_some())),
+    ];
+    format!("asked for: no measured setting does it here{}\n", nearest.concat())
+}
+
 /// The rows as CSV.
 ///
 /// # Errors
@@ -236,6 +267,21 @@ mod tests {
         assert!(lines[0].contains("--a") && lines[1].contains("--b") && lines[4].contains("--c"), "{said}");
         assert!(lines[5].starts_with("15 fps: --b") && lines[6].starts_with("60 fps: --a"), "{said}");
         assert!(advice(&rows[2..]).contains("no setting is so fast here"));
+    }
+
+    #[test]
+    fn what_is_asked_for_is_kept_or_refused_with_the_nearest() {
+        let rows = [row("--a", 10.0, 5e-2), row("--b", 60.0, 2e-3), row("--c", 500.0, 5e-4)];
+        assert!(wanted(&rows, Some(1e-2), None).starts_with("asked for: --b "));
+        assert!(wanted(&rows, None, Some(1.0)).starts_with("asked for: --c "));
+        assert!(wanted(&rows, Some(1e-2), Some(1.0)).starts_with("asked for: --c "));
+        assert!(wanted(&rows, Some(1e-2), Some(10.0)).starts_with("asked for: --b "));
+        let neither = wanted(&rows, Some(1e-3), Some(50.0));
+        assert!(
+            neither.contains("no measured setting") && neither.contains("--c") && neither.contains("--a"),
+            "{neither}"
+        );
+        assert_eq!(wanted(&rows, None, Some(1e6)), "asked for: no measured setting does it here\n");
     }
 
     #[test]

@@ -117,6 +117,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--surface", &[NO_NUMBER, &["nothing", "nothing.png", ".", "/dev/zero", "q.csv", "grey.png/x.png"]]),
     ("--device", &[&["", " ", "nothing", "7", "-1", "99999999999999999999", "\n"]]),
     ("--folder", &[&["", "/dev/null", "grey.png", "grey.png/trade"]]),
+    ("--fps", &[NO_NUMBER, &["0", "-15", "1e6", "15fps"]]),
     ("--explain", &[&["--explain"]]), // twice
     ("--quick", &[&["--quick"]]),     // twice
     ("--queries", &[&["", "nothing.csv", ".", "/dev/zero", "grey.png"]]),
