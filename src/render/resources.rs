@@ -138,7 +138,11 @@ impl Resources {
         let levels = Sampler::trilinear(device, "colour table sampler")?;
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        // What is read of the layers, by the probe, is the table.
         let optics = OpticsBlock {
+            texture_size: [grid.side as f32; 2],
+            origin: [grid.side as f32 / 2.0; 2],
+            pairs: grid.layers() as i32,
             sigma: table.sigma as f32,
             normal_reflectance: schlick(shading.ior, 1.0) as f32,
             ..OpticsBlock::default()

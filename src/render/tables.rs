@@ -33,7 +33,7 @@ pub fn coefficient_table(layers: &Layers) -> Table {
 
 /// Share of the tolerance that goes to the sum over wavelengths; with those of the layers (0.7 for reading between texels,
 /// 0.35 for the expansion) the squares add up to one.
-const QUADRATURE_SHARE: f64 = 0.6;
+pub const QUADRATURE_SHARE: f64 = 0.6;
 
 /// Wavelength combs as the shaders read them.
 #[derive(Clone, Debug)]

@@ -16,4 +16,5 @@ mod render;
 mod sandbox;
 mod surface;
 mod table;
+mod trade;
 mod usage;

@@ -12,7 +12,7 @@ use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
 /// Share of the tolerance that goes to interpolating in w.
-const NODE_SHARE: f64 = 0.4;
+pub const NODE_SHARE: f64 = 0.4;
 /// Nodes of a piece, and coefficients: one texel holds those of a channel.
 pub const NODES: usize = 4;
 /// Most pieces.
