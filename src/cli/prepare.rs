@@ -44,7 +44,7 @@ pub fn layers(field: &HeightField, shading: &Shading, shortest: f64, device: &De
     let settings = Settings {
         sigma: length / 4.0,
         shortest_wavelength: shortest,
-        tolerance: shading.tolerance,
+        budget: shading.budget(),
         basis: shading.basis,
         terms: shading.terms,
         memory_limit,

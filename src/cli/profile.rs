@@ -13,6 +13,7 @@ use crate::precompute::Layers;
 use crate::render::frame::View;
 use crate::render::picture::Painter;
 use crate::render::resources::Pigment;
+use crate::render::shading::{Purpose, Shading};
 use crate::scene::{Light, Scene};
 use crate::units;
 use crate::vk::device::Device;
@@ -101,7 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.json {
         output::check(path)?;
     }
-    let shading = arguments.optics.shading(&arguments.colour)?;
+    let shading = Shading { purpose: Purpose::Picture, ..arguments.optics.shading(&arguments.colour)? };
     let scene = Scene::open(&arguments.scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
     let device = prepare::device(&arguments.device.wish())?;
@@ -156,7 +157,7 @@ fn report(
         tolerance: arguments.optics.tolerance,
         terms: layers.terms,
         layers: layers.pairs(),
-        kernel: format!("{:?}", layers.interpolation.kernel).to_lowercase(),
+        kernel: layers.interpolation.name(),
         wavelengths: cost.wavelengths_per_pixel(),
         covered: cost.covered as f64 / pixels as f64,
         gpu_ms: times.gpu.into(),

@@ -12,7 +12,7 @@ use crate::render::frame::View;
 use crate::render::picture::{Painter, Picture};
 use crate::render::reference_picture::reference_picture;
 use crate::render::resources::Pigment;
-use crate::render::shading::Shading;
+use crate::render::shading::{Purpose, Shading};
 use crate::scene::{Light, Scene};
 use crate::surface::HeightField;
 use crate::{input, output, units};
@@ -58,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let format = write::PictureFormat::of(&arguments.output)?;
     output::check(&arguments.output)?;
     check_lights(&arguments.light)?;
-    let shading = arguments.optics.shading(&arguments.colour)?;
+    let shading = Shading { purpose: Purpose::Picture, ..arguments.optics.shading(&arguments.colour)? };
     let scene = Scene::open(&arguments.scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
     let picture = draw(arguments, &scene, &field, &shading)?;

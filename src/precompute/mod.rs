@@ -7,4 +7,4 @@ pub mod kernel;
 pub mod layers;
 mod transform;
 
-pub use layers::{Layers, Settings, compute};
+pub use layers::{Budget, Layers, Settings, compute};

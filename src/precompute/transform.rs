@@ -126,11 +126,30 @@ impl Spectrum {
 
     /// At kept (column, row), the spectra A and B of the real and imaginary parts of the transformed function: both are
     /// Hermitian, so A(f) = (Z(f) + Z*(−f))/2 and B(f) = (Z(f) − Z*(−f))/2i.
-    pub fn split(&self, column: usize, row: usize) -> [Complex64; 2] {
+    fn split(&self, column: usize, row: usize) -> [Complex64; 2] {
         let z = self.at(column, row);
         let mirrored = self.at(self.columns - 1 - column, self.rows - 1 - row).conj();
         let half_difference = (z - mirrored) * 0.5;
         [(z + mirrored) * 0.5, Complex64::new(half_difference.im, -half_difference.re)]
+    }
+}
+
+/// The spectra of two functions of the height.
+#[derive(Debug)]
+pub enum Pair {
+    /// Of real functions, which are the real and the imaginary part of the one that was transformed.
+    Real(Spectrum),
+    /// Of complex functions.
+    Complex([Spectrum; 2]),
+}
+
+impl Pair {
+    /// Both at a kept column and row.
+    pub fn at(&self, column: usize, row: usize) -> [Complex64; 2] {
+        match self {
+            Self::Real(both) => both.split(column, row),
+            Self::Complex(each) => each.each_ref().map(|spectrum| spectrum.at(column, row)),
+        }
     }
 }
 
@@ -156,6 +175,15 @@ impl<'a> Transformer<'a> {
     /// Host memory that a transform takes at its worst \[bytes\]: all rows at the kept columns, and the kept spectrum.
     pub fn memory(x: &PaddedAxis, y: &PaddedAxis) -> u64 {
         ((y.samples + y.kept()) * x.kept() * size_of::<Complex64>()) as u64
+    }
+
+    /// The spectra of window · `value`(0 or 1, sample of the patch); real functions share one transform.
+    pub fn pair(&self, real: bool, value: impl Fn(usize, usize) -> Complex64 + Sync) -> Pair {
+        if real {
+            Pair::Real(self.spectrum(|i| Complex64::new(value(0, i).re, value(1, i).re)))
+        } else {
+            Pair::Complex([0, 1].map(|n| self.spectrum(|i| value(n, i))))
+        }
     }
 
     /// The spectrum of window · `value`(sample of the patch, by row and column), relative to the window's mirror peak.
@@ -226,8 +254,8 @@ mod tests {
         for (columns, rows) in [(7, 6), (6, 5)] {
             let heights: Vec<f64> = (0..columns * rows).map(|i| ((i * 37 % 11) as f64).sin() * 0.1).collect();
             let field = HeightField::new(columns, rows, [0.2, 0.3], heights).unwrap();
-            // Bilinear deapodisation is divided out again below: the plain window is what is compared.
-            let (sigma, kernel) = (1.0, Kernel::Bilinear);
+            // Linear deapodisation is divided out again below: the plain window is what is compared.
+            let (sigma, kernel) = (1.0, Kernel::Linear);
             let x = PaddedAxis::new(columns, 0.2, sigma, 10.0, kernel, 1.5, false);
             let y = PaddedAxis::new(rows, 0.3, sigma, 10.0, kernel, 1.5, true);
             let transformer = Transformer::new(&field, x, y);

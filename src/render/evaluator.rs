@@ -59,7 +59,8 @@ impl Evaluator {
         let answers = Buffer::new(device, "answers", bytes(16), storage, MemoryLocation::GpuToCpu)?;
         resources.descriptors.buffer(binding::QUERIES, &queries);
         resources.descriptors.buffer(binding::ANSWERS, &answers);
-        let pipeline = Pipeline::compute(device, shader!("eval.comp"), &resources.descriptors, 4)?;
+        let code = shader!("eval.comp").with(&resources.specialization);
+        let pipeline = Pipeline::compute(device, code, &resources.descriptors, 4)?;
         Ok(Self { commands: Commands::new(device, "evaluation")?, pipeline, queries, answers, resources })
     }
 

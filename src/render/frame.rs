@@ -1,6 +1,7 @@
 //! A frame: depth, shading, display. The same commands draw offscreen and to a window.
 
 use super::interface::FrameBlock;
+use super::resources::Resources;
 use super::target::{self, Geometry, Target};
 use super::{shader, upload};
 use crate::error::{Error, Result};
@@ -162,25 +163,27 @@ pub struct PixelPass {
 }
 
 impl PixelPass {
-    /// The pass that shades what the geometry pass found, over the layout of `descriptors`.
+    /// The pass that shades what the geometry pass found, with `resources`.
     ///
     /// # Errors
     /// Where the device refuses.
-    pub fn shading(device: &Arc<Device>, descriptors: &Descriptors) -> Result<Self> {
-        Self::new(device, shader!("diffraction.frag"), descriptors, 0)
+    pub fn shading(device: &Arc<Device>, resources: &Resources) -> Result<Self> {
+        Self::new(device, shader!("diffraction.frag"), resources, 0)
     }
 
     /// The pass that finds out how fast the device reads the layers; its push constant is the number of reads.
     ///
     /// # Errors
     /// Where the device refuses.
-    pub fn probe(device: &Arc<Device>, descriptors: &Descriptors) -> Result<Self> {
-        Self::new(device, shader!("probe.frag"), descriptors, 4)
+    pub fn probe(device: &Arc<Device>, resources: &Resources) -> Result<Self> {
+        Self::new(device, shader!("probe.frag"), resources, 4)
     }
 
-    fn new(device: &Arc<Device>, code: Code<'_>, descriptors: &Descriptors, push_bytes: u32) -> Result<Self> {
+    fn new(device: &Arc<Device>, code: Code<'_>, resources: &Resources, push_bytes: u32) -> Result<Self> {
         let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth: None };
         let vertex = shader!("display.vert");
+        let code = code.with(&resources.specialization);
+        let descriptors = &resources.descriptors;
         let pipeline = Pipeline::graphics(device, vertex, Some(code), &drawing, descriptors, push_bytes)?;
         Ok(Self { pipeline })
     }

@@ -15,7 +15,11 @@ mod upload;
 /// SPIR-V of a shader, by the name of its file.
 macro_rules! shader {
     ($name:literal) => {
-        ($name, include_bytes!(concat!(env!("OUT_DIR"), "/", $name, ".spv")).as_slice())
+        $crate::vk::pipeline::Code {
+            name: $name,
+            spirv: include_bytes!(concat!(env!("OUT_DIR"), "/", $name, ".spv")),
+            constants: &[],
+        }
     };
 }
 pub(crate) use shader;

@@ -72,7 +72,7 @@ impl Painter {
         Ok(Self {
             commands: Commands::new(device, "frame")?,
             find: GeometryPass::new(device, &resources.descriptors, &geometry)?,
-            shade: PixelPass::shading(device, &resources.descriptors)?,
+            shade: PixelPass::shading(device, &resources)?,
             geometry,
             display,
             target,
@@ -110,7 +110,7 @@ impl Painter {
     /// # Errors
     /// Where the device is lost.
     pub fn probe(&mut self, samples: u32) -> Result<f64> {
-        let pass = PixelPass::probe(&self.device, &self.resources.descriptors)?;
+        let pass = PixelPass::probe(&self.device, &self.resources)?;
         let target = &self.target;
         let mut best = f64::INFINITY;
         for _ in 0..5 {

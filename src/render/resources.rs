@@ -1,14 +1,13 @@
 //! What the optics needs on the device: the layers as a 2D-array texture, the tables, their descriptor set.
 
-use super::interface::{FrameBlock, OpticsBlock, binding, optics_bindings};
+use super::interface::{FrameBlock, OpticsBlock, binding, optics_bindings, specialization};
 use super::shading::Shading;
-use super::tables::{Combs, Table, coefficient_table};
+use super::tables::{Combs, Table};
 use super::target::Geometry;
 use super::upload;
 use crate::error::Result;
 use crate::optics::brdf::schlick;
 use crate::precompute::Layers;
-use crate::precompute::kernel::Kernel;
 use crate::scene::MAX_LIGHTS;
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::Descriptors;
@@ -43,6 +42,8 @@ pub struct Resources {
     pub frame: Buffer,
     /// Wavelength combs, for counting what a frame does.
     pub combs: Combs,
+    /// What the shaders of the optics are specialised for.
+    pub specialization: [u32; 7],
     // Held for the descriptor set; fields go in order, so it goes first.
     _images: [Image; 4],
     edge: Sampler,
@@ -56,21 +57,29 @@ impl Resources {
     /// # Errors
     /// Where the device has no room.
     pub fn new(device: &Arc<Device>, layers: &Layers, shading: &Shading, pigment: &Pigment) -> Result<Self> {
-        let combs = Combs::new(&shading.illuminant, layers.sigma, shading.tolerance, shading.wavelengths);
+        let combs = Combs::new(&shading.illuminant, layers.sigma, shading.quadrature(), shading.wavelengths);
         let float = vk::Format::R32G32B32A32_SFLOAT;
         let table = |name, table: &Table| {
             texture(device, name, float, table.size, None, bytemuck::cast_slice(&table.values))
         };
-        let pairs = layers.pairs() as u32;
+        let count = layers.count() as u32;
         let pigment_size = pigment.size.map(|n| n as usize);
         let images = [
-            texture(device, "layers", float, layers.size, Some(pairs), bytemuck::cast_slice(&layers.texels))?,
-            coefficients(device, layers)?,
+            texture(device, "layers", float, layers.size, Some(count), bytemuck::cast_slice(&layers.texels))?,
+            texture(
+                device,
+                "coefficients",
+                float,
+                [layers.coefficients.columns, 1],
+                Some(count),
+                bytemuck::cast_slice(&layers.coefficients.values),
+            )?,
             table("nodes", &combs.nodes)?,
             texture(device, "pigment", vk::Format::R8G8B8A8_SRGB, pigment_size, None, &pigment.texels)?,
         ];
         let edge = Sampler::linear(device, "table sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         let repeat = Sampler::linear(device, "pigment sampler", vk::SamplerAddressMode::REPEAT)?;
+        let specialization = specialization(layers);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let optics = optics_block(layers, shading.ior);
@@ -95,7 +104,16 @@ impl Resources {
         for number in [binding::QUERIES, binding::ANSWERS] {
             descriptors.buffer(number, &buffers[1]);
         }
-        Ok(Self { descriptors, frame, combs, _images: images, edge, _repeat: repeat, _buffers: buffers })
+        Ok(Self {
+            descriptors,
+            frame,
+            combs,
+            specialization,
+            _images: images,
+            edge,
+            _repeat: repeat,
+            _buffers: buffers,
+        })
     }
 }
 
@@ -114,7 +132,6 @@ impl Resources {
 
 /// The `Optics` block of `layers`.
 pub fn optics_block(layers: &Layers, ior: f64) -> OpticsBlock {
-    let columns = layers.coefficients.columns as f64;
     let pair = |v: [f64; 2]| v.map(|x| x as f32);
     OpticsBlock {
         texture_size: layers.size.map(|n| n as f32),
@@ -123,14 +140,11 @@ pub fn optics_block(layers: &Layers, ior: f64) -> OpticsBlock {
         band: pair(layers.band),
         sigma: layers.sigma as f32,
         normal_reflectance: schlick(ior, 1.0) as f32,
-        columns_per_z: (1.0 / (layers.coefficients.step * columns)) as f32,
-        first_column: (0.5 / columns) as f32,
-        kernel: match layers.interpolation.kernel {
-            Kernel::Bilinear => 0,
-            Kernel::Bspline => 1,
-        },
-        pairs: layers.pairs() as i32,
-        padding: [0; 2],
+        bands_per_z: (layers.z_bands as f64 / layers.z_max) as f32,
+        last_column: (layers.coefficients.columns - 1) as f32,
+        pairs_per_z: layers.pairs_needed.slope as f32,
+        fewest_pairs: layers.pairs_needed.fewest as f32,
+        padding: [0.0; 2],
     }
 }
 
@@ -149,11 +163,4 @@ fn texture(
     let image = Image::new(device, &Description { name, format, size, layers, array, usage })?;
     upload::image(device, &image, layers, data)?;
     Ok(image)
-}
-
-/// The coefficients, a layer for each pair of terms: neighbouring rows of one image could mix where a filter rounds.
-fn coefficients(device: &Arc<Device>, layers: &Layers) -> Result<Image> {
-    let Table { size: [columns, rows], values } = coefficient_table(layers);
-    let data = bytemuck::cast_slice(&values);
-    texture(device, "coefficients", vk::Format::R32G32B32A32_SFLOAT, [columns, 1], Some(rows as u32), data)
 }
