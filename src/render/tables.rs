@@ -1,7 +1,7 @@
 //! The small tables that the shaders read beside the layers, computed in f64.
 
 use super::interface::UV_BINS;
-use crate::optics::quadrature::{Ladder, Nodes, Rule};
+use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
 use crate::optics::spectrum::Illuminant;
 
 /// A table of four floats an entry, row by row: a texture.
@@ -26,10 +26,10 @@ impl Combs {
     /// Combs by [`Rule`] for a relative error of the colour of `tolerance`, or one of `wavelengths` nodes for every direction.
     pub fn new(illuminant: &Illuminant, sigma: f64, tolerance: f64, wavelengths: Option<usize>) -> Self {
         if let Some(count) = wavelengths {
-            let only = [Nodes::catmull_rom(illuminant, count)];
+            let only = [Nodes::catmull_rom(illuminant, count).into()];
             return Self { bins: vec![[0, count as i32]; UV_BINS], nodes: table(&only) };
         }
-        let rule = Rule::gaussian(sigma, tolerance);
+        let rule = Rule::gaussian(illuminant, sigma, tolerance);
         let levels = Ladder::new(illuminant, &rule).levels;
         let bins = (0..UV_BINS)
             .map(|bin| {
@@ -50,7 +50,7 @@ impl Combs {
     }
 }
 
-fn table(combs: &[Nodes]) -> Table {
+fn table(combs: &[Comb]) -> Table {
     let columns = combs.iter().map(|c| c.weights.len()).max().unwrap_or(1);
     let mut values = vec![[0.0; 4]; columns * combs.len()];
     for (row, comb) in values.chunks_mut(columns).zip(combs) {
@@ -59,9 +59,6 @@ fn table(combs: &[Nodes]) -> Table {
     Table { size: [columns, combs.len()], values }
 }
 
-fn rows(nodes: &Nodes) -> Vec<[f32; 4]> {
-    let row = |(j, w): (usize, &glam::DVec3)| {
-        [w.x as f32, w.y as f32, w.z as f32, (nodes.first + j as f64 * nodes.step) as f32]
-    };
-    nodes.weights.iter().enumerate().map(row).collect()
+fn rows(comb: &Comb) -> impl Iterator<Item = [f32; 4]> {
+    comb.weights.iter().zip(&comb.wavenumbers).map(|(w, &q)| [w.x as f32, w.y as f32, w.z as f32, q as f32])
 }
