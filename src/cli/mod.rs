@@ -12,6 +12,7 @@ mod range;
 mod render;
 mod surface;
 mod usage;
+mod words;
 mod write;
 
 use crate::error::{Error, Result};

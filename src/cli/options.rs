@@ -214,6 +214,15 @@ pub fn real(text: &str, range: (f64, f64), what: &str) -> Result<f64> {
     })
 }
 
+/// A length within `range` \[µm\], ends included; `what` it is stands in the error.
+pub fn length_within(text: &str, range: (f64, f64), what: &str) -> Result<f64> {
+    let length = units::length(text)?;
+    if (range.0..=range.1).contains(&length) {
+        return Ok(length);
+    }
+    Err(Error::usage(format!("`{text}` is no {what}"), format!("give {}um to {}um", range.0, range.1)))
+}
+
 fn whole(text: &str, range: (usize, usize), what: &str) -> Result<usize> {
     text.trim().parse::<usize>().ok().filter(|n| (range.0..=range.1).contains(n)).ok_or_else(|| {
         Error::usage(
@@ -269,7 +278,8 @@ fn bounded(text: &str, counts: [u32; 2], most: u32, what: &str) -> Result<[u32; 
     Err(Error::usage(format!("`{text}` are too many {what}"), format!("give at most {most}x{most}")))
 }
 
-fn coherence(text: &str) -> Result<Coherence> {
+/// What surrounds the patch, as the command line has it.
+pub fn coherence(text: &str) -> Result<Coherence> {
     const FORM: &str = "give gaussian:LENGTH as in gaussian:65um, or repeats:NxM as in repeats:3x3";
     match text.split_once(':') {
         Some(("gaussian", length)) => {

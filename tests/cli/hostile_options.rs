@@ -66,6 +66,24 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--angles", &[NO_NUMBER, NO_RANGE, &["30", "-91:0:1", "0:91:1", "0:1:1", "5:5:1", "-90:90:0.0001"]]),
     ("--theta-i", &[NO_NUMBER, &["90", "-90", "400", "30deg", "1,5"]]),
     ("--axis", &[&["", " ", "nan", "z", "X", "-x", "xy"]]),
+    (
+        "--compare",
+        &[&[
+            "",
+            " ",
+            "spectral",
+            "a,b",
+            "spectral,",
+            ",",
+            "spectral,reference,taylor",
+            "laser:3um,spectral",
+            "spectral,repeats:0x1",
+        ]],
+    ),
+    (
+        "--plot",
+        &[&["", "none/plot.png", ".", "/dev/null", "grey.png/plot.png", "plot.gif", "plot", "folder.png"]],
+    ),
     ("--order", &[NO_NUMBER, &["0", "-1", "1.5", "1001", "99999999999999999999"]]),
     ("--wavelength", &[NO_NUMBER, NO_LENGTH, &["5nm", "1mm", "400nmx500nm"]]),
     ("--ior", &[NO_NUMBER, &["0", "-1.5", "0.99", "11", "glass", "1,5", "1.5+0.1i"]]),
@@ -82,7 +100,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
         ],
     ),
     ("--size", &[NO_NUMBER, NO_COUNTS, &["16385x1", "1280 720"]]),
-    ("--windows", &[NO_NUMBER, NO_COUNTS, &["65x1", "2x2"]]), // 2x2: not with spectral
+    ("--windows", &[NO_NUMBER, NO_COUNTS, &["65x1"]]),
     (
         "--coherence",
         &[
