@@ -101,7 +101,9 @@ fn periods(arguments: &Arguments, found: &[Found]) -> Panel {
         if let (Some(mean), Some(deviation)) = (of.statistics.mean, of.statistics.deviation) {
             let (mean, deviation) = (mean * 1e3, deviation * 1e3);
             let edge = |x: f64| [x, mean - deviation, mean + deviation];
-            panel = panel.mark(Mark::Band { points: vec![edge(x.low), edge(x.high)], color });
+            if found.len() == 1 {
+                panel = panel.mark(Mark::Band { points: vec![edge(x.low), edge(x.high)], color });
+            }
             panel = panel.mark(Mark::dashed(vec![[x.low, mean], [x.high, mean]], color));
         }
         let dots = Mark::Points { points: at, color, shape: Shape::Disc, radius: 2.2 };
@@ -117,7 +119,7 @@ fn caption(arguments: &Arguments, field: &HeightField, found: &[Found]) -> Strin
     let name = arguments.surface_name.as_deref().or(arguments.surface.surface.as_deref()).unwrap_or("elaphe");
     let lines: Vec<String> = found.iter().map(|of| format!("Order {}: {}.", of.order, of.line())).collect();
     format!(
-        "{}; light from θ = {}° in the plane of N and {}. {} Dashed lines and bands: mean and standard \
+        "{}; light from θ = {}° in the plane of N and {}. {} Right: dashed lines are the means, a band the standard \
          deviation.\n{}",
         words::surface(name, field),
         arguments.theta_i,
