@@ -2,22 +2,22 @@
 
 use super::options::{
     ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, check_lights, exposure, lights_of,
+    sample_pixels,
 };
 use super::{prepare, write};
 use crate::error::{Error, Result};
+use crate::measure::error;
 use crate::optics::coherence::Coherence;
-use crate::optics::color;
 use crate::optics::spectrum::SHORTEST;
 use crate::render::frame::View;
 use crate::render::picture::{Painter, Picture};
-use crate::render::reference_picture::reference_picture;
+use crate::render::reference_picture::{self, displayed, reference_pixels};
 use crate::render::resources::Pigment;
 use crate::render::shading::Shading;
 use crate::scene::{Light, Scene};
 use crate::surface::HeightField;
 use crate::{input, output, units};
 use clap::Args;
-use glam::DVec3;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -43,6 +43,9 @@ pub struct Arguments {
     /// A light instead of the scene's, in degrees from up and around it; up to four
     #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
     light: Vec<Light>,
+    /// Shade only so many random pixels of those that the mesh covers (--method reference only)
+    #[arg(long, value_name = "N", value_parser = sample_pixels, allow_hyphen_values = true)]
+    sample_pixels: Option<usize>,
     #[command(flatten)]
     surface: SurfaceOptions,
     #[command(flatten)]
@@ -58,6 +61,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let format = write::PictureFormat::of(&arguments.output)?;
     output::check(&arguments.output)?;
     check_lights(&arguments.light)?;
+    if arguments.sample_pixels.is_some() && arguments.optics.method != Method::Reference {
+        return Err(Error::usage(
+            "--sample-pixels is for the reference picture only",
+            "add --method reference, or leave it away",
+        ));
+    }
     let shading = arguments.optics.shading(&arguments.colour)?;
     let scene = Scene::open(&arguments.scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
@@ -90,8 +99,9 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
         Painter::new(&device, &layers, shading, &scene.mesh, &pigment, arguments.size, view.lights.len())?;
     let exposure = arguments.exposure.unwrap_or(scene.exposure);
     let picture = if reference {
-        let radiance = reference_radiance(&mut painter, &view, field, shading)?;
-        displayed(arguments.size, radiance, exposure, scene.background)
+        let radiance = reference_radiance(&mut painter, &view, field, shading, arguments.sample_pixels)?;
+        let display = displayed(&radiance, exposure, scene.background);
+        Picture { size: arguments.size, radiance, display }
     } else {
         painter.paint(&view, exposure, scene.background)?
     };
@@ -105,34 +115,27 @@ fn reference_radiance(
     view: &View,
     field: &HeightField,
     shading: &Shading,
+    samples: Option<usize>,
 ) -> Result<Vec<[f32; 4]>> {
     prepare::warn_of_coarse_samples(field, SHORTEST);
     let directions =
         (0..view.lights.len()).map(|light| painter.directions(view, light)).collect::<Result<Vec<_>>>()?;
+    let mut pixels = reference_picture::covered(&directions);
+    if let Some(count) = samples {
+        pixels = error::sample(&pixels, count);
+    }
     let bar = prepare::progress_bar("pixels");
-    let radiance = reference_picture(field, shading, view, &directions, &|done, of| {
+    let colors = reference_pixels(field, shading, view, &directions, &pixels, &|done, of| {
         bar.set_length(of as u64);
         bar.set_position(done as u64);
         Ok(())
     });
     bar.finish_and_clear();
-    radiance
-}
-
-/// The display of `radiance` by the f64 twin of the display pass.
-fn displayed(size: [u32; 2], radiance: Vec<[f32; 4]>, exposure: f64, background: DVec3) -> Picture {
-    let display = radiance
-        .iter()
-        .map(|&[r, g, b, a]| {
-            let [r, g, b] = if a > 0.0 {
-                color::display(DVec3::new(r.into(), g.into(), b.into()), exposure)
-            } else {
-                color::display(background, 0.0)
-            };
-            [r, g, b, 255]
-        })
-        .collect();
-    Picture { size, radiance, display }
+    let mut radiance = vec![[0.0; 4]; directions.first().map_or(0, |seen| seen.view.len())];
+    for (pixel, color) in pixels.into_iter().zip(colors?) {
+        radiance[pixel] = color.as_vec3().extend(1.0).to_array();
+    }
+    Ok(radiance)
 }
 
 /// Largest side of a pigment texture \[pixels\].
