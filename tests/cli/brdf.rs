@@ -161,3 +161,87 @@ fn a_map_has_to_be_square_and_of_a_known_format() {
     let lights = ["--light", "1,1"].repeat(5);
     sandbox.run2(&["brdf", "flat", "-o", "m.png"], &lights).refused(2);
 }
+
+/// ∫ f cos θ_r dω_r of a map: cos θ dω is the area on the disc of direction cosines.
+fn albedo(map: &Map) -> f64 {
+    map.iter().map(|p| f64::from(p[0])).sum::<f64>() * (2.0 / SIDE as f64).powi(2)
+}
+
+#[test]
+fn the_energy_of_a_map_is_that_of_the_closed_forms() {
+    let sandbox = Sandbox::new();
+    let ask = |surface: &str| albedo(&map(&sandbox, surface, "0,0", &["--wavelength", "550nm"]));
+    // Schlick's reflectance at normal incidence; over the mirror's spot, 0.04 wide, G/w² and R hardly change.
+    let flat = ask("flat");
+    assert!((flat / 0.04 - 1.0).abs() < 5e-3, "{flat}");
+    // The orders of a sinusoid, d = 2 µm and a = 0.1 µm: R G/w² J_m²(k|w|a), with u = mλ/d.
+    let closed: f64 = (-3..=3)
+        .map(|m: i32| {
+            let (u, light) = (f64::from(m) * 0.55 / 2.0, 1.0);
+            let cos = (1.0 - u * u).sqrt();
+            let w = 1.0 + cos;
+            // (1 + ω_i·ω_r)²/(cos θ_i cos θ_r w²) is 1/cos θ_r at normal incidence; cos θ_h = |(u,v,w)|/2.
+            let reflectance = 0.04 + 0.96 * (1.0 - (u * u + w * w).sqrt() / 2.0).powi(5);
+            reflectance / (light * cos) * bessel(m, std::f64::consts::TAU / 0.55 * w * 0.1).powi(2)
+        })
+        .sum();
+    let sinusoid = ask("sinusoid");
+    assert!((sinusoid / closed - 1.0).abs() < 1e-2, "{sinusoid} {closed}");
+    assert!((sinusoid / flat - 1.0).abs() > 1e-2, "the check would take a mirror for a sinusoid");
+}
+
+/// J_m(x) = ∫ cos(mτ − x sin τ) dτ/2π, by the trapezoid rule, which is exact for a periodic function this smooth.
+fn bessel(m: i32, x: f64) -> f64 {
+    let term = |i: i32| {
+        let t = f64::from(i) * std::f64::consts::TAU / 64.0;
+        (f64::from(m) * t - x * t.sin()).cos()
+    };
+    (0..64).map(term).sum::<f64>() / 64.0
+}
+
+#[test]
+fn a_figure_says_angles_scale_and_settings_and_is_drawn_beside_the_map() {
+    let sandbox = Sandbox::new();
+    let ask = |more: &[&str]| {
+        let start = ["brdf", "blaze", "--light", "30,0", "--light", "50,120,2", "--plot", "m.svg"];
+        assert_eq!(sandbox.run2(&start, &[&WINDOW[..], more].concat()).done(), "");
+        String::from_utf8(sandbox.read("m.svg")).unwrap()
+    };
+    let one = ask(&["--wavelength", "550nm", "-o", "m.exr"]);
+    for words in [
+        "BRDF [sr⁻¹]",
+        "550 nm",
+        "60°",
+        "330°",
+        "sin θ = 0.2",
+        "gaussian 8 µm",
+        "intensity 2",
+        "blaze",
+        "Albedo",
+    ] {
+        assert!(one.contains(words), "{words}");
+    }
+    assert!(sandbox.path("m.exr").exists(), "the map itself is written, too");
+    let colour = ask(&["--exposure", "1"]);
+    assert!(colour.contains("Colour at +1 EV") && colour.contains("luminance"), "colour and its values");
+    assert_eq!(colour.matches("<image").count(), 3, "two maps and a colour bar");
+}
+
+#[test]
+fn compare_tells_methods_apart_from_equal_ones() {
+    let sandbox = Sandbox::new();
+    let deviation = |pair: &str| -> f64 {
+        let start = ["brdf", "blaze", "--light", "30,0", "--wavelength", "550nm", "--plot", "m.png"];
+        let outcome = sandbox.run2(&start, &[&["--compare", pair], &WINDOW[..]].concat());
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        let line = outcome.stderr.lines().last().unwrap_or_default().to_owned();
+        line.rsplit(' ').next().unwrap().parse().unwrap()
+    };
+    assert_eq!(deviation("spectral,spectral"), 0.0);
+    assert!((1e-9..1e-2).contains(&deviation("spectral,optimal")));
+    assert!((1e-9..1e-2).contains(&deviation("spectral,reference")));
+    assert!(deviation("gaussian:8um,gaussian:9um") > 1e-2);
+    let alone = ["brdf", "flat", "--light", "30,0", "-o", "m.png", "--compare", "spectral,reference"];
+    sandbox.run(alone).refused(2);
+    sandbox.run(["brdf", "flat", "--light", "30,0"]).refused(2);
+}
