@@ -10,6 +10,7 @@ mod prepare;
 mod profile;
 mod range;
 mod render;
+mod repeated;
 mod surface;
 mod usage;
 mod words;

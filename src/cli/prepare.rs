@@ -29,10 +29,21 @@ pub fn finish(device: &Device) -> Result<()> {
 pub fn layers(field: &HeightField, shading: &Shading, shortest: f64, device: &Device) -> Result<Layers> {
     let Coherence::Gaussian { length } = shading.coherence else {
         return Err(Error::usage(
-            "--method spectral does not do --coherence repeats yet",
+            "pictures by --method spectral do not do --coherence repeats",
             "use --coherence gaussian:LENGTH or --method reference",
         ));
     };
+    windowed_layers(field, shading, length / 4.0, shortest, device)
+}
+
+/// Layers of `field` under a Gaussian of standard deviation `sigma` \[µm\], or, where that is infinite, of one period alone.
+pub fn windowed_layers(
+    field: &HeightField,
+    shading: &Shading,
+    sigma: f64,
+    shortest: f64,
+    device: &Device,
+) -> Result<Layers> {
     if shading.windows != [1, 1] {
         return Err(Error::usage(
             "--method spectral does one window only",
@@ -42,7 +53,7 @@ pub fn layers(field: &HeightField, shading: &Shading, shortest: f64, device: &De
     warn_of_coarse_samples(field, shortest);
     let memory_limit = (device.candidate().memory as f64 * DEVICE_SHARE) as usize;
     let settings = Settings {
-        sigma: length / 4.0,
+        sigma,
         shortest_wavelength: shortest,
         tolerance: shading.tolerance,
         basis: shading.basis,

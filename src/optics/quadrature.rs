@@ -98,6 +98,11 @@ impl<'a> ColourDensity<'a> {
     }
 }
 
+/// S (x̄,ȳ,z̄)/∫Sȳdλ · |dλ/dq| at the wavenumber `q` \[µm⁻¹\]: the XYZ of a response that stands at one wavenumber alone.
+pub fn density(illuminant: &Illuminant, q: f64) -> DVec3 {
+    ColourDensity::new(illuminant).at(q)
+}
+
 /// How many nodes a direction needs for an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rule {

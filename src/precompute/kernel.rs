@@ -63,6 +63,20 @@ impl Kernel {
     }
 }
 
+impl Kernel {
+    /// The same for one period without a window, 1 over T and 0 beyond, on a padded length L = `ratio`·T ≥ T.
+    pub fn amplitude_error_of_patch(self, ratio: f64) -> f64 {
+        const STEPS: i32 = 1000;
+        const COPIES: i32 = 3;
+        let error = |i: i32| {
+            let x = ((f64::from(i) + 0.5) / f64::from(STEPS) - 0.5) / ratio;
+            let copies = (1..=COPIES).flat_map(|m| [f64::from(m), f64::from(-m)]);
+            copies.map(|m| (self.transform(x + m) / self.transform(x)).powi(2)).sum::<f64>()
+        };
+        (2.0 * (0..STEPS).map(error).sum::<f64>() / f64::from(STEPS)).sqrt()
+    }
+}
+
 /// A kernel and the padded length it needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interpolation {
@@ -80,6 +94,24 @@ const SPECKLE: f64 = 2.0 * 2.628;
 const MAX_BILINEAR_RATIO: f64 = 16.0;
 
 impl Interpolation {
+    /// The cheapest interpolation of the spectrum of one period without a window, with `ratio` = L/T, and its RMS relative
+    /// intensity error: at most `tolerance`, or as small as there is.
+    pub fn of_patch(tolerance: f64) -> (Self, f64) {
+        const MOST: [(Kernel, f64); 2] = [(Kernel::Bilinear, 6.0), (Kernel::Bspline, 16.0)];
+        let mut last = (Self { kernel: Kernel::Bspline, ratio: MOST[1].1 }, f64::INFINITY);
+        for (kernel, most) in MOST {
+            let mut ratio = 1.2;
+            while ratio <= most {
+                last = (Self { kernel, ratio }, SPECKLE * kernel.amplitude_error_of_patch(ratio));
+                if last.1 <= tolerance {
+                    return last;
+                }
+                ratio *= 1.02;
+            }
+        }
+        last
+    }
+
     /// The cheapest interpolation whose RMS relative intensity error over single directions and wavelengths is at most
     /// `tolerance`, or the finest there is, with 1.6e-6.
     pub fn for_tolerance(tolerance: f64) -> Self {

@@ -19,7 +19,8 @@ use std::f64::consts::PI;
 /// What the layers are made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Standard deviation of the Gaussian window \[µm\].
+    /// Standard deviation of the Gaussian window over the endless surface \[µm\]; infinite: one period alone, without a
+    /// window.
     pub sigma: f64,
     /// Shortest wavelength that will be asked for \[µm\].
     pub shortest_wavelength: f64,
@@ -107,7 +108,9 @@ fn plan(field: &HeightField, settings: &Settings, interpolation: Interpolation) 
     let samples = [field.columns(), field.rows()];
     let band = bands(field, settings.shortest_wavelength);
     // Whether it fits is known before the axes, which are as long as the window, are made.
-    let texels = |axis: usize| 2.0 * band[axis] * interpolation.ratio * settings.sigma;
+    let patch = field.patch_size();
+    let extent = |axis: usize| if settings.sigma.is_finite() { settings.sigma } else { patch[axis] };
+    let texels = |axis: usize| 2.0 * band[axis] * interpolation.ratio * extent(axis);
     let bytes = texels(0) * texels(1) / 2.0 * 8.0 * settings.terms.unwrap_or(2) as f64;
     if bytes > settings.memory_limit as f64 {
         return Err(too_large(bytes, settings));
@@ -182,8 +185,14 @@ pub fn compute(
             .find(|&n| settings.basis != Basis::Optimal && expansion.truncation_bound(z_max, n) <= enough)
             .unwrap_or(expansion.most_terms()),
     };
-    let interpolation = Interpolation::for_tolerance(settings.tolerance * INTERPOLATION_SHARE);
-    if interpolation.relative_error() > settings.tolerance * INTERPOLATION_SHARE {
+    let share = settings.tolerance * INTERPOLATION_SHARE;
+    let (interpolation, interpolation_error) = if settings.sigma.is_finite() {
+        let gaussian = Interpolation::for_tolerance(share);
+        (gaussian, gaussian.relative_error())
+    } else {
+        Interpolation::of_patch(share)
+    };
+    if interpolation_error > share {
         return Err(Error::failed(
             format!(
                 "spectra of any size that is sensible leave more than the tolerance {:.0e}",
@@ -250,7 +259,7 @@ pub fn compute(
         interpolation,
         errors: Errors {
             expansion: expansion_error,
-            interpolation: interpolation.relative_error(),
+            interpolation: interpolation_error,
             truncation_bound: expansion.truncation_bound(z_max, terms),
             rounding_bound: expansion.rounding_bound(z_max, F32_ROUNDOFF),
         },

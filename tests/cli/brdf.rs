@@ -245,3 +245,21 @@ fn compare_tells_methods_apart_from_equal_ones() {
     sandbox.run(alone).refused(2);
     sandbox.run(["brdf", "flat", "--light", "30,0"]).refused(2);
 }
+
+#[test]
+fn repeats_agree_with_the_reference_and_another_number_of_copies_does_not() {
+    let sandbox = Sandbox::new();
+    let ask = |copies: &str, more: &[&str]| -> Map {
+        let start =
+            ["brdf", "bumps", "--light", "30,0", "-o", "m.exr", "--size", "64x64", "--coherence", copies];
+        let own = ["--pixel-size", "180nm", "--wavelength", "760nm"];
+        let outcome = sandbox.run2(&start, &[&own[..], more].concat());
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        let picture = image::open(sandbox.path("m.exr")).unwrap().to_rgba32f();
+        picture.pixels().map(|p| p.0).collect()
+    };
+    let reference = ask("repeats:2x1", &["--method", "reference"]);
+    assert!(reference.iter().any(|p| p[0] > 0.1), "there is something to see");
+    assert!(deviation(&ask("repeats:2x1", &[]), &reference) < 1e-2);
+    assert!(deviation(&ask("repeats:3x1", &[]), &reference) > 0.1);
+}

@@ -118,7 +118,6 @@ const BAD: &[(&str, &[&[&str]])] = &[
                 "repeats:0x1",
                 "repeats:3",
                 "repeats:10001x1",
-                "repeats:3x3",
                 "laser:3um",
                 ":",
             ],
