@@ -248,7 +248,8 @@ fn basis(text: &str) -> Result<Basis> {
     })
 }
 
-fn tolerance(text: &str) -> Result<f64> {
+/// A relative error.
+pub fn tolerance(text: &str) -> Result<f64> {
     real(text, TOLERANCES, "tolerance")
 }
 
@@ -260,7 +261,8 @@ fn wavelengths(text: &str) -> Result<usize> {
     whole(text, WAVELENGTHS, "wavelengths")
 }
 
-fn ior(text: &str) -> Result<f64> {
+/// A refractive index.
+pub fn ior(text: &str) -> Result<f64> {
     real(text, IORS, "refractive index")
 }
 

@@ -15,6 +15,8 @@ use crate::vk::queries::Timestamps;
 use glam::DVec3;
 use std::sync::Arc;
 
+pub mod timing;
+
 /// Draws pictures of one mesh with one surface.
 pub struct Painter {
     commands: Commands,
@@ -104,12 +106,13 @@ impl Painter {
         Ok([times[0], times[1]])
     }
 
-    /// Milliseconds in which the device reads `samples` bilinear samples per pixel of the layers, neighbours for
-    /// neighbouring pixels, with nothing else to do: what it could reach.
+    /// Milliseconds in which the device reads `samples` bilinear samples per pixel of the layers with nothing else to do: what
+    /// it could reach, with neighbours for neighbouring pixels or, `scattered`, with a place of its own for each pixel.
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn probe(&mut self, samples: u32) -> Result<f64> {
+    pub fn probe(&mut self, samples: u32, scattered: bool) -> Result<f64> {
+        let push = [samples, u32::from(scattered)];
         let pass = PixelPass::probe(&self.device, &self.resources.descriptors)?;
         let target = &self.target;
         let mut best = f64::INFINITY;
@@ -117,7 +120,7 @@ impl Painter {
             self.commands.run(|record| {
                 record.reset(&self.timestamps);
                 record.timestamp(&self.timestamps, 0);
-                pass.record(record, target, &self.resources.descriptors, &samples.to_ne_bytes());
+                pass.record(record, target, &self.resources.descriptors, bytemuck::cast_slice(&push));
                 record.timestamp(&self.timestamps, 1);
                 record.timestamp(&self.timestamps, 2);
                 Ok(())
@@ -125,6 +128,15 @@ impl Painter {
             best = best.min(self.timestamps.intervals()?[0]);
         }
         Ok(best)
+    }
+
+    /// From now on shades as a classical grating shader does, by [`PixelPass::grating`].
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn shade_as_grating(&mut self, axis: [f32; 2], period: f32, strength: f32) -> Result<()> {
+        self.shade = PixelPass::grating(&self.device, &self.resources.descriptors, axis, period, strength)?;
+        Ok(())
     }
 
     /// The wavelength combs that the pictures use.

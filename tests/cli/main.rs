@@ -15,4 +15,5 @@ mod profile;
 mod render;
 mod sandbox;
 mod surface;
+mod trade;
 mod usage;
