@@ -39,9 +39,11 @@ fn stands(at: [f64; 2], expected: [f64; 2]) -> bool {
     (at[0] - expected[0]).hypot(at[1] - expected[1]) < 3.0 / SIDE as f64
 }
 
-/// ‖a − b‖/‖b‖ over all cells.
+/// ‖a − b‖/‖b‖ over all colours; alpha, equal by the contract, would only dilute it.
 fn deviation(a: &Map, b: &Map) -> f64 {
-    let pairs = || a.iter().flatten().zip(b.iter().flatten());
+    let colours = |map: &Map| map.iter().flat_map(|p| [p[0], p[1], p[2]]).collect::<Vec<f32>>();
+    let (a, b) = (colours(a), colours(b));
+    let pairs = || a.iter().zip(&b);
     let square = |x: f32| f64::from(x).powi(2);
     (pairs().map(|(a, b)| square(a - b)).sum::<f64>() / pairs().map(|(_, b)| square(*b)).sum::<f64>()).sqrt()
 }

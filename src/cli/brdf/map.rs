@@ -138,14 +138,19 @@ mod tests {
 
     #[test]
     fn a_map_of_one_over_pi_has_an_albedo_of_1_and_keeps_it_when_reduced() {
-        let side = 512;
+        let (side, white) = (512, std::f32::consts::FRAC_1_PI);
         let mut pixels = vec![[0.0; 4]; (side * side) as usize];
-        views(side, 0..side)
-            .for_each(|(place, _)| pixels[place] = [0.318_309_9, 0.318_309_9, 0.318_309_9, 1.0]);
+        views(side, 0..side).for_each(|(place, _)| pixels[place] = [white, white, white, 1.0]);
         let map = Map { side, pixels };
         assert!((map.albedo() - 1.0).abs() < 1e-3, "{}", map.albedo());
         let small = map.reduced(100);
         assert_eq!(small.side, 86);
-        assert!(small.values().iter().filter(|f| !f.is_nan()).all(|f| (f - 0.318_309_9).abs() < 1e-6));
+        assert!(
+            small
+                .values()
+                .iter()
+                .filter(|f| !f.is_nan())
+                .all(|f| (f - std::f64::consts::FRAC_1_PI).abs() < 1e-6)
+        );
     }
 }
