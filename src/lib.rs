@@ -16,4 +16,5 @@ pub mod render;
 pub mod scene;
 pub mod surface;
 pub mod units;
+pub mod viewer;
 pub mod vk;

@@ -1,7 +1,7 @@
 //! `diffract render`: a scene into a file.
 
 use super::options::{
-    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, check_lights, exposure, lights_of,
+    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions, check_lights,
 };
 use super::{prepare, write};
 use crate::error::{Error, Result};
@@ -13,13 +13,12 @@ use crate::render::picture::{Painter, Picture};
 use crate::render::reference_picture::reference_picture;
 use crate::render::resources::Pigment;
 use crate::render::shading::Shading;
-use crate::scene::{Light, Scene};
+use crate::scene::Scene;
 use crate::surface::HeightField;
-use crate::{input, output, units};
+use crate::{output, units};
 use clap::Args;
 use glam::DVec3;
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]
@@ -37,12 +36,8 @@ pub struct Arguments {
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "1280x720")]
     size: [u32; 2],
-    /// Exposure in stops, instead of the scene's
-    #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true)]
-    exposure: Option<f64>,
-    /// A light instead of the scene's, in degrees from up and around it; up to four
-    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
-    light: Vec<Light>,
+    #[command(flatten)]
+    view: ViewOptions,
     #[command(flatten)]
     surface: SurfaceOptions,
     #[command(flatten)]
@@ -57,9 +52,10 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let format = write::PictureFormat::of(&arguments.output)?;
     output::check(&arguments.output)?;
-    check_lights(&arguments.light)?;
+    check_lights(&arguments.view.light)?;
     let shading = arguments.optics.shading(&arguments.colour)?;
-    let scene = Scene::open(&arguments.scene)?;
+    let mut scene = Scene::open(&arguments.scene)?;
+    arguments.view.apply(&mut scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
     let picture = draw(arguments, &scene, &field, &shading)?;
     write::picture(&arguments.output, format, &picture)
@@ -83,17 +79,16 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
     } else {
         prepare::layers(field, shading, SHORTEST, &device)?
     };
-    let pigment = scene.pigment.as_deref().map(read_pigment).transpose()?;
-    let view = View { pigment: pigment.is_some(), ..View::of(scene, lights_of(&arguments.light, scene)) };
+    let pigment = scene.pigment.as_deref().map(Pigment::read).transpose()?;
+    let view = View { pigment: pigment.is_some(), ..View::of(scene, scene.lights.clone()) };
     let pigment = pigment.unwrap_or_else(Pigment::white);
     let mut painter =
         Painter::new(&device, &layers, shading, &scene.mesh, &pigment, arguments.size, view.lights.len())?;
-    let exposure = arguments.exposure.unwrap_or(scene.exposure);
     let picture = if reference {
         let radiance = reference_radiance(&mut painter, &view, field, shading)?;
-        displayed(arguments.size, radiance, exposure, scene.background)
+        displayed(arguments.size, radiance, scene.exposure, scene.background)
     } else {
-        painter.paint(&view, exposure, scene.background)?
+        painter.paint(&view, scene.exposure, scene.background)?
     };
     drop(painter);
     prepare::finish(&device)?;
@@ -133,26 +128,4 @@ fn displayed(size: [u32; 2], radiance: Vec<[f32; 4]>, exposure: f64, background:
         })
         .collect();
     Picture { size, radiance, display }
-}
-
-/// Largest side of a pigment texture \[pixels\].
-const MAX_PIGMENT: u32 = 8192;
-
-fn read_pigment(path: &Path) -> Result<Pigment> {
-    const EXPECTED: &str = "a PNG or TIFF picture for the pigment";
-    let mut bytes = Vec::new();
-    let file = input::open(path, EXPECTED, input::MAX_TEXT)?;
-    let bad = |e: &dyn std::fmt::Display| {
-        Error::failed(format!("it cannot be read as a picture ({e})"), format!("give {EXPECTED}"))
-            .at(path.display())
-    };
-    file.take(input::MAX_TEXT).read_to_end(&mut bytes).map_err(|e| bad(&e))?;
-    let mut reader =
-        image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().map_err(|e| bad(&e))?;
-    let mut limits = image::Limits::default();
-    limits.max_image_width = Some(MAX_PIGMENT);
-    limits.max_image_height = Some(MAX_PIGMENT);
-    reader.limits(limits);
-    let picture = reader.decode().map_err(|e| bad(&e))?.to_rgba8();
-    Ok(Pigment { size: [picture.width(), picture.height()], texels: picture.into_raw() })
 }

@@ -52,7 +52,7 @@ impl DeviceMesh {
 }
 
 /// What a frame shows.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// The camera.
     pub camera: Camera,

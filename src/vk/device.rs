@@ -164,6 +164,13 @@ impl Device {
         let _ = unsafe { self.raw.queue_wait_idle(*queue) };
     }
 
+    /// Whether the device is lost for good.
+    pub fn is_lost(&self) -> bool {
+        // SAFETY: the queue is locked.
+        let idle = self.with_queue(|queue| unsafe { self.raw.queue_wait_idle(queue) });
+        matches!(idle, Ok(Err(vk::Result::ERROR_DEVICE_LOST)))
+    }
+
     /// Takes memory for a resource called `name`.
     ///
     /// # Errors

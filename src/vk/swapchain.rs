@@ -28,7 +28,7 @@ pub struct Swapchain {
     raw: vk::SwapchainKHR,
     functions: khr::swapchain::Device,
     mode: vk::PresentModeKHR,
-    surface: Arc<Surface>,
+    _surface: Arc<Surface>,
     device: Arc<Device>,
 }
 
@@ -91,7 +91,7 @@ impl Swapchain {
             raw,
             functions,
             mode,
-            surface: surface.clone(),
+            _surface: surface.clone(),
             device: device.clone(),
         };
         device.name(raw, "swapchain");
@@ -104,6 +104,17 @@ impl Swapchain {
             own.drawn.push(Semaphore::new(device, "image drawn")?);
         }
         Ok(Shown::Done(Some(own)))
+    }
+
+    /// The format of every swapchain of `surface`.
+    ///
+    /// # Errors
+    /// Where the surface is lost or takes no format of ours.
+    pub fn format_of(device: &Device, surface: &Surface) -> Result<vk::Format> {
+        let formats = surface
+            .formats(device.candidate().raw)
+            .map_err(|c| failure("ask what the window can show", c))?;
+        format(&formats).map(|f| f.format)
     }
 
     /// The index of the next image to draw; `acquired` is signalled when it is free.
@@ -154,25 +165,11 @@ impl Swapchain {
         &self.drawn[index]
     }
 
-    /// Width and height.
-    pub fn size(&self) -> [u32; 2] {
-        self.images.first().map_or([0, 0], Image::size)
-    }
-
-    /// Format of the images.
-    pub fn format(&self) -> vk::Format {
-        self.images.first().map_or(vk::Format::UNDEFINED, Image::format)
-    }
-
     /// How it presents.
     pub fn mode(&self) -> vk::PresentModeKHR {
         self.mode
     }
 
-    /// The surface.
-    pub fn surface(&self) -> &Arc<Surface> {
-        &self.surface
-    }
 }
 
 impl Drop for Swapchain {
