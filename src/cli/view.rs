@@ -7,6 +7,7 @@ use super::{check_validation, validation};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::scene::Scene;
+use crate::surface::synth::Kind;
 use crate::units;
 use crate::viewer::{self, Start};
 use ash::vk;
@@ -26,7 +27,7 @@ pub struct Arguments {
     #[arg(default_value = "snake")]
     scene: String,
     /// Width and height of the window in pixels
-    #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "1280x720")]
+    #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "1280x800")]
     size: [u32; 2],
     /// Frames a second to keep up while something moves, by leaving work out
     #[arg(long, value_name = "N", value_parser = fps, allow_hyphen_values = true, default_value = "15")]
@@ -84,6 +85,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut scene = plain.clone();
     arguments.view.apply(&mut scene)?;
     let surface = arguments.surface.source(None, Some(&scene), "elaphe")?;
+    if Kind::from_name(&surface.name).is_none() {
+        surface.load()?; // a file that is none is told before a window opens
+    }
     let messages = viewer::run(Start {
         name: arguments.scene.clone(),
         scene,

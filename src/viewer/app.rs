@@ -114,10 +114,12 @@ impl ApplicationHandler<Event> for App {
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
         let Some(live) = &mut self.live else { return };
-        let wake = live.wake();
+        let mut wake = live.wake();
         if wake.is_some_and(|at| at <= Instant::now()) {
             live.request_redraw();
+            wake = None;
         }
+        let wake = wake.into_iter().chain(live.look()).min();
         events.set_control_flow(wake.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
     }
 }

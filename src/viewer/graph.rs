@@ -42,7 +42,7 @@ fn height(milliseconds: f64) -> f32 {
 
 /// Draws the graph with its band and its numbers.
 pub fn show(ui: &mut Ui, history: &History, budget: f64) {
-    const HEIGHT: f32 = 84.0;
+    const HEIGHT: f32 = 68.0;
     let (whole, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), egui::Sense::hover());
     let painter = ui.painter_at(whole);
     // Room for the labels of the axis.
@@ -53,13 +53,13 @@ pub fn show(ui: &mut Ui, history: &History, budget: f64) {
     painter.rect_filled(band, 0.0, style::BAND);
     let small = FontId::proportional(10.0);
     painter.text(
-        band.right_center() - vec2(5.0, 0.0),
-        Align2::RIGHT_CENTER,
-        "thesis: 5–15 fps",
+        rect.left_top() + vec2(6.0, 3.0),
+        Align2::LEFT_TOP,
+        "band: 5 to 15 fps of the thesis; dashes: budget",
         small.clone(),
         style::BAND_TEXT,
     );
-    for ms in [1.0, 10.0, 100.0, 1000.0] {
+    for ms in [10.0, 100.0, 1000.0] {
         let line = [pos2(rect.left(), y(ms)), pos2(rect.right(), y(ms))];
         painter.line_segment(line, Stroke::new(1.0, style::GRID));
         let name = if ms < 1000.0 { format!("{ms} ms") } else { "1 s".to_owned() };

@@ -32,6 +32,11 @@ use winit::window::Window;
 /// How long nothing has to move until it stands still.
 const STILL: Duration = Duration::from_millis(160);
 
+/// After a frame, the driver's own thread may read the display's connection and with it take events that the loop then does
+/// not see coming: for so long it looks every `LOOK`.
+const WATCHFUL: Duration = Duration::from_millis(500);
+const LOOK: Duration = Duration::from_millis(8);
+
 /// Where a picture goes that was asked for.
 struct Saving {
     stem: PathBuf,
@@ -58,6 +63,8 @@ pub struct Live {
     moved: Option<Instant>,
     saving: Vec<Saving>,
     wake: Option<Instant>,
+    // When the last frame was handed to the window.
+    presented: Instant,
     proxy: EventLoopProxy<Event>,
     device: Arc<Device>,
     window: Arc<Window>,
@@ -115,6 +122,7 @@ impl Live {
             moved: None,
             saving: Vec::new(),
             wake: None,
+            presented: Instant::now(),
             proxy,
             device,
             window,
@@ -154,9 +162,15 @@ impl Live {
         self.model.shown().command(&self.model.stage.scene, size, "picture.png")
     }
 
-    /// When something has to happen without an event.
+    /// When a frame has to be drawn without an event.
     pub fn wake(&self) -> Option<Instant> {
         self.wake
+    }
+
+    /// When to look for events that did not announce themselves.
+    pub fn look(&self) -> Option<Instant> {
+        let now = Instant::now();
+        (now < self.presented + WATCHFUL).then(|| now + LOOK)
     }
 
     /// Asks for a frame.
@@ -202,6 +216,7 @@ impl Live {
         let drawn = self.screen.draw(scenery.as_ref(), &mut painting);
         // What could not be uploaded is not needed any more: the program ends.
         painting.textures.clear();
+        self.presented = Instant::now();
         let area: [u32; 2] = self.window.inner_size().into();
         if !drawn? && !area.contains(&0) {
             self.window.request_redraw();
@@ -237,11 +252,13 @@ impl Live {
             self.before = self.model.settings.clone();
         }
         let still = self.moved.map(|at| at + STILL);
-        self.model.moving = still.is_some_and(|at| now < at);
+        let moving = still.is_some_and(|at| now < at);
+        if moving != self.model.moving {
+            self.model.moving = moving;
+            self.window.request_redraw();
+        }
         if self.model.moving {
             self.sooner(still);
-        } else if self.moved.take().is_some() {
-            self.window.request_redraw();
         }
         self.wish(false);
     }
@@ -486,7 +503,7 @@ impl Live {
                     Role::Coarse => model.coarse = Some(prepared),
                 }
             }
-            Report::Failed(role, _, error) => {
+            Report::Failed(role, error) => {
                 model.progress[role as usize] = None;
                 // Without coarse layers a moving picture has its resolution to give.
                 if role != Role::Coarse {

@@ -16,17 +16,19 @@ pub const WIDTH: f32 = 336.0;
 /// Width of the labels.
 const LABEL: f32 = 92.0;
 
-/// Shows the panel and changes `model` as the user says.
+/// Shows the panel and changes `model` as the user says: what it costs stays in sight, the rest scrolls.
 pub fn show(ui: &mut Ui, model: &mut Model) {
-    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-        ui.spacing_mut().item_spacing.y = 5.0;
-        scene(ui, model);
-        surface(ui, model);
-        optics(ui, model);
-        lights(ui, model);
-        compare(ui, model);
+    ui.spacing_mut().item_spacing.y = 4.0;
+    egui::Panel::bottom("costs").frame(egui::Frame::new()).show_separator_line(false).show(ui, |ui| {
         cost(ui, model);
         foot(ui, model);
+    });
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        scene(ui, model);
+        optics(ui, model);
+        compare(ui, model);
+        surface(ui, model);
+        lights(ui, model);
     });
 }
 
@@ -274,47 +276,53 @@ fn compare(ui: &mut Ui, model: &mut Model) {
 fn cost(ui: &mut Ui, model: &mut Model) {
     heading(ui, "What it costs");
     graph::show(ui, &model.history, model.pace.budget());
+    let mib = |bytes: f64| format!("{:.0} MiB", bytes / f64::from(1 << 20));
     rows(ui, "cost", |ui| {
-        if let Some(s) = model.history.summary() {
+        let frame = model.history.summary().map_or("none yet".to_owned(), |s| {
             let fps = 1e3 / s.p50.max(1e-3);
-            value(ui, "frame", format!("p50 {:.0} ms, p95 {:.0} ms, {fps:.1} fps", s.p50, s.p95));
-        }
+            format!("{} p50, {} p95, {fps:.1} fps", time(s.p50), time(s.p95))
+        });
+        value(ui, "frame", frame);
         if let Some(own) = &model.own {
-            let l = &own.layers;
-            let mib = (l.texels.len() * 4) as f64 / f64::from(1 << 20);
-            value(ui, "layers", format!("{} of {} × {}, {mib:.0} MiB", l.pairs(), l.size[0], l.size[1]));
-            value(ui, "terms", l.terms.to_string());
+            let (l, bytes) = (&own.layers, (own.layers.texels.len() * 4) as f64);
+            value(ui, "layers", format!("{} of {} × {} texels, {}", l.pairs(), l.size[0], l.size[1], mib(bytes)));
         }
-        if let Some(cost) = model.exhibit.as_ref().and_then(|e| e.cost) {
-            value(ui, "wavelengths", format!("{:.1} a covered pixel", cost.wavelengths));
-            value(ui, "samples", format!("{:.0} a covered pixel", cost.samples));
-            value(ui, "covered", format!("{:.0} % of {} × {}", cost.covered * 1e2, model.size[0], model.size[1]));
-        }
-        value(ui, "memory", format!("{:.0} MiB on the device", model.memory as f64 / f64::from(1 << 20)));
+        let cost = model.exhibit.as_ref().and_then(|e| e.cost);
+        let terms = model.own.as_ref().map_or(0, |own| own.layers.terms);
+        let counted = cost.map_or("not counted yet".to_owned(), |c| {
+            format!("{:.0} a pixel: {terms} terms, {:.0} wavelengths", c.samples, c.wavelengths)
+        });
+        value(ui, "samples", counted);
+        value(ui, "memory", format!("{} on the device", mib(model.memory as f64)));
         if let Some(own) = &model.own {
-            let e = &own.layers.errors;
-            let parts = format!("{} expansion, {} texels", percent(e.expansion), percent(e.interpolation));
-            value(ui, "error bound", bound(&own.shading.terms, &own.shading.wavelengths, own.shading.tolerance));
-            row(ui, "", |ui| {
-                ui.label(RichText::new(parts).small().color(style::FAINT));
-            });
+            let shading = &own.shading;
+            value(ui, "error bound", bound(&shading.terms, &shading.wavelengths, shading.tolerance));
         }
         row(ui, "measured", |ui| match model.verdict {
             Some(v) if v.done == v.of => {
                 ui.label(format!("{:.3} % over {} pixels", v.error * 1e2, v.of));
             }
             Some(v) => {
-                ui.label(format!("{:.3} % after {} of {}", v.error * 1e2, v.done, v.of));
+                ui.label(format!("{:.3} % after {} of {} pixels", v.error * 1e2, v.done, v.of));
             }
             None => {
-                model.wants.measure |= ui.small_button("measure  [E]").clicked();
+                model.wants.measure |= ui.small_button("against the f64 reference  [E]").clicked();
             }
         });
-        row(ui, "frame budget", |ui| {
+        row(ui, "budget", |ui| {
             ui.add(DragValue::new(&mut model.fps).speed(0.2).range(1.0..=240.0).max_decimals(1).suffix(" fps"));
             ui.checkbox(&mut model.continuous, "continuous");
         });
     });
+}
+
+/// Milliseconds, or seconds where they are many.
+fn time(milliseconds: f64) -> String {
+    match milliseconds {
+        ms if ms < 10.0 => format!("{ms:.1} ms"),
+        ms if ms < 1000.0 => format!("{ms:.0} ms"),
+        ms => format!("{:.1} s", ms * 1e-3),
+    }
 }
 
 /// The bound of a setting: the tolerance, unless the user has named numbers that it does not decide.
@@ -327,10 +335,9 @@ fn bound(terms: &Option<usize>, wavelengths: &Option<usize>, tolerance: f64) -> 
 }
 
 fn foot(ui: &mut Ui, model: &mut Model) {
-    heading(ui, "Device");
-    ui.label(RichText::new(&model.device).color(style::TEXT));
-    ui.label(RichText::new(format!("presents by {}", model.present)).small().color(style::FAINT));
-    ui.add_space(4.0);
+    ui.add_space(3.0);
+    let device = format!("{}; presents by {}", model.device, model.present);
+    ui.add(egui::Label::new(RichText::new(device).small().color(style::FAINT)).truncate());
     ui.horizontal(|ui| {
         if ui.button("Save  [S]").clicked() {
             model.wants.save = Some(false);
@@ -340,6 +347,5 @@ fn foot(ui: &mut Ui, model: &mut Model) {
             model.help |= ui.button("Keys  [F1]").clicked();
         });
     });
-    ui.add_space(6.0);
+    ui.add_space(2.0);
 }
-

@@ -250,7 +250,7 @@ impl Easel {
             None => (&mut self.own, &wish.own),
         };
         let size = wish.rung.size(wish.size);
-        let Some(mut gpu) = paint(&self.device, slot, prepared, wish, size, &mut go_on)? else {
+        let Some([mut gpu, mut wall]) = paint(&self.device, slot, prepared, wish, size, &mut go_on)? else {
             return Ok(moving.then(|| Word::TooSlow(wish.rung, milliseconds())));
         };
         let Some(left) = slot.as_ref().map(|s| s.painter.target().display.clone()) else { return Ok(None) };
@@ -259,7 +259,7 @@ impl Easel {
             let Some(more) = paint(&self.device, &mut self.other, other, wish, size, &mut go_on)? else {
                 return Ok(None);
             };
-            gpu += more;
+            (gpu, wall) = (gpu + more[0], wall + more[1]);
             let judged = if coarse.is_some() { &self.coarse } else { &self.own };
             if let (Some(a), Some(b)) = (judged, &self.other) {
                 right = match wish.compare {
@@ -278,7 +278,6 @@ impl Easel {
         } else {
             self.other = None;
         }
-        let wall = milliseconds();
         let inset = if wish.inset { self.hemisphere(wish)? } else { None };
         let cost = match wish.rung {
             Rung::Whole if !newer() => self.count(wish)?,
@@ -352,8 +351,8 @@ impl Easel {
     }
 }
 
-/// Draws `wish` from `prepared` into the painter of `slot`, which is made where it is not there; milliseconds on the device,
-/// or `None` where `go_on` said no.
+/// Draws `wish` from `prepared` into the painter of `slot`, which is made where it is not there; milliseconds on the device
+/// and on the wall, 0 for a frame that was there, or `None` where `go_on` said no.
 fn paint(
     device: &Arc<Device>,
     slot: &mut Option<Slot>,
@@ -361,7 +360,7 @@ fn paint(
     wish: &Wish,
     size: [u32; 2],
     go_on: &mut dyn FnMut() -> bool,
-) -> Result<Option<f64>> {
+) -> Result<Option<[f64; 2]>> {
     let lights = wish.view.lights.len();
     let fits = |s: &Slot| s.prepared.number == prepared.number && Arc::ptr_eq(&s.stage, &wish.stage);
     let slot = match slot {
@@ -385,17 +384,18 @@ fn paint(
         && (shown, *pixels, slot.painter.target().size()) == (view, size, wish.size)
     {
         if *at == exposure {
-            return Ok(Some(0.0));
+            return Ok(Some([0.0; 2]));
         }
         if slot.painter.display_again(size, exposure, background)? {
             slot.shown = Some((view.clone(), exposure, size));
-            return Ok(Some(0.0));
+            return Ok(Some([0.0; 2]));
         }
     }
     slot.shown = None;
+    let start = Instant::now();
     let gpu = slot.painter.draw_while(view, exposure, background, size, go_on)?;
-    if gpu.is_some() {
+    Ok(gpu.map(|gpu| {
         slot.shown = Some((view.clone(), exposure, size));
-    }
-    Ok(gpu)
+        [gpu, start.elapsed().as_secs_f64() * 1e3]
+    }))
 }

@@ -61,8 +61,8 @@ pub enum Report {
     },
     /// Layers are ready; beside them, what the user should know.
     Ready(Role, Arc<Prepared>, Option<String>),
-    /// A request cannot be met.
-    Failed(Role, u64, Error),
+    /// The newest request of a role cannot be met.
+    Failed(Role, Error),
 }
 
 #[derive(Default)]
@@ -154,7 +154,7 @@ fn run(shared: &Shared, device: &Candidate, report: &dyn Fn(Report)) {
                     // Given up for something more urgent: its turn comes again unless there is a newer one.
                     shared.requests()[request.role as usize].get_or_insert(request);
                 }
-                Err(e) => report(Report::Failed(request.role, request.number, e)),
+                Err(e) => report(Report::Failed(request.role, e)),
             }
         }
     }
@@ -247,7 +247,7 @@ mod tests {
         while !(ready.contains(&(Role::Own, 6)) && ready.contains(&(Role::Coarse, 1))) {
             match reports.recv_timeout(std::time::Duration::from_secs(60)).unwrap() {
                 Report::Ready(role, prepared, _) => ready.push((role, prepared.number)),
-                Report::Failed(_, number, e) => panic!("{number}: {e}"),
+                Report::Failed(_, e) => panic!("{e}"),
                 Report::Progress { .. } => {}
             }
         }
@@ -255,6 +255,6 @@ mod tests {
         assert!(own.is_sorted(), "{own:?}");
         worker.ask(request(Role::Own, 7, "nothing.png", 0.1));
         let refused = reports.recv_timeout(std::time::Duration::from_secs(60)).unwrap();
-        assert!(matches!(refused, Report::Failed(Role::Own, 7, _)));
+        assert!(matches!(refused, Report::Failed(Role::Own, _)));
     }
 }

@@ -7,6 +7,7 @@
 mod brdf;
 mod cache;
 mod devices;
+mod display;
 mod eval;
 mod hostile_files;
 mod hostile_options;
@@ -16,3 +17,4 @@ mod render;
 mod sandbox;
 mod surface;
 mod usage;
+mod view;
