@@ -7,7 +7,6 @@ use crate::render::reference_picture::reference_picture;
 use super::worker::Prepared;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::JoinHandle;
 
 /// Pixels that are judged.
 pub const PIXELS: usize = 300;
@@ -80,10 +79,9 @@ pub struct Verdict {
     pub error: f64,
 }
 
-/// A measurement in the background; dropping it ends it.
+/// A measurement in the background; dropping it ends it after the pixel at hand, which nobody waits for.
 pub struct Judge {
     stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
 }
 
 impl Judge {
@@ -102,10 +100,11 @@ impl Judge {
         let work = move || {
             let (mut difference, mut whole) = (0.0, 0.0);
             for (index, sample) in samples.iter().enumerate() {
+                let judged = against(&prepared, &view, sample);
                 if stopped.load(Ordering::Relaxed) {
                     return;
                 }
-                match against(&prepared, &view, sample) {
+                match judged {
                     Ok([d, w]) => {
                         difference += d;
                         whole += w;
@@ -116,19 +115,16 @@ impl Judge {
                 }
             }
         };
-        let thread = std::thread::Builder::new().name("reference".to_owned()).spawn(work).map_err(|e| {
+        std::thread::Builder::new().name("reference".to_owned()).spawn(work).map_err(|e| {
             Error::failed(format!("the system gives no thread ({e})"), "close other programs")
         })?;
-        Ok(Self { stop, thread: Some(thread) })
+        Ok(Self { stop })
     }
 }
 
 impl Drop for Judge {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join(); // it reports its errors itself
-        }
     }
 }
 

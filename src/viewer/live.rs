@@ -20,7 +20,7 @@ use crate::vk::device::Device;
 use crate::vk::instance::Instance;
 use crate::vk::surface::Surface;
 use ash::vk;
-use egui::{Rect, ViewportId};
+use egui::{Rect, TexturesDelta, ViewportId};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -52,6 +52,8 @@ pub struct Live {
     model: Model,
     screen: Screen,
     egui: egui_winit::State,
+    // What the last look at the panel left to draw.
+    painting: Painting,
     context: egui::Context,
     number: u64,
     // What was asked of the worker last, by role, with its number.
@@ -114,6 +116,7 @@ impl Live {
             model,
             screen,
             egui,
+            painting: Painting { primitives: Vec::new(), textures: TexturesDelta::default(), scale: 1.0 },
             context,
             number: 0,
             asked: [None, None, None],
@@ -146,8 +149,17 @@ impl Live {
             }
             _ => {}
         }
+        // Each press and each release is looked at for itself: where frames take longer than a click, all of it, and the
+        // drag before a release, would be over when the panel looks.
+        let button = matches!(event, WindowEvent::MouseInput { .. });
+        if button {
+            self.pass();
+        }
         if self.egui.on_window_event(&self.window, event).repaint {
             self.window.request_redraw();
+        }
+        if button {
+            self.pass();
         }
     }
 
@@ -182,6 +194,19 @@ impl Live {
     /// Runs the panel and draws a frame of the window.
     pub fn redraw(&mut self) -> Result<()> {
         self.wake = None;
+        self.pass();
+        let scenery = scenery(&self.model);
+        let drawn = self.screen.draw(scenery.as_ref(), &mut self.painting);
+        self.presented = Instant::now();
+        let area: [u32; 2] = self.window.inner_size().into();
+        if !drawn? && !area.contains(&0) {
+            self.window.request_redraw();
+        }
+        Ok(())
+    }
+
+    /// Runs the panel on the events so far, and does what follows from it.
+    fn pass(&mut self) {
         let input = self.egui.take_egui_input(&self.window);
         let context = self.context.clone();
         let mut picture = Rect::NOTHING;
@@ -195,7 +220,7 @@ impl Live {
         let output = context.run_ui(input, |ui| {
             hand::keys(ui, model);
             if model.panel {
-                let frame = egui::Frame::new().fill(style::PANEL).inner_margin(egui::Margin::symmetric(12, 6));
+                let frame = egui::Frame::new().fill(style::PANEL).inner_margin(egui::Margin::symmetric(12, 4));
                 egui::Panel::right("panel")
                     .exact_size(panel::WIDTH)
                     .resizable(false)
@@ -210,17 +235,9 @@ impl Live {
         let scale = output.pixels_per_point;
         self.model.size = [picture.width(), picture.height()].map(|n| (n.max(0.0) * scale).round() as u32);
         self.egui.handle_platform_output(&self.window, output.platform_output);
-        let primitives = context.tessellate(output.shapes, scale);
-        let mut painting = Painting { primitives, textures: output.textures_delta, scale };
-        let scenery = scenery(&self.model);
-        let drawn = self.screen.draw(scenery.as_ref(), &mut painting);
-        // What could not be uploaded is not needed any more: the program ends.
-        painting.textures.clear();
-        self.presented = Instant::now();
-        let area: [u32; 2] = self.window.inner_size().into();
-        if !drawn? && !area.contains(&0) {
-            self.window.request_redraw();
-        }
+        self.painting.primitives = context.tessellate(output.shapes, scale);
+        self.painting.textures.append(output.textures_delta);
+        self.painting.scale = scale;
         if let Some(root) = output.viewport_output.get(&ViewportId::ROOT) {
             match root.repaint_delay {
                 Duration::ZERO => self.window.request_redraw(),
@@ -228,7 +245,6 @@ impl Live {
             }
         }
         self.act();
-        Ok(())
     }
 
     fn sooner(&mut self, at: Option<Instant>) {
@@ -450,6 +466,12 @@ impl Live {
         if !again && self.wished.as_ref().is_some_and(|w| alike(w, &wish)) {
             return;
         }
+        let same_picture = |w: &Wish| w.view == wish.view && w.own.number == wish.own.number && w.size == wish.size;
+        if !self.wished.as_ref().is_some_and(same_picture) {
+            // A measured error belongs to the picture that it was measured on.
+            self.judge = None;
+            self.model.verdict = None;
+        }
         self.studio.wish(wish.clone());
         self.wished = Some(wish);
     }
@@ -496,6 +518,7 @@ impl Live {
                             model.applied = Settings { scene, ..settings.clone() };
                         }
                         model.own = Some(prepared);
+                        (model.coarse, self.asked[Role::Coarse as usize]) = (None, None);
                         model.pace.forget();
                         model.message = model.message.take().filter(|m| !m.bad);
                     }
@@ -565,6 +588,13 @@ impl Live {
             }
             Err(e) => self.model.complain(&e),
         }
+    }
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        // What was not uploaded is not needed any more.
+        self.painting.textures.clear();
     }
 }
 

@@ -143,7 +143,8 @@ impl Model {
     /// How much a frame does now.
     pub fn rung(&self) -> Rung {
         if !self.moving {
-            return Rung::Whole;
+            // The first picture of all comes at once, if coarsely.
+            return if self.exhibit.is_some() { Rung::Whole } else { Rung::Quarter };
         }
         self.pace.moving(self.coarse.is_some() && self.compare == Compare::Alone)
     }

@@ -304,9 +304,12 @@ impl Easel {
         {
             return Ok(Some(inset.clone()));
         }
-        // The coarse layers do for a picture of some thousand pixels.
-        let slot = self.coarse.as_mut().or(self.own.as_mut());
-        let Some(slot) = slot else { return Ok(None) };
+        let of = |slot: &&mut Slot, number: u64| slot.prepared.number == number;
+        let coarse = wish.coarse.as_ref().map(|p| p.number);
+        let own = self.own.as_mut().filter(|slot| of(slot, number));
+        // The coarse layers do for some thousand points.
+        let other = self.coarse.as_mut().filter(|slot| coarse.is_some_and(|number| of(slot, number)));
+        let Some(slot) = own.or(other) else { return Ok(None) };
         let inset = Arc::new(inset::hemisphere(&mut slot.painter, light)?);
         self.inset = Some((inset.clone(), number));
         Ok(Some(inset))

@@ -143,6 +143,7 @@ impl Display {
         std::thread::sleep(Duration::from_millis(300));
         self.connection.map_window(window).unwrap();
         self.connection.sync().unwrap();
+        self.window(); // what is hidden has lost the focus
     }
 
     fn send(&self, window: Window, kind: &str, data: [u32; 5]) {
