@@ -6,6 +6,7 @@
 pub mod cli;
 pub mod error;
 pub mod expansion;
+pub mod figure;
 pub mod input;
 pub mod measure;
 pub mod memory;

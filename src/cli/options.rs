@@ -22,6 +22,8 @@ const WAVELENGTHS: (usize, usize) = (4, 4096);
 const IORS: (f64, f64) = (1.0, 10.0);
 /// Coherence lengths that make a window: from less than a wavelength to a laser's.
 const COHERENCE_LENGTHS: (f64, f64) = (0.01, 1e5);
+/// Most pixels of a sample: every pixel of the largest picture.
+const MAX_SAMPLED: usize = 1 << 28;
 /// Most copies of the patch along an axis, and most windows.
 const MAX_REPEATS: u32 = 10_000;
 const MAX_WINDOWS: u32 = 64;
@@ -284,6 +286,11 @@ fn wavelengths(text: &str) -> Result<usize> {
 
 fn ior(text: &str) -> Result<f64> {
     real(text, IORS, "refractive index")
+}
+
+/// How many pixels are compared with the reference.
+pub fn sample_pixels(text: &str) -> Result<usize> {
+    whole(text, (1, MAX_SAMPLED), "pixels")
 }
 
 /// Exposure in stops.

@@ -2,21 +2,27 @@
 
 use super::options::{
     ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, check_lights, lights_of,
+    sample_pixels,
 };
 use super::{prepare, write};
 use crate::error::{Error, Result};
 use crate::measure::cost::Cost;
+use crate::measure::error::{self, PixelErrors};
 use crate::measure::profile::{Summary, Times, measure};
 use crate::optics::spectrum::SHORTEST;
 use crate::output;
 use crate::precompute::Layers;
 use crate::render::frame::View;
-use crate::render::picture::Painter;
+use crate::render::picture::{Directions, Painter};
+use crate::render::reference_picture::{covered, displayed, reference_pixels};
 use crate::render::resources::Pigment;
+use crate::render::shading::Shading;
 use crate::scene::{Light, Scene};
+use crate::surface::HeightField;
 use crate::units;
 use crate::vk::device::Device;
 use clap::Args;
+use glam::DVec3;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -43,6 +49,9 @@ pub struct Arguments {
     /// A light instead of the scene's, in degrees from up and around it; up to four
     #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
     light: Vec<Light>,
+    /// Compare so many random pixels with the f64 reference too, or `all`
+    #[arg(long, value_name = "N|all", value_parser = compared, allow_hyphen_values = true)]
+    error: Option<usize>,
     #[command(flatten)]
     surface: SurfaceOptions,
     #[command(flatten)]
@@ -51,6 +60,11 @@ pub struct Arguments {
     colour: ColourOptions,
     #[command(flatten)]
     device: DeviceOptions,
+}
+
+/// How many pixels `--error` means.
+fn compared(text: &str) -> Result<usize> {
+    if text.trim() == "all" { Ok(usize::MAX) } else { sample_pixels(text) }
 }
 
 /// The report, as JSON has it.
@@ -76,6 +90,10 @@ struct Report {
     sample_rate: f64,
     sample_rate_fraction: f64,
     spread: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<PixelErrors>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    flip: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -127,14 +145,54 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Ok(())
     })?;
     bar.finish_and_clear();
+    let (error, flip) = match arguments.error {
+        Some(count) => compare(&mut painter, &view, &field, &shading, &directions, &scene, count)?,
+        None => (None, None),
+    };
     drop(painter);
     prepare::finish(&device)?;
-    let report = report(arguments, &device, &layers, &cost, &times, pixels);
+    let report = Report { error, flip, ..report(arguments, &device, &layers, &cost, &times, pixels) };
     write::stdout(&text(&report))?;
     if let Some(path) = &arguments.json {
         write::json(path, &report)?;
     }
     Ok(())
+}
+
+/// Errors of what `painter` shows at `count` random pixels, and what an observer sees of them where that is every pixel.
+fn compare(
+    painter: &mut Painter,
+    view: &View,
+    field: &HeightField,
+    shading: &Shading,
+    directions: &[Directions],
+    scene: &Scene,
+    count: usize,
+) -> Result<(Option<PixelErrors>, Option<f64>)> {
+    let picture = painter.paint(view, scene.exposure, scene.background)?;
+    let pixels = error::sample(&covered(directions), count);
+    let bar = prepare::progress_bar("reference");
+    let exact = reference_pixels(field, shading, view, directions, &pixels, &|done, of| {
+        bar.set_length(of as u64);
+        bar.set_position(done as u64);
+        Ok(())
+    });
+    bar.finish_and_clear();
+    let shown = |&i: &usize| {
+        let [r, g, b, _] = picture.radiance[i];
+        DVec3::new(r.into(), g.into(), b.into())
+    };
+    let exact = exact?;
+    let errors = PixelErrors::of(&pixels.iter().map(shown).collect::<Vec<_>>(), &exact, scene.exposure);
+    let whole = count >= covered(directions).len();
+    let flip = whole.then(|| {
+        let mut radiance = vec![[0.0; 4]; picture.radiance.len()];
+        for (&pixel, color) in pixels.iter().zip(&exact) {
+            radiance[pixel] = color.as_vec3().extend(1.0).to_array();
+        }
+        error::flip(&picture.display, &displayed(&radiance, scene.exposure, scene.background), picture.size)
+    });
+    Ok((Some(errors), flip))
 }
 
 fn report(
@@ -168,6 +226,8 @@ fn report(
         sample_rate: times.sample_rate,
         sample_rate_fraction: reached / times.sample_rate,
         spread: times.spread,
+        error: None,
+        flip: None,
     }
 }
 
@@ -202,6 +262,18 @@ fn text(r: &Report) -> String {
             ),
         ),
     ];
+    if let Some(e) = &r.error {
+        lines.push((
+            "error",
+            format!(
+                "{:.1e} ± {:.0e} relative L2, 99 % of pixels within {:.1e} of their own value ({} pixels against f64)",
+                e.relative_l2, e.relative_l2_interval, e.p99, e.pixels
+            ),
+        ));
+    }
+    if let Some(flip) = r.flip {
+        lines.push(("seen", format!("FLIP {flip:.1e} (0 is no visible difference, 1 the largest)")));
+    }
     if r.spread > NOISY {
         lines.push((
             "warning",

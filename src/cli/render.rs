@@ -1,23 +1,22 @@
 //! `diffract render`: a scene into a file.
 
 use super::options::{
-    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions, check_lights,
+    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions, check_lights, sample_pixels,
 };
 use super::{prepare, write};
 use crate::error::{Error, Result};
+use crate::measure::error;
 use crate::optics::coherence::Coherence;
-use crate::optics::color;
 use crate::optics::spectrum::SHORTEST;
 use crate::render::frame::View;
 use crate::render::picture::{Painter, Picture};
-use crate::render::reference_picture::reference_picture;
+use crate::render::reference_picture::{self, displayed, reference_pixels};
 use crate::render::resources::Pigment;
 use crate::render::shading::Shading;
 use crate::scene::Scene;
 use crate::surface::HeightField;
 use crate::{output, units};
 use clap::Args;
-use glam::DVec3;
 use std::path::PathBuf;
 
 /// Arguments of `render`.
@@ -38,6 +37,9 @@ pub struct Arguments {
     size: [u32; 2],
     #[command(flatten)]
     view: ViewOptions,
+    /// Shade only so many random pixels of those that the mesh covers (--method reference only)
+    #[arg(long, value_name = "N", value_parser = sample_pixels, allow_hyphen_values = true)]
+    sample_pixels: Option<usize>,
     #[command(flatten)]
     surface: SurfaceOptions,
     #[command(flatten)]
@@ -53,6 +55,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let format = write::PictureFormat::of(&arguments.output)?;
     output::check(&arguments.output)?;
     check_lights(&arguments.view.light)?;
+    if arguments.sample_pixels.is_some() && arguments.optics.method != Method::Reference {
+        return Err(Error::usage(
+            "--sample-pixels is for the reference picture only",
+            "add --method reference, or leave it away",
+        ));
+    }
     let shading = arguments.optics.shading(&arguments.colour)?;
     let mut scene = Scene::open(&arguments.scene)?;
     arguments.view.apply(&mut scene)?;
@@ -85,8 +93,9 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
     let mut painter =
         Painter::new(&device, &layers, shading, &scene.mesh, &pigment, arguments.size, view.lights.len())?;
     let picture = if reference {
-        let radiance = reference_radiance(&mut painter, &view, field, shading)?;
-        displayed(arguments.size, radiance, scene.exposure, scene.background)
+        let radiance = reference_radiance(&mut painter, &view, field, shading, arguments.sample_pixels)?;
+        let display = displayed(&radiance, scene.exposure, scene.background);
+        Picture { size: arguments.size, radiance, display }
     } else {
         painter.paint(&view, scene.exposure, scene.background)?
     };
@@ -100,32 +109,25 @@ fn reference_radiance(
     view: &View,
     field: &HeightField,
     shading: &Shading,
+    samples: Option<usize>,
 ) -> Result<Vec<[f32; 4]>> {
     prepare::warn_of_coarse_samples(field, SHORTEST);
     let directions =
         (0..view.lights.len()).map(|light| painter.directions(view, light)).collect::<Result<Vec<_>>>()?;
+    let mut pixels = reference_picture::covered(&directions);
+    if let Some(count) = samples {
+        pixels = error::sample(&pixels, count);
+    }
     let bar = prepare::progress_bar("pixels");
-    let radiance = reference_picture(field, shading, view, &directions, &|done, of| {
+    let colors = reference_pixels(field, shading, view, &directions, &pixels, &|done, of| {
         bar.set_length(of as u64);
         bar.set_position(done as u64);
         Ok(())
     });
     bar.finish_and_clear();
-    radiance
-}
-
-/// The display of `radiance` by the f64 twin of the display pass.
-fn displayed(size: [u32; 2], radiance: Vec<[f32; 4]>, exposure: f64, background: DVec3) -> Picture {
-    let display = radiance
-        .iter()
-        .map(|&[r, g, b, a]| {
-            let [r, g, b] = if a > 0.0 {
-                color::display(DVec3::new(r.into(), g.into(), b.into()), exposure)
-            } else {
-                color::display(background, 0.0)
-            };
-            [r, g, b, 255]
-        })
-        .collect();
-    Picture { size, radiance, display }
+    let mut radiance = vec![[0.0; 4]; directions.first().map_or(0, |seen| seen.view.len())];
+    for (pixel, color) in pixels.into_iter().zip(colors?) {
+        radiance[pixel] = color.as_vec3().extend(1.0).to_array();
+    }
+    Ok(radiance)
 }

@@ -3,6 +3,7 @@
 use super::target::{self, Target};
 use super::{shader, window};
 use crate::error::Result;
+use crate::optics::color::DISPLAY_BLACK;
 use crate::vk::access::Access;
 use crate::vk::commands::Commands;
 use crate::vk::descriptors::Descriptors;
@@ -26,10 +27,6 @@ pub const STOPS: [[f32; 3]; 9] = [
     [0.667, 0.863, 0.196],
     [0.993, 0.906, 0.144],
 ];
-
-/// Part of the display's white below which an error counts against this, not against the radiance itself: what cannot be
-/// seen is not wrong.
-pub const FLOOR: f64 = 1e-3;
 
 /// The colour of a relative error, sRGB-encoded, from 1e-4 and less to 1 and more.
 pub fn color(error: f32) -> [f32; 3] {
@@ -86,7 +83,8 @@ impl DifferencePass {
         }
         self.descriptors.image(0, &judged.radiance, &self.sampler);
         self.descriptors.image(1, &judge.radiance, &self.sampler);
-        let floor = FLOOR * (-exposure).exp2();
+        // What a display shows as black is not wrong.
+        let floor = DISPLAY_BLACK / exposure.exp2();
         let push = background.as_vec3().extend(floor as f32).to_array();
         let image = &self.image;
         self.commands.run(|record| {

@@ -556,13 +556,14 @@ impl Live {
             }
             Word::TooSlow(rung, milliseconds) => self.model.pace.took(rung, 2.0 * milliseconds),
             Word::Picture(picture) => self.save(&picture),
-            Word::Samples(prepared, view, samples) => {
-                if samples.is_empty() {
+            Word::Samples(prepared, shown, samples) => {
+                if samples.radiance.is_empty() {
                     self.model.say("the mesh covers no pixel: there is nothing to measure");
                 } else {
                     let send = self.proxy.clone();
                     let say = move |verdict| drop(send.send_event(Event::Judge(verdict)));
-                    self.judge = Some(Judge::new(prepared, view, samples, say)?);
+                    let (view, exposure) = *shown;
+                    self.judge = Some(Judge::new(prepared, view, exposure, samples, say)?);
                 }
             }
             Word::Failed(e) if self.device.is_lost() => return Err(e),

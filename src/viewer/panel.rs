@@ -1,6 +1,7 @@
 //! The panel: what can be set, and what it costs.
 
 use super::compare::Compare;
+use super::judge::Verdict;
 use super::model::Model;
 use super::settings::Optics;
 use super::{graph, style};
@@ -299,11 +300,12 @@ fn cost(ui: &mut Ui, model: &mut Model) {
             value(ui, "error bound", bound(&shading.terms, &shading.wavelengths, shading.tolerance));
         }
         row(ui, "measured", |ui| match model.verdict {
-            Some(v) if v.done == v.of => {
-                ui.label(format!("{:.3} % over {} pixels", v.error * 1e2, v.of));
+            Some(Verdict::Found(e)) => {
+                let [error, interval] = [e.relative_l2, e.relative_l2_interval].map(|x| x * 1e2);
+                ui.label(format!("{error:.3} ± {interval:.3} % over {} pixels", e.pixels));
             }
-            Some(v) => {
-                ui.label(format!("{:.3} % after {} of {} pixels", v.error * 1e2, v.done, v.of));
+            Some(Verdict::Working(part)) => {
+                ui.label(format!("against the f64 reference, {:.0} %", part * 1e2));
             }
             None => {
                 model.wants.measure |= ui.small_button("against the f64 reference  [E]").clicked();

@@ -3,7 +3,7 @@
 
 use super::compare::Compare;
 use super::inset::{self, Inset};
-use super::judge::{self, Sample};
+use super::judge::{self, Samples};
 use super::pace::Rung;
 use super::worker::Prepared;
 use crate::error::{Error, Result};
@@ -108,7 +108,7 @@ pub enum Word {
     /// The picture that was asked for.
     Picture(Box<Picture>),
     /// The samples that were asked for.
-    Samples(Arc<Prepared>, View, Vec<Sample>),
+    Samples(Arc<Prepared>, Box<(View, f64)>, Samples),
     /// It cannot be drawn.
     Failed(Error),
 }
@@ -348,7 +348,7 @@ impl Easel {
             Errand::Picture(_) => Ok(Word::Picture(Box::new(slot.painter.picture()?))),
             Errand::Samples(wish) => {
                 let samples = judge::samples(&mut slot.painter, &wish.view)?;
-                Ok(Word::Samples(wish.own.clone(), wish.view.clone(), samples))
+                Ok(Word::Samples(wish.own.clone(), Box::new((wish.view.clone(), wish.exposure)), samples))
             }
         }
     }

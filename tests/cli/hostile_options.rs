@@ -126,6 +126,8 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--device", &[&["", " ", "nothing", "7", "-1", "99999999999999999999", "\n"]]),
     ("--queries", &[&["", "nothing.csv", ".", "/dev/zero", "grey.png"]]),
     ("--frames", &[NO_NUMBER, &["0", "2", "-3", "1e3", "100001"]]),
+    ("--sample-pixels", &[NO_NUMBER, &["0", "-3", "1.5", "1e3", "268435457", "10"]]), // 10: not with spectral
+    ("--error", &[NO_NUMBER, &["0", "-3", "1.5", "1e3", "268435457", "ALL", "some"]]),
     ("--json", &[&["", "none/out.json", ".", "/dev/null", "grey.png/out.json"]]),
     ("--output", &[&["", "none/out.png", ".", "..", "/", "/dev/null", "grey.png/out.png", "folder.png"]]),
 ];

@@ -1,0 +1,252 @@
+//! Draws a panel: where its coordinates lie on the page, what is around them, what is in them.
+
+use super::axis::Axis;
+use super::marks;
+use super::palette::{Color, FAINT, INK, PAPER, QUIET};
+use super::panel::{Frame, Panel};
+use super::raster::{self, Raster};
+use super::svg::{Anchor, Letters, Stroke, Svg};
+use super::text::{Weight, width};
+use crate::error::Result;
+use std::f64::consts::PI;
+
+/// Letters of titles, axis labels and ticks \[px\].
+pub(super) const TITLE: f64 = 15.0;
+const LABEL: f64 = 13.0;
+pub(super) const TICK: f64 = 12.0;
+/// Space between things \[px\].
+pub(super) const GAP: f64 = 8.0;
+/// Width of a colour bar \[px\].
+const BAR: f64 = 14.0;
+/// Lengths of ticks \[px\].
+const LONG: f64 = 5.0;
+const SHORT: f64 = 3.0;
+/// Pixels that a labelled tick of an axis takes.
+const PER_TICK: [f64; 2] = [85.0, 50.0];
+/// Half the width of a legend's sample \[px\].
+pub(super) const SAMPLE: f64 = 11.0;
+
+pub(super) fn letters(size: f64, color: Color, anchor: Anchor) -> Letters {
+    Letters { size, weight: Weight::Regular, color, anchor, upward: false }
+}
+
+/// A rectangle of the page.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Area {
+    pub(super) at: [f64; 2],
+    pub(super) size: [f64; 2],
+}
+
+impl Area {
+    pub(super) fn right(&self) -> f64 {
+        self.at[0] + self.size[0]
+    }
+    pub(super) fn bottom(&self) -> f64 {
+        self.at[1] + self.size[1]
+    }
+    /// The largest area of this height over width in the middle of it.
+    fn shaped(&self, height_per_width: f64) -> Self {
+        let width = self.size[0].min(self.size[1] / height_per_width);
+        let size = [width, width * height_per_width];
+        Self { at: [self.at[0] + (self.size[0] - size[0]) / 2.0, self.at[1]], size }
+    }
+}
+
+/// Draws `panel` within `area`.
+pub(super) fn panel(svg: &mut Svg, panel: &Panel, area: Area) -> Result<()> {
+    let top = heading(svg, panel, area);
+    let room = Area { at: [area.at[0], top], size: [area.size[0], area.bottom() - top] };
+    let plot = match panel.frame {
+        Frame::Box { equal } => {
+            let plot = inside_of_labels(panel, room);
+            let ratio = (panel.y.high - panel.y.low).abs() / (panel.x.high - panel.x.low).abs();
+            if equal { plot.shaped(ratio) } else { plot }
+        }
+        Frame::Hemisphere => {
+            let rim = TICK + GAP;
+            let bar = bar_room(panel);
+            let inner = [room.size[0] - 4.0 * rim - bar, room.size[1] - 2.0 * rim];
+            Area { at: [room.at[0] + 2.0 * rim, room.at[1] + rim], size: inner }.shaped(1.0)
+        }
+    };
+    if let Some(raster) = &panel.raster {
+        picture(svg, raster, plot)?;
+    }
+    match panel.frame {
+        Frame::Box { .. } => axes(svg, panel, plot),
+        Frame::Hemisphere => hemisphere(svg, plot),
+    }
+    for (mark, _) in &panel.marks {
+        marks::draw(svg, mark, panel, plot);
+    }
+    scale_bar(svg, panel, plot);
+    match panel.raster.as_ref().and_then(|r| r.scale.as_ref()) {
+        Some(scale) => {
+            let shift = if panel.frame == Frame::Hemisphere { 2.0 * (TICK + GAP) } else { 2.0 * GAP };
+            let at = [plot.right() + shift, plot.at[1]];
+            color_bar(svg, scale, Area { at, size: [BAR, plot.size[1]] })
+        }
+        None => Ok(()),
+    }
+}
+
+/// Title and legend; the y below them.
+fn heading(svg: &mut Svg, panel: &Panel, area: Area) -> f64 {
+    let mut y = area.at[1];
+    if !panel.title.is_empty() {
+        let title = Letters { weight: Weight::Strong, ..letters(TITLE, INK, Anchor::Start) };
+        svg.text([area.at[0], y + TITLE], &panel.title, title, None);
+        y += TITLE + 1.5 * GAP;
+    }
+    let mut x = area.at[0];
+    let names = panel.marks.iter().filter_map(|(mark, name)| name.as_ref().map(|name| (mark, name)));
+    let mut any = false;
+    for (mark, name) in names {
+        let own = 2.0 * SAMPLE + GAP + width(name, TICK, Weight::Regular);
+        if any && x + own > area.right() {
+            (x, y) = (area.at[0], y + TICK + GAP);
+        }
+        marks::sample(svg, mark, [x + SAMPLE, y + TICK * 0.6]);
+        svg.text([x + 2.0 * SAMPLE + GAP, y + TICK], name, letters(TICK, INK, Anchor::Start), None);
+        x += own + 2.5 * GAP;
+        any = true;
+    }
+    y + if any { TICK + 1.5 * GAP } else { 0.0 }
+}
+
+/// What of `room` is left when ticks, labels and a colour bar have theirs.
+fn inside_of_labels(panel: &Panel, room: Area) -> Area {
+    let widest = widest_tick(&panel.y, room.size[1]);
+    let left = widest + LONG + 0.5 * GAP + if panel.y.label.is_empty() { 0.0 } else { LABEL + GAP };
+    let below = LONG + TICK + GAP + if panel.x.label.is_empty() { 0.0 } else { LABEL + GAP };
+    let at = [room.at[0] + left, room.at[1] + 0.5 * TICK];
+    let right = bar_room(panel).max(1.5 * TICK);
+    Area { at, size: [room.size[0] - left - right, room.size[1] - below - 0.5 * TICK] }
+}
+
+fn widest_tick(axis: &Axis, length: f64) -> f64 {
+    let ticks = axis.ticks(wanted(length, 1));
+    ticks.iter().map(|t| width(&t.label, TICK, Weight::Regular)).fold(0.0, f64::max)
+}
+
+fn wanted(length: f64, axis: usize) -> usize {
+    (length / PER_TICK[axis]).max(2.0) as usize
+}
+
+/// The width that a colour bar takes beside the plot.
+fn bar_room(panel: &Panel) -> f64 {
+    panel
+        .raster
+        .as_ref()
+        .and_then(|r| r.scale.as_ref())
+        .map_or(0.0, |scale| 2.0 * GAP + BAR + LONG + widest_tick(&scale.axis, 300.0) + 2.0 * GAP + LABEL)
+}
+
+fn picture(svg: &mut Svg, raster: &Raster, plot: Area) -> Result<()> {
+    // Larger than its place, it has to be averaged; smaller, its pixels are what there is to see.
+    let smooth = raster.size[0] as f64 > plot.size[0] || raster.size[1] as f64 > plot.size[1];
+    svg.image(plot.at, plot.size, &raster.png()?, smooth);
+    Ok(())
+}
+
+/// Grid, frame, ticks and labels of a box.
+fn axes(svg: &mut Svg, panel: &Panel, plot: Area) {
+    let [left, top] = plot.at;
+    let (right, bottom) = (plot.right(), plot.bottom());
+    let frame = Stroke::new(INK, 1.0);
+    for tick in panel.x.ticks(wanted(plot.size[0], 0)) {
+        let x = left + panel.x.share(tick.value) * plot.size[0];
+        let long = !tick.label.is_empty();
+        if long && panel.raster.is_none() {
+            svg.line([x, top], [x, bottom], Stroke::new(FAINT, 1.0));
+        }
+        svg.line([x, bottom], [x, bottom + if long { LONG } else { SHORT }], frame);
+        svg.text([x, bottom + LONG + TICK], &tick.label, letters(TICK, QUIET, Anchor::Middle), None);
+    }
+    for tick in panel.y.ticks(wanted(plot.size[1], 1)) {
+        let y = bottom - panel.y.share(tick.value) * plot.size[1];
+        let long = !tick.label.is_empty();
+        if long && panel.raster.is_none() {
+            svg.line([left, y], [right, y], Stroke::new(FAINT, 1.0));
+        }
+        svg.line([left - if long { LONG } else { SHORT }, y], [left, y], frame);
+        let at = [left - LONG - 0.5 * GAP, y + 0.36 * TICK];
+        svg.text(at, &tick.label, letters(TICK, QUIET, Anchor::End), None);
+    }
+    svg.frame(plot.at, plot.size, frame);
+    let middle = letters(LABEL, INK, Anchor::Middle);
+    let below = bottom + LONG + TICK + GAP + LABEL;
+    svg.text([left + plot.size[0] / 2.0, below], &panel.x.label, middle, None);
+    let beside = left - LONG - 0.5 * GAP - widest_tick(&panel.y, plot.size[1]) - GAP;
+    let upward = Letters { upward: true, ..middle };
+    svg.text([beside, top + plot.size[1] / 2.0], &panel.y.label, upward, None);
+}
+
+/// Rings of polar angle and spokes of azimuth over the disc that fills `plot`.
+fn hemisphere(svg: &mut Svg, plot: Area) {
+    let radius = plot.size[0] / 2.0;
+    let centre = [plot.at[0] + radius, plot.at[1] + radius];
+    let quiet = Stroke { opacity: 0.35, ..Stroke::new(Color([0xa8, 0xb0, 0xb8]), 0.8) };
+    for theta in [15.0f64, 30.0, 45.0, 60.0, 75.0] {
+        svg.circle(centre, radius * theta.to_radians().sin(), None, quiet);
+    }
+    for spoke in 0..12 {
+        let (sin, cos) = (f64::from(spoke) * PI / 6.0).sin_cos();
+        let from = [centre[0] + 0.06 * radius * cos, centre[1] - 0.06 * radius * sin];
+        svg.line(from, [centre[0] + radius * cos, centre[1] - radius * sin], quiet);
+        let out = radius + GAP;
+        let anchor = if cos > 0.1 {
+            Anchor::Start
+        } else if cos < -0.1 {
+            Anchor::End
+        } else {
+            Anchor::Middle
+        };
+        let at = [centre[0] + out * cos, centre[1] - out * sin + TICK * (0.36 - 0.3 * sin)];
+        svg.text(at, &format!("{}°", spoke * 30), letters(TICK, QUIET, anchor), None);
+    }
+    svg.circle(centre, radius, None, Stroke::new(INK, 1.2));
+    // Along a spoke's gap, where no label of an axis stands.
+    let (sin, cos) = (75f64).to_radians().sin_cos();
+    for theta in [30.0f64, 60.0] {
+        let out = radius * theta.to_radians().sin();
+        let at = [centre[0] + out * cos, centre[1] - out * sin + 0.36 * TICK];
+        let text = letters(TICK - 1.0, PAPER, Anchor::Middle);
+        svg.text(at, &format!("{theta}°"), text, Some(INK));
+    }
+}
+
+/// A length in the lower left corner: within a box, beside the rim of a hemisphere.
+fn scale_bar(svg: &mut Svg, panel: &Panel, plot: Area) {
+    let Some((length, label)) = &panel.scale_bar else { return };
+    let long = length / (panel.x.high - panel.x.low).abs() * plot.size[0];
+    let [x, y] = match panel.frame {
+        Frame::Box { .. } => [plot.at[0] + 2.0 * GAP, plot.bottom() - 2.0 * GAP],
+        Frame::Hemisphere => [plot.at[0] - 2.0 * (TICK + GAP), plot.bottom() + 0.5 * GAP],
+    };
+    if panel.raster.is_some() && matches!(panel.frame, Frame::Box { .. }) {
+        svg.line([x - 1.0, y], [x + long + 1.0, y], Stroke::new(PAPER, 5.0));
+    }
+    svg.line([x, y], [x + long, y], Stroke::new(INK, 3.0));
+    svg.text([x, y - GAP], label, letters(TICK, INK, Anchor::Start), Some(PAPER));
+}
+
+fn color_bar(svg: &mut Svg, scale: &raster::ColorScale, area: Area) -> Result<()> {
+    svg.image(area.at, area.size, &raster::bar(scale).png()?, true);
+    svg.frame(area.at, area.size, Stroke::new(INK, 0.8));
+    for tick in scale.axis.ticks(wanted(area.size[1], 1)) {
+        if tick.label.is_empty() && !raster::is_log(scale) {
+            continue;
+        }
+        let y = area.bottom() - scale.axis.share(tick.value) * area.size[1];
+        let long = if tick.label.is_empty() { SHORT } else { LONG };
+        svg.line([area.right(), y], [area.right() + long, y], Stroke::new(INK, 0.8));
+        let at = [area.right() + LONG + 0.5 * GAP, y + 0.36 * TICK];
+        svg.text(at, &tick.label, letters(TICK, QUIET, Anchor::Start), None);
+    }
+    let widest = widest_tick(&scale.axis, area.size[1]);
+    let at = [area.right() + LONG + widest + 1.5 * GAP + 0.7 * LABEL, area.at[1] + area.size[1] / 2.0];
+    let upward = Letters { upward: true, ..letters(LABEL, INK, Anchor::Middle) };
+    svg.text(at, &scale.axis.label, upward, None);
+    Ok(())
+}

@@ -1,0 +1,207 @@
+//! The pieces of SVG that figures are made of. Lengths are pixels, y grows downward.
+
+use super::palette::Color;
+use super::text::{Weight, escape};
+use std::fmt::Write;
+
+/// Where a text begins, has its middle, or ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anchor {
+    /// At its left.
+    Start,
+    /// In its middle.
+    Middle,
+    /// At its right.
+    End,
+}
+
+/// How a text looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Letters {
+    /// Height of a line's letters \[px\].
+    pub size: f64,
+    /// How strong.
+    pub weight: Weight,
+    /// Its colour.
+    pub color: Color,
+    /// What of it stands at its place.
+    pub anchor: Anchor,
+    /// Turned counter-clockwise by a right angle.
+    pub upward: bool,
+}
+
+/// How a line looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// Its colour.
+    pub color: Color,
+    /// Its width \[px\].
+    pub width: f64,
+    /// Lengths of dashes and gaps \[px\]; `None` for a full line.
+    pub dash: Option<[f64; 2]>,
+    /// From 0, not seen, to 1.
+    pub opacity: f64,
+}
+
+impl Stroke {
+    /// A full line.
+    pub fn new(color: Color, width: f64) -> Self {
+        Self { color, width, dash: None, opacity: 1.0 }
+    }
+}
+
+/// An SVG that grows.
+#[derive(Clone, Debug, Default)]
+pub struct Svg {
+    body: String,
+    clips: usize,
+}
+
+impl Svg {
+    // Writing to a string cannot fail, so its results are let go below.
+
+    /// The whole file, for a page of `size` \[px\].
+    pub fn finish(self, size: [f64; 2], background: Color) -> String {
+        let [width, height] = size;
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
+             width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" font-family=\"{}\">\n\
+             <rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n{}</svg>\n",
+            super::text::FAMILY,
+            background.hex(),
+            self.body
+        )
+    }
+
+    /// A straight line.
+    pub fn line(&mut self, from: [f64; 2], to: [f64; 2], stroke: Stroke) {
+        self.path(&format!("M{:.2} {:.2}L{:.2} {:.2}", from[0], from[1], to[0], to[1]), stroke);
+    }
+
+    /// A line through `points`, broken where one is not finite.
+    pub fn polyline(&mut self, points: &[[f64; 2]], stroke: Stroke) {
+        let mut path = String::new();
+        let mut pen_down = false;
+        for [x, y] in points {
+            let finite = x.is_finite() && y.is_finite();
+            if finite {
+                let _ = write!(path, "{}{x:.2} {y:.2}", if pen_down { 'L' } else { 'M' });
+            }
+            pen_down = finite;
+        }
+        if !path.is_empty() {
+            self.path(&path, stroke);
+        }
+    }
+
+    /// The outline of a path in SVG's own words.
+    pub fn path(&mut self, path: &str, stroke: Stroke) {
+        let dash =
+            stroke.dash.map_or_else(String::new, |[on, off]| format!(" stroke-dasharray=\"{on} {off}\""));
+        let _ = writeln!(
+            self.body,
+            "<path d=\"{path}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-opacity=\"{}\" \
+             stroke-linejoin=\"round\"{dash}/>",
+            stroke.color.hex(),
+            stroke.width,
+            stroke.opacity
+        );
+    }
+
+    /// A filled polygon; none where a corner is not finite.
+    pub fn polygon(&mut self, corners: &[[f64; 2]], fill: Color, opacity: f64) {
+        if corners.is_empty() || corners.iter().flatten().any(|x| !x.is_finite()) {
+            return;
+        }
+        let points: Vec<String> = corners.iter().map(|[x, y]| format!("{x:.2},{y:.2}")).collect();
+        let _ = writeln!(
+            self.body,
+            "<polygon points=\"{}\" fill=\"{}\" fill-opacity=\"{opacity}\"/>",
+            points.join(" "),
+            fill.hex()
+        );
+    }
+
+    /// The outline of a rectangle of `size` at its upper left corner `at`.
+    pub fn frame(&mut self, at: [f64; 2], size: [f64; 2], stroke: Stroke) {
+        let _ = writeln!(
+            self.body,
+            "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{:.2}\" fill=\"none\" stroke=\"{}\" \
+             stroke-width=\"{}\"/>",
+            at[0],
+            at[1],
+            size[0],
+            size[1],
+            stroke.color.hex(),
+            stroke.width
+        );
+    }
+
+    /// A circle, filled or not.
+    pub fn circle(&mut self, centre: [f64; 2], radius: f64, fill: Option<Color>, stroke: Stroke) {
+        let _ = writeln!(
+            self.body,
+            "<circle cx=\"{:.2}\" cy=\"{:.2}\" r=\"{radius:.2}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"{}\" \
+             stroke-opacity=\"{}\"/>",
+            centre[0],
+            centre[1],
+            fill.map_or_else(|| "none".to_owned(), Color::hex),
+            stroke.color.hex(),
+            stroke.width,
+            stroke.opacity
+        );
+    }
+
+    /// A line of text whose baseline is at `at`. With `halo`, on whatever ground.
+    pub fn text(&mut self, at: [f64; 2], text: &str, letters: Letters, halo: Option<Color>) {
+        let anchor = match letters.anchor {
+            Anchor::Start => "start",
+            Anchor::Middle => "middle",
+            Anchor::End => "end",
+        };
+        let [x, y] = at.map(|x| format!("{x:.2}"));
+        let turn = if letters.upward { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
+        let mut put = |paint: &str| {
+            let _ = writeln!(
+                self.body,
+                "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\" font-weight=\"{}\" text-anchor=\"{anchor}\"{turn} \
+                 {paint}>{}</text>",
+                letters.size,
+                letters.weight.number(),
+                escape(text)
+            );
+        };
+        if let Some(halo) = halo {
+            let hex = halo.hex();
+            put(&format!(
+                "fill=\"{hex}\" stroke=\"{hex}\" stroke-width=\"3\" stroke-linejoin=\"round\" stroke-opacity=\"0.75\""
+            ));
+        }
+        put(&format!("fill=\"{}\"", letters.color.hex()));
+    }
+
+    /// A PNG (as base64) stretched over a rectangle; `smooth` or with each pixel a square.
+    pub fn image(&mut self, at: [f64; 2], size: [f64; 2], png_base64: &str, smooth: bool) {
+        let rendering = if smooth { "optimizeQuality" } else { "optimizeSpeed" };
+        let _ = writeln!(
+            self.body,
+            "<image x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{:.2}\" preserveAspectRatio=\"none\" \
+             image-rendering=\"{rendering}\" xlink:href=\"data:image/png;base64,{png_base64}\"/>",
+            at[0], at[1], size[0], size[1]
+        );
+    }
+
+    /// What `draw` draws, as far as it lies in a rectangle.
+    pub fn clipped(&mut self, at: [f64; 2], size: [f64; 2], draw: impl FnOnce(&mut Self)) {
+        let id = self.clips;
+        self.clips += 1;
+        let _ = writeln!(
+            self.body,
+            "<clipPath id=\"c{id}\"><rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{:.2}\"/></clipPath>\n\
+             <g clip-path=\"url(#c{id})\">",
+            at[0], at[1], size[0], size[1]
+        );
+        draw(self);
+        self.body.push_str("</g>\n");
+    }
+}
