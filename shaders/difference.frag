@@ -14,7 +14,7 @@ layout(location = 0) out vec4 code;
 
 // The stops of `render::difference::STOPS`: viridis, sRGB-encoded, from an error of 1e-4 to 1.
 const vec3 STOPS[9] = vec3[](
-    vec3(0.267, 0.005, 0.329), vec3(0.278, 0.173, 0.478), vec3(0.231, 0.318, 0.545), vec3(0.172, 0.443, 0.557),
+    vec3(0.267, 0.005, 0.329), vec3(0.278, 0.173, 0.478), vec3(0.231, 0.319, 0.545), vec3(0.172, 0.443, 0.557),
     vec3(0.129, 0.565, 0.553), vec3(0.153, 0.678, 0.506), vec3(0.361, 0.784, 0.388), vec3(0.667, 0.863, 0.196),
     vec3(0.993, 0.906, 0.144));
 

@@ -110,13 +110,11 @@ pub fn light(text: &str) -> Result<Light> {
 pub fn triple(text: &str) -> Result<[f64; 3]> {
     /// As for coordinates of meshes: squares still fit an `f32`.
     const LARGEST: f64 = 1e9;
-    let numbers: Option<Vec<f64>> = text
-        .split(',')
-        .map(|field| plain_number(field.trim()).filter(|x| x.abs() <= LARGEST))
-        .collect();
-    numbers.and_then(|n| n.try_into().ok()).ok_or_else(|| {
-        Error::usage(format!("'{text}' is not three numbers"), "write X,Y,Z as in 0.3,1.7,-2")
-    })
+    let numbers: Option<Vec<f64>> =
+        text.split(',').map(|field| plain_number(field.trim()).filter(|x| x.abs() <= LARGEST)).collect();
+    numbers
+        .and_then(|n| n.try_into().ok())
+        .ok_or_else(|| Error::usage(format!("'{text}' is not three numbers"), "write X,Y,Z as in 0.3,1.7,-2"))
 }
 
 /// A colour as three numbers from 0 to 1, linear sRGB.

@@ -1,7 +1,8 @@
 //! `diffract render`: a scene into a file.
 
 use super::options::{
-    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions, check_lights, sample_pixels,
+    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions, check_lights,
+    sample_pixels,
 };
 use super::{prepare, write};
 use crate::error::{Error, Result};

@@ -19,7 +19,7 @@ use std::sync::Arc;
 pub const STOPS: [[f32; 3]; 9] = [
     [0.267, 0.005, 0.329],
     [0.278, 0.173, 0.478],
-    [0.231, 0.318, 0.545],
+    [0.231, 0.319, 0.545],
     [0.172, 0.443, 0.557],
     [0.129, 0.565, 0.553],
     [0.153, 0.678, 0.506],
@@ -53,8 +53,7 @@ impl DifferencePass {
     /// Where the device has no room.
     pub fn new(device: &Arc<Device>, size: [u32; 2]) -> Result<Self> {
         let descriptors = window::bindings(device)?;
-        let drawing =
-            Drawing { vertex_stride: 0, attributes: &[], colors: &[target::DISPLAY], depth: None };
+        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::DISPLAY], depth: None };
         let (vertex, fragment) = (shader!("display.vert"), Some(shader!("difference.frag")));
         Ok(Self {
             commands: Commands::new(device, "difference")?,

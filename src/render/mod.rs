@@ -11,8 +11,8 @@ pub mod resources;
 pub mod shading;
 pub mod tables;
 pub mod target;
-pub mod window;
 mod upload;
+pub mod window;
 
 /// SPIR-V of a shader, by the name of its file.
 macro_rules! shader {

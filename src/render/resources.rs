@@ -53,8 +53,9 @@ impl Pigment {
                 .at(path.display())
         };
         file.take(input::MAX_TEXT).read_to_end(&mut bytes).map_err(|e| bad(&e))?;
-        let mut reader =
-            image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().map_err(|e| bad(&e))?;
+        let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
+            .with_guessed_format()
+            .map_err(|e| bad(&e))?;
         let mut limits = image::Limits::default();
         limits.max_image_width = Some(MAX_PIGMENT);
         limits.max_image_height = Some(MAX_PIGMENT);

@@ -61,9 +61,9 @@ impl App {
             .with_title("diffract")
             .with_inner_size(PhysicalSize::new(width, height))
             .with_min_inner_size(PhysicalSize::new(1, 1));
-        let window = events.create_window(attributes).map_err(|e| {
-            Error::failed(format!("the display gives no window ({e})"), super::RENDER)
-        })?;
+        let window = events
+            .create_window(attributes)
+            .map_err(|e| Error::failed(format!("the display gives no window ({e})"), super::RENDER))?;
         let live = Live::new(&self.start, Arc::new(window), self.proxy.clone(), &mut self.instance)?;
         self.live = Some(live);
         Ok(())

@@ -36,7 +36,12 @@ impl Compare {
 
 /// The setting to compare with until the user names another: ten times as strict, by the basis that can be.
 pub fn strict(own: &Optics) -> Optics {
-    Optics { basis: Basis::Optimal, tolerance: (own.tolerance / 10.0).max(1e-4), terms: None, wavelengths: None }
+    Optics {
+        basis: Basis::Optimal,
+        tolerance: (own.tolerance / 10.0).max(1e-4),
+        terms: None,
+        wavelengths: None,
+    }
 }
 
 /// What is drawn while something moves: ten times as loose.

@@ -78,9 +78,7 @@ impl Gui {
             let Some(atlas) = self.atlases.get(&id) else { continue };
             let whole = ImageDelta::full(atlas.clone(), egui::TextureOptions::LINEAR);
             let (renderer, pool) = (&mut self.renderer, self.pool);
-            self.device
-                .with_queue(|queue| renderer.set_texture(queue, pool, id, &whole))?
-                .map_err(failed)?;
+            self.device.with_queue(|queue| renderer.set_texture(queue, pool, id, &whole))?.map_err(failed)?;
         }
         self.unused.extend(textures.free.drain());
         Ok(())
@@ -124,7 +122,9 @@ fn merge(atlases: &mut HashMap<TextureId, ColorImage>, id: TextureId, delta: &Im
 fn failed(e: RendererError) -> Error {
     match e {
         RendererError::Vulkan(code) => crate::vk::failure("draw the panel", code),
-        other => Error::failed(format!("the panel cannot be drawn ({other})"), "report this as a bug of diffract"),
+        other => {
+            Error::failed(format!("the panel cannot be drawn ({other})"), "report this as a bug of diffract")
+        }
     }
 }
 

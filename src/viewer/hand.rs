@@ -1,8 +1,8 @@
 //! What hand and keys do over the picture.
 
+use super::compare::Compare;
 use super::model::Model;
 use super::orbit::{self, Drag};
-use super::compare::Compare;
 use egui::{Key, Modifiers, PointerButton, Rect, Sense, Ui};
 use glam::Vec2;
 
@@ -34,9 +34,9 @@ pub fn keys(ui: &Ui, model: &mut Model) {
     ui.input(|i| {
         // A key that is held repeats, and none of these means anything twice.
         let pressed = |wanted: Key| {
-            i.events.iter().any(|e| {
-                matches!(e, egui::Event::Key { key, pressed: true, repeat: false, .. } if *key == wanted)
-            })
+            i.events.iter().any(
+                |e| matches!(e, egui::Event::Key { key, pressed: true, repeat: false, .. } if *key == wanted),
+            )
         };
         model.wants.reset |= pressed(Key::R);
         if pressed(Key::S) {

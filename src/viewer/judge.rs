@@ -50,8 +50,14 @@ pub fn samples(painter: &mut Painter, view: &View) -> Result<Samples> {
     let chosen = sample(&covered(&directions), PIXELS);
     let some = |all: &[[f32; 4]]| chosen.iter().map(|&i| all[i]).collect();
     Ok(Samples {
-        radiance: chosen.iter().map(|&i| DVec3::from_array([0, 1, 2].map(|c| radiance[i][c].into()))).collect(),
-        directions: directions.iter().map(|d| Directions { light: some(&d.light), view: some(&d.view) }).collect(),
+        radiance: chosen
+            .iter()
+            .map(|&i| DVec3::from_array([0, 1, 2].map(|c| radiance[i][c].into())))
+            .collect(),
+        directions: directions
+            .iter()
+            .map(|d| Directions { light: some(&d.light), view: some(&d.view) })
+            .collect(),
     })
 }
 

@@ -107,8 +107,12 @@ impl Live {
         let stage = Arc::new(Stage::of(start.plain.clone())?);
         let settings = start.settings();
         let candidate = device.candidate();
-        let model =
-            Model::new(settings.clone(), stage, start.fps, format!("{}, {}", candidate.name, device.reason()));
+        let model = Model::new(
+            settings.clone(),
+            stage,
+            start.fps,
+            format!("{}, {}", candidate.name, device.reason()),
+        );
         let mut live = Self {
             judge: None,
             studio,
@@ -220,7 +224,8 @@ impl Live {
         let output = context.run_ui(input, |ui| {
             hand::keys(ui, model);
             if model.panel {
-                let frame = egui::Frame::new().fill(style::PANEL).inner_margin(egui::Margin::symmetric(12, 4));
+                let frame =
+                    egui::Frame::new().fill(style::PANEL).inner_margin(egui::Margin::symmetric(12, 4));
                 egui::Panel::right("panel")
                     .exact_size(panel::WIDTH)
                     .resizable(false)
@@ -324,7 +329,8 @@ impl Live {
 
     /// Opens a file that was dropped, or a scene by name: what is no scene and no mesh is a height field.
     fn open(&mut self, name: String) {
-        let extension = Path::new(&name).extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+        let extension =
+            Path::new(&name).extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
         if extension.is_empty() || extension == "obj" || extension == "toml" {
             return self.open_scene(name);
         }
@@ -353,7 +359,9 @@ impl Live {
         };
         match std::thread::Builder::new().name("scene".to_owned()).spawn(open) {
             Ok(_) => self.model.say(said),
-            Err(e) => self.model.complain(&Error::failed(format!("the system gives no thread ({e})"), "try again")),
+            Err(e) => {
+                self.model.complain(&Error::failed(format!("the system gives no thread ({e})"), "try again"))
+            }
         }
         self.window.request_redraw();
     }
@@ -466,7 +474,8 @@ impl Live {
         if !again && self.wished.as_ref().is_some_and(|w| alike(w, &wish)) {
             return;
         }
-        let same_picture = |w: &Wish| w.view == wish.view && w.own.number == wish.own.number && w.size == wish.size;
+        let same_picture =
+            |w: &Wish| w.view == wish.view && w.own.number == wish.own.number && w.size == wish.size;
         if !self.wished.as_ref().is_some_and(same_picture) {
             // A measured error belongs to the picture that it was measured on.
             self.judge = None;
@@ -578,9 +587,8 @@ impl Live {
         }
         let Saving { stem, with_exr, command } = self.saving.remove(0);
         let (as_png, as_exr) = (stem.with_extension("png"), stem.with_extension("exr"));
-        let saved = save::png(&as_png, picture, &command).and_then(|()| {
-            if with_exr { save::exr(&as_exr, picture, &command) } else { Ok(()) }
-        });
+        let saved = save::png(&as_png, picture, &command)
+            .and_then(|()| if with_exr { save::exr(&as_exr, picture, &command) } else { Ok(()) });
         match saved {
             Ok(()) => {
                 let more = if with_exr { " and .exr" } else { "" };

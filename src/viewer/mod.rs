@@ -79,7 +79,8 @@ pub struct Start {
 /// No display, no device that shows windows, a device that is lost.
 pub fn run(start: Start) -> Result<Vec<String>> {
     check_display(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()))?;
-    let no_display = |e: &dyn std::fmt::Display| Error::failed(format!("the display cannot be opened ({e})"), RENDER);
+    let no_display =
+        |e: &dyn std::fmt::Display| Error::failed(format!("the display cannot be opened ({e})"), RENDER);
     let events = EventLoop::with_user_event().build().map_err(|e| no_display(&e))?;
     let mut app = app::App::new(start, events.create_proxy());
     let ended = events.run_app(&mut app);

@@ -113,7 +113,10 @@ mod tests {
         assert!(clip.project_point3(Vec3::new(0.0, -1.0, 0.0)).x > 0.1);
         assert_eq!(turned.distance, camera().distance);
         let above = dragged(camera(), Drag::Orbit, Vec2::new(0.0, 1e6), 400.0);
-        assert!(above.theta > 0.0 && above.eye().z > 2.9, "dragging down looks from above, and stops at the pole");
+        assert!(
+            above.theta > 0.0 && above.eye().z > 2.9,
+            "dragging down looks from above, and stops at the pole"
+        );
     }
 
     #[test]

@@ -30,7 +30,12 @@ pub fn show(ui: &mut Ui, rect: Rect, model: &mut Model) {
 
 /// Text on a dark ground, anchored at `at`; the ground's rectangle.
 fn note(painter: &Painter, at: egui::Pos2, anchor: Align2, text: &str, color: Color32) -> Rect {
-    let galley = painter.layout(text.to_owned(), FontId::proportional(12.0), color, painter.clip_rect().width() - 4.0 * MARGIN);
+    let galley = painter.layout(
+        text.to_owned(),
+        FontId::proportional(12.0),
+        color,
+        painter.clip_rect().width() - 4.0 * MARGIN,
+    );
     let size = galley.size() + vec2(14.0, 8.0);
     let rect = anchor.anchor_size(at, size);
     painter.rect_filled(rect, 4.0, style::GLASS);
@@ -45,7 +50,13 @@ fn state(painter: &Painter, rect: Rect, model: &Model) {
         let ground = Rect::from_min_size(at - vec2(0.0, 34.0), vec2(260.0, 34.0));
         painter.rect_filled(ground, 4.0, style::GLASS);
         let text = format!("{what}: {:.0} %", part * 1e2);
-        painter.text(ground.min + vec2(8.0, 5.0), Align2::LEFT_TOP, text, FontId::proportional(12.0), style::TEXT);
+        painter.text(
+            ground.min + vec2(8.0, 5.0),
+            Align2::LEFT_TOP,
+            text,
+            FontId::proportional(12.0),
+            style::TEXT,
+        );
         let bar = Rect::from_min_size(ground.min + vec2(8.0, 24.0), vec2(244.0, 4.0));
         painter.rect_filled(bar, 2.0, style::GRID);
         let done = Rect::from_min_size(bar.min, vec2(bar.width() * part.clamp(0.0, 1.0), 4.0));
@@ -107,7 +118,8 @@ fn split(painter: &Painter, rect: Rect, model: &Model) {
 /// The colours of relative errors.
 fn scale(painter: &Painter, rect: Rect) {
     const SIZE: egui::Vec2 = vec2(220.0, 10.0);
-    let ground = Rect::from_min_size(rect.right_bottom() - vec2(264.0 + MARGIN, 44.0 + MARGIN), vec2(264.0, 44.0));
+    let ground =
+        Rect::from_min_size(rect.right_bottom() - vec2(264.0 + MARGIN, 44.0 + MARGIN), vec2(264.0, 44.0));
     painter.rect_filled(ground, 4.0, style::GLASS);
     let bar = Rect::from_min_size(ground.min + vec2(22.0, 8.0), SIZE);
     let mut mesh = Mesh::default();

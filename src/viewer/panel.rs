@@ -156,7 +156,11 @@ fn surface(ui: &mut Ui, model: &mut Model) {
             ui.add(DragValue::new(ior).speed(0.01).range(1.0..=4.0).fixed_decimals(2));
         });
     });
-    ui.label(RichText::new("Drop a height image, a scene or an OBJ mesh on the window.").small().color(style::FAINT));
+    ui.label(
+        RichText::new("Drop a height image, a scene or an OBJ mesh on the window.")
+            .small()
+            .color(style::FAINT),
+    );
 }
 
 /// Units of a file that carries none.
@@ -174,7 +178,10 @@ fn units(ui: &mut Ui, source: &mut Source) {
     });
     row(ui, "full height", |ui| {
         let mut nm = source.height.unwrap_or(0.5) * 1e3;
-        if ui.add(DragValue::new(&mut nm).speed(1.0).range(0.1..=100_000.0).max_decimals(4).suffix(" nm")).changed() {
+        if ui
+            .add(DragValue::new(&mut nm).speed(1.0).range(0.1..=100_000.0).max_decimals(4).suffix(" nm"))
+            .changed()
+        {
             source.height = Some(nm * 1e-3);
         }
     });
@@ -214,7 +221,13 @@ fn setting(ui: &mut Ui, id: &str, optics: &mut Optics) {
 }
 
 /// A number that follows from the tolerance unless the user names it.
-fn named(ui: &mut Ui, label: &str, number: &mut Option<usize>, first: usize, range: std::ops::RangeInclusive<usize>) {
+fn named(
+    ui: &mut Ui,
+    label: &str,
+    number: &mut Option<usize>,
+    first: usize,
+    range: std::ops::RangeInclusive<usize>,
+) {
     row(ui, label, |ui| {
         let mut own = number.is_some();
         if ui.checkbox(&mut own, "").changed() {
@@ -242,9 +255,29 @@ fn lights(ui: &mut Ui, model: &mut Model) {
     let several = lights.len() > 1;
     Grid::new("lights").num_columns(4).min_col_width(60.0).show(ui, |ui| {
         for (index, light) in lights.iter_mut().enumerate() {
-            ui.add(DragValue::new(&mut light.theta).speed(0.3).range(0.0..=90.0).fixed_decimals(1).prefix("θ ").suffix("°"));
-            ui.add(DragValue::new(&mut light.phi).speed(0.5).range(-360.0..=360.0).fixed_decimals(1).prefix("φ ").suffix("°"));
-            ui.add(DragValue::new(&mut light.intensity).speed(0.02).range(0.01..=1000.0).fixed_decimals(2).prefix("× "));
+            ui.add(
+                DragValue::new(&mut light.theta)
+                    .speed(0.3)
+                    .range(0.0..=90.0)
+                    .fixed_decimals(1)
+                    .prefix("θ ")
+                    .suffix("°"),
+            );
+            ui.add(
+                DragValue::new(&mut light.phi)
+                    .speed(0.5)
+                    .range(-360.0..=360.0)
+                    .fixed_decimals(1)
+                    .prefix("φ ")
+                    .suffix("°"),
+            );
+            ui.add(
+                DragValue::new(&mut light.intensity)
+                    .speed(0.02)
+                    .range(0.01..=1000.0)
+                    .fixed_decimals(2)
+                    .prefix("× "),
+            );
             if several && ui.small_button("remove").clicked() {
                 removed = Some(index);
             }
@@ -286,7 +319,11 @@ fn cost(ui: &mut Ui, model: &mut Model) {
         value(ui, "frame", frame);
         if let Some(own) = &model.own {
             let (l, bytes) = (&own.layers, (own.layers.texels.len() * 4) as f64);
-            value(ui, "layers", format!("{} of {} × {} texels, {}", l.pairs(), l.size[0], l.size[1], mib(bytes)));
+            value(
+                ui,
+                "layers",
+                format!("{} of {} × {} texels, {}", l.pairs(), l.size[0], l.size[1], mib(bytes)),
+            );
         }
         let cost = model.exhibit.as_ref().and_then(|e| e.cost);
         let terms = model.own.as_ref().map_or(0, |own| own.layers.terms);
@@ -312,7 +349,9 @@ fn cost(ui: &mut Ui, model: &mut Model) {
             }
         });
         row(ui, "budget", |ui| {
-            ui.add(DragValue::new(&mut model.fps).speed(0.2).range(1.0..=240.0).max_decimals(1).suffix(" fps"));
+            ui.add(
+                DragValue::new(&mut model.fps).speed(0.2).range(1.0..=240.0).max_decimals(1).suffix(" fps"),
+            );
             ui.checkbox(&mut model.continuous, "continuous");
         });
     });

@@ -65,9 +65,8 @@ pub enum Needs {
 impl Settings {
     /// What has to be done to show `self` where `shown` is shown.
     pub fn needs(&self, shown: &Self) -> Needs {
-        let optics = |s: &Self| {
-            (s.surface.clone(), s.optics.clone(), s.coherence, s.ior, s.illuminant.clone())
-        };
+        let optics =
+            |s: &Self| (s.surface.clone(), s.optics.clone(), s.coherence, s.ior, s.illuminant.clone());
         if self.scene != shown.scene {
             Needs::Mesh
         } else if optics(self) != optics(shown) {
@@ -249,8 +248,7 @@ mod tests {
             s.camera.distance = 1.0 + 0.037 * x;
             let eye = triple(s.camera.eye());
             let parsed = crate::units::triple(&eye).unwrap().map(|x| x as f32);
-            let named =
-                Camera::looking(parsed.into(), s.camera.target, s.camera.field_of_view).unwrap();
+            let named = Camera::looking(parsed.into(), s.camera.target, s.camera.field_of_view).unwrap();
             assert_eq!(named, s.shown_camera(&scene), "{eye}");
         }
     }

@@ -375,8 +375,7 @@ fn paint(
             *slot = None; // its memory first
             let Stage { scene, pigment } = &*wish.stage;
             let Prepared { layers, shading, .. } = &**prepared;
-            let painter =
-                Painter::new(device, layers, shading, &scene.mesh, pigment, wish.size, lights)?;
+            let painter = Painter::new(device, layers, shading, &scene.mesh, pigment, wish.size, lights)?;
             let (prepared, stage) = (prepared.clone(), wish.stage.clone());
             slot.insert(Slot { painter, prepared, stage, shown: None })
         }

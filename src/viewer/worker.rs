@@ -124,11 +124,14 @@ impl Drop for Worker {
     }
 }
 
+/// Layers and what they were made of and for.
+type Made = (Arc<HeightField>, Settings, Arc<Layers>);
+
 /// What was made last, for requests that share it.
 #[derive(Default)]
 struct Kept {
     field: Option<(Source, Arc<HeightField>)>,
-    layers: [Option<(Arc<HeightField>, Settings, Arc<Layers>)>; ROLES.len()],
+    layers: [Option<Made>; ROLES.len()],
 }
 
 fn run(shared: &Shared, device: &Candidate, report: &dyn Fn(Report)) {
@@ -177,9 +180,7 @@ fn make(
         }
     };
     let settings = shading.layer_settings(SHORTEST, device)?;
-    let same = |known: &&(Arc<HeightField>, Settings, Arc<Layers>)| {
-        Arc::ptr_eq(&known.0, &field) && known.1 == settings
-    };
+    let same = |known: &&Made| Arc::ptr_eq(&known.0, &field) && known.1 == settings;
     let (layers, note) = match kept.layers.iter().flatten().find(same) {
         Some((_, _, layers)) => (layers.clone(), None),
         None => {

@@ -97,7 +97,8 @@ impl Commands {
         };
         let attachments = vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT;
         let waits: Vec<_> = after.map(|s| at(s, attachments)).into_iter().collect();
-        let signals: Vec<_> = done.map(|s| at(s, vk::PipelineStageFlags2::ALL_COMMANDS)).into_iter().collect();
+        let signals: Vec<_> =
+            done.map(|s| at(s, vk::PipelineStageFlags2::ALL_COMMANDS)).into_iter().collect();
         let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(self.raw)];
         let work = vk::SubmitInfo2::default()
             .command_buffer_infos(&buffers)

@@ -129,7 +129,8 @@ impl Image {
         let bound = unsafe { device.raw().bind_image_memory(raw, allocation.memory(), allocation.offset()) };
         image.allocation = Some(allocation);
         bound.map_err(|c| failure(&format!("bind the {name}"), c))?;
-        image.look(name, if array { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D })?;
+        image
+            .look(name, if array { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D })?;
         Ok(image)
     }
 

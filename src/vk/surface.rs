@@ -16,7 +16,7 @@ pub struct Surface {
     raw: vk::SurfaceKHR,
     functions: khr::surface::Instance,
     // After the surface, before the instance.
-    _window: Arc<dyn Any>,
+    _window: Arc<dyn Any + Send + Sync>,
     instance: Arc<Instance>,
 }
 
@@ -27,7 +27,7 @@ impl Surface {
     /// Where the window system or Vulkan refuses.
     pub fn new<W>(instance: &Arc<Instance>, window: &Arc<W>) -> Result<Self>
     where
-        W: HasDisplayHandle + HasWindowHandle + Any,
+        W: HasDisplayHandle + HasWindowHandle + Any + Send + Sync,
     {
         let gone = |e: HandleError| Error::failed(format!("the window is gone ({e})"), "start again");
         let display = window.display_handle().map_err(gone)?.as_raw();

@@ -169,7 +169,6 @@ impl Swapchain {
     pub fn mode(&self) -> vk::PresentModeKHR {
         self.mode
     }
-
 }
 
 impl Drop for Swapchain {

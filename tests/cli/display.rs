@@ -49,7 +49,7 @@ impl Display {
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
-            .expect("Xvfb starts: tools/setup.sh test installs it");
+            .unwrap_or_else(|e| panic!("Xvfb does not start ({e}): tools/setup.sh test installs it"));
         let mut number = String::new();
         BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
         let name = format!(":{}", number.trim());
@@ -173,7 +173,8 @@ impl Display {
             match c.poll_for_event().unwrap() {
                 Some(Event::SelectionRequest(r)) => {
                     let uri = format!("file://{}\r\n", path.display());
-                    c.change_property8(PropMode::REPLACE, r.requestor, r.property, list, uri.as_bytes()).unwrap();
+                    c.change_property8(PropMode::REPLACE, r.requestor, r.property, list, uri.as_bytes())
+                        .unwrap();
                     let answer = SelectionNotifyEvent {
                         response_type: x11rb::protocol::xproto::SELECTION_NOTIFY_EVENT,
                         sequence: 0,
@@ -203,7 +204,8 @@ impl Display {
     pub fn look(&self, window: Window) -> Option<image::RgbImage> {
         let size = self.connection.get_geometry(window).unwrap().reply().ok()?;
         let (width, height) = (size.width, size.height);
-        let cookie = self.connection.get_image(ImageFormat::Z_PIXMAP, window, 0, 0, width, height, !0).unwrap();
+        let cookie =
+            self.connection.get_image(ImageFormat::Z_PIXMAP, window, 0, 0, width, height, !0).unwrap();
         let data = cookie.reply().ok()?.data;
         let rgb = data.chunks_exact(4).flat_map(|p| [p[2], p[1], p[0]]).collect();
         image::RgbImage::from_raw(width.into(), height.into(), rgb)

@@ -47,7 +47,8 @@ const NO_RANGE: &[&str] = &[
     "400-700",
 ];
 
-const NO_TRIPLE: &[&str] = &["1", "1,2", "1,2,", "1,2,3,4", "1,2,x", "nan,0,0", "0,inf,0", "1;2;3", "1,2,3um"];
+const NO_TRIPLE: &[&str] =
+    &["1", "1,2", "1,2,", "1,2,3,4", "1,2,x", "nan,0,0", "0,inf,0", "1;2;3", "1,2,3um"];
 
 /// Each option with values that it has to refuse, beside what its kind refuses.
 const BAD: &[(&str, &[&[&str]])] = &[

@@ -38,7 +38,8 @@ fn told(sandbox: &Sandbox, saved: &str) -> (RgbImage, String) {
     let file = std::fs::File::open(sandbox.path(saved)).unwrap();
     let reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap();
     let texts = reader.info().utf8_text.iter().map(|t| t.get_text().unwrap());
-    let command = texts.filter_map(|t| t.split_once("diffract render ").map(|c| c.1.to_owned())).next().unwrap();
+    let command =
+        texts.filter_map(|t| t.split_once("diffract render ").map(|c| c.1.to_owned())).next().unwrap();
     let words: Vec<&str> = command.split(' ').collect();
     let output = words.iter().position(|w| *w == "-o").unwrap();
     assert_eq!(words[output + 1], saved);
@@ -136,7 +137,9 @@ fn a_split_shows_both_settings_and_errors_have_colours_and_escape_closes() {
     let program = view(&sandbox, &display, &["plate", "--terms", "2", "--present", "immediate"]);
     let window = display.window();
     let render = |name: &str, more: &[&str]| {
-        sandbox.run([&["render", "plate", "-o", name][..], &SMALL, &["--size", "320x240"], more].concat()).done();
+        sandbox
+            .run([&["render", "plate", "-o", name][..], &SMALL, &["--size", "320x240"], more].concat())
+            .done();
         image::open(sandbox.path(name)).unwrap().to_rgb8()
     };
     let own = render("own.png", &["--tolerance", "1e-1", "--terms", "2"]);

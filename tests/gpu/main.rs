@@ -9,3 +9,4 @@ mod evaluation;
 mod interface;
 mod measure;
 mod picture;
+mod viewer;
