@@ -28,14 +28,9 @@ pub fn show(ui: &mut Ui, rect: Rect, model: &mut Model) {
     }
 }
 
-/// Text on a dark ground, anchored at `at`; the ground's rectangle.
-fn note(painter: &Painter, at: egui::Pos2, anchor: Align2, text: &str, color: Color32) -> Rect {
-    let galley = painter.layout(
-        text.to_owned(),
-        FontId::proportional(12.0),
-        color,
-        painter.clip_rect().width() - 4.0 * MARGIN,
-    );
+/// Text on a dark ground, anchored at `at` and at most `width` wide; the ground's rectangle.
+fn note(painter: &Painter, at: egui::Pos2, anchor: Align2, width: f32, text: &str, color: Color32) -> Rect {
+    let galley = painter.layout(text.to_owned(), FontId::proportional(12.0), color, width);
     let size = galley.size() + vec2(14.0, 8.0);
     let rect = anchor.anchor_size(at, size);
     painter.rect_filled(rect, 4.0, style::GLASS);
@@ -46,6 +41,7 @@ fn note(painter: &Painter, at: egui::Pos2, anchor: Align2, text: &str, color: Co
 /// What is done now, what is in the making, what there is to say.
 fn state(painter: &Painter, rect: Rect, model: &Model) {
     let mut at = rect.left_bottom() + vec2(MARGIN, -MARGIN);
+    let width = rect.width() - 4.0 * MARGIN;
     if let Some((what, part)) = model.making() {
         let ground = Rect::from_min_size(at - vec2(0.0, 34.0), vec2(260.0, 34.0));
         painter.rect_filled(ground, 4.0, style::GLASS);
@@ -69,11 +65,11 @@ fn state(painter: &Painter, rect: Rect, model: &Model) {
             (false, Rung::Whole) => "still: everything".to_owned(),
             (false, _) => "still: refining".to_owned(),
         };
-        at.y = note(painter, at, Align2::LEFT_BOTTOM, &text, style::FAINT).top() - 6.0;
+        at.y = note(painter, at, Align2::LEFT_BOTTOM, width, &text, style::FAINT).top() - 6.0;
     }
     if let Some(message) = &model.message {
         let color = if message.bad { style::POOR } else { style::TEXT };
-        note(painter, at, Align2::LEFT_BOTTOM, &message.text, color);
+        note(painter, at, Align2::LEFT_BOTTOM, width, &message.text, color);
     }
 }
 
@@ -101,7 +97,9 @@ fn split(painter: &Painter, rect: Rect, model: &Model) {
     }
     let top = rect.top() + MARGIN;
     let left = painter.with_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
-    note(&left, pos2(x - MARGIN, top), Align2::RIGHT_TOP, &named(&model.settings.optics), style::TEXT);
+    // What has no room is cut off, not broken into lines.
+    let wide = f32::INFINITY;
+    note(&left, pos2(x - MARGIN, top), Align2::RIGHT_TOP, wide, &named(&model.settings.optics), style::TEXT);
     let right = painter.with_clip_rect(Rect::from_min_max(pos2(x, rect.top()), rect.max));
     let ready = model.judge.is_some();
     let other = match model.compare {
@@ -109,7 +107,7 @@ fn split(painter: &Painter, rect: Rect, model: &Model) {
         Compare::Error => format!("error against {}", named(&model.other)),
         _ => named(&model.other),
     };
-    note(&right, pos2(x + MARGIN, top), Align2::LEFT_TOP, &other, style::TEXT);
+    note(&right, pos2(x + MARGIN, top), Align2::LEFT_TOP, wide, &other, style::TEXT);
     if model.compare == Compare::Error {
         scale(painter, rect);
     }

@@ -57,7 +57,7 @@ fn row(ui: &mut Ui, label: &str, add: impl FnOnce(&mut Ui)) {
 
 fn value(ui: &mut Ui, label: &str, text: impl Into<String>) {
     row(ui, label, |ui| {
-        ui.label(text.into());
+        ui.add(egui::Label::new(text.into()).truncate());
     });
 }
 
@@ -328,7 +328,7 @@ fn cost(ui: &mut Ui, model: &mut Model) {
         let cost = model.exhibit.as_ref().and_then(|e| e.cost);
         let terms = model.own.as_ref().map_or(0, |own| own.layers.terms);
         let counted = cost.map_or("not counted yet".to_owned(), |c| {
-            format!("{:.0} a pixel: {terms} terms, {:.0} wavelengths", c.samples, c.wavelengths)
+            format!("{:.0} a pixel, {terms} terms, {:.0} λ", c.samples, c.wavelengths)
         });
         value(ui, "samples", counted);
         value(ui, "memory", format!("{} on the device", mib(model.memory as f64)));
