@@ -10,7 +10,9 @@ mod prepare;
 mod profile;
 mod range;
 mod render;
+mod stage;
 mod surface;
+mod trade;
 mod usage;
 mod view;
 mod write;
@@ -56,6 +58,8 @@ enum Command {
     Peaks(peaks::Arguments),
     /// Frame times against the 5 to 15 fps target, and what the device could do
     Profile(profile::Arguments),
+    /// Speed against accuracy, measured: table, plot, advice
+    Trade(trade::Arguments),
     /// What is in a height field and what it will cost; generated height fields
     #[command(subcommand)]
     Surface(surface::Command),
@@ -82,6 +86,7 @@ fn run(arguments: Arguments) -> Result<()> {
         Command::Brdf(arguments) => brdf::run(&arguments),
         Command::Peaks(arguments) => peaks::run(&arguments),
         Command::Profile(arguments) => profile::run(&arguments),
+        Command::Trade(arguments) => trade::run(&arguments),
         Command::Surface(command) => surface::run(&command),
         Command::Devices(arguments) => devices::run(&arguments),
     }

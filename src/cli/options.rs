@@ -272,7 +272,8 @@ fn basis(text: &str) -> Result<Basis> {
     })
 }
 
-fn tolerance(text: &str) -> Result<f64> {
+/// A relative error.
+pub fn tolerance(text: &str) -> Result<f64> {
     real(text, TOLERANCES, "tolerance")
 }
 
@@ -284,7 +285,8 @@ fn wavelengths(text: &str) -> Result<usize> {
     whole(text, WAVELENGTHS, "wavelengths")
 }
 
-fn ior(text: &str) -> Result<f64> {
+/// A refractive index.
+pub fn ior(text: &str) -> Result<f64> {
     real(text, IORS, "refractive index")
 }
 
@@ -309,7 +311,8 @@ fn bounded(text: &str, counts: [u32; 2], most: u32, what: &str) -> Result<[u32; 
     Err(Error::usage(format!("`{text}` are too many {what}"), format!("give at most {most}x{most}")))
 }
 
-fn coherence(text: &str) -> Result<Coherence> {
+/// What surrounds the patch.
+pub fn coherence(text: &str) -> Result<Coherence> {
     const FORM: &str = "give gaussian:LENGTH as in gaussian:65um, or repeats:NxM as in repeats:3x3";
     match text.split_once(':') {
         Some(("gaussian", length)) => {

@@ -17,6 +17,8 @@ use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
 
+pub mod timing;
+
 /// Draws pictures of one mesh with one surface.
 pub struct Painter {
     commands: Commands,
@@ -223,12 +225,13 @@ impl Painter {
         asker.ask(&self.resources, queries)
     }
 
-    /// Milliseconds in which the device reads `samples` bilinear samples per pixel of the layers, neighbours for
-    /// neighbouring pixels, with nothing else to do: what it could reach.
+    /// Milliseconds in which the device reads `samples` bilinear samples per pixel of the layers with nothing else to do: what
+    /// it could reach, with neighbours for neighbouring pixels or, `scattered`, with a place of its own for each pixel.
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn probe(&mut self, samples: u32) -> Result<f64> {
+    pub fn probe(&mut self, samples: u32, scattered: bool) -> Result<f64> {
+        let push = [samples, u32::from(scattered)];
         let pass = PixelPass::probe(&self.device, &self.resources.descriptors)?;
         let target = &self.target;
         self.whole = false;
@@ -237,7 +240,7 @@ impl Painter {
             self.commands.run(|record| {
                 record.reset(&self.timestamps);
                 record.timestamp(&self.timestamps, 0);
-                pass.record(record, target, &self.resources.descriptors, &samples.to_ne_bytes());
+                pass.record(record, target, &self.resources.descriptors, bytemuck::cast_slice(&push));
                 record.timestamp(&self.timestamps, 1);
                 record.timestamp(&self.timestamps, 2);
                 Ok(())
@@ -245,6 +248,15 @@ impl Painter {
             best = best.min(self.timestamps.intervals()?[0]);
         }
         Ok(best)
+    }
+
+    /// From now on shades as a classical grating shader does, by [`PixelPass::grating`].
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn shade_as_grating(&mut self, axis: [f32; 2], period: f32, strength: f32) -> Result<()> {
+        self.shade = PixelPass::grating(&self.device, &self.resources.descriptors, axis, period, strength)?;
+        Ok(())
     }
 
     /// The wavelength combs that the pictures use.

@@ -125,6 +125,10 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--illuminant", &[NO_NUMBER, &["d50", "missing.csv", ".", "/dev/zero", "grey.png"]]),
     ("--surface", &[NO_NUMBER, &["nothing", "nothing.png", ".", "/dev/zero", "q.csv", "grey.png/x.png"]]),
     ("--device", &[&["", " ", "nothing", "7", "-1", "99999999999999999999", "\n"]]),
+    ("--folder", &[&["", "/dev/null", "grey.png", "grey.png/trade"]]),
+    ("--fps", &[NO_NUMBER, &["0", "-15", "1e6", "15fps"]]),
+    ("--explain", &[&["--explain"]]), // twice
+    ("--quick", &[&["--quick"]]),     // twice
     ("--queries", &[&["", "nothing.csv", ".", "/dev/zero", "grey.png"]]),
     ("--frames", &[NO_NUMBER, &["0", "2", "-3", "1e3", "100001"]]),
     ("--sample-pixels", &[NO_NUMBER, &["0", "-3", "1.5", "1e3", "268435457", "10"]]), // 10: not with spectral
@@ -150,6 +154,10 @@ fn sound(command: &[&str]) -> Vec<&'static str> {
             [&own[..], &["--output", "out.png"], &SURFACE, &OPTICS].concat()
         }
         ["profile"] => [&["plate", "--size", "4x4", "--frames", "3"][..], &SURFACE, &OPTICS].concat(),
+        ["trade"] => {
+            let own = ["plate", "--quick", "--size", "4x4", "--folder", "trade"];
+            [&own[..], &SURFACE, &OPTICS[..2]].concat()
+        }
         ["surface", "info"] => SURFACE.to_vec(),
         ["surface", "synth"] => vec!["blaze", "--output", "out.png"],
         _ => vec![],

@@ -16,5 +16,6 @@ mod profile;
 mod render;
 mod sandbox;
 mod surface;
+mod trade;
 mod usage;
 mod view;
