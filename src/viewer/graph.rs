@@ -91,7 +91,7 @@ mod tests {
         assert!(history.summary().is_none());
         (0..500).for_each(|i| history.push(f64::from(i)));
         assert_eq!((history.times.len(), history.times[0]), (FRAMES, 380.0));
-        let steps = [height(10.0) - height(1.0), height(100.0) - height(10.0)];
+        let steps = [height(100.0) - height(10.0), height(1000.0) - height(100.0)];
         assert!((steps[0] - steps[1]).abs() < 1e-6 && height(0.0) == 0.0 && height(1e9) == 1.0);
         assert!(color(50.0) != color(100.0) && color(100.0) != color(300.0));
     }

@@ -103,12 +103,17 @@ impl Pace {
         last
     }
 
-    /// What a rung that was never tried takes: the time of another one of the same layers, by the number of pixels.
+    /// What a rung that was never tried takes: the time of another one of the same layers, by the number of pixels. Before
+    /// the first with coarse layers, a third of what the user's own take: trying what is too slow would cost more time.
     fn guess(&self, rung: Rung) -> Option<f64> {
+        const COARSE: f64 = 1.0 / 3.0;
         let pixels = |r: Rung| 1.0 / f64::from(r.divisor().pow(2));
         let alike = |r: &&Rung| r.coarse() == rung.coarse() && self.times[**r as usize].is_some();
-        let known = Rung::ALL.iter().filter(alike).min_by_key(|r| r.divisor().abs_diff(rung.divisor()))?;
-        self.times[*known as usize].map(|time| time * pixels(rung) / pixels(*known))
+        let known = Rung::ALL.iter().filter(alike).min_by_key(|r| r.divisor().abs_diff(rung.divisor()));
+        match known {
+            Some(known) => self.times[*known as usize].map(|time| time * pixels(rung) / pixels(*known)),
+            None => self.times[Rung::Whole as usize].map(|time| time * COARSE * pixels(rung)),
+        }
     }
 }
 
@@ -127,8 +132,8 @@ mod tests {
     #[test]
     fn what_is_too_slow_goes_down_one_rung_after_another_and_no_farther_than_needed() {
         let mut pace = Pace::new(15.0);
-        pace.took(Rung::Whole, 700.0);
-        assert_eq!(pace.moving(true), Rung::Coarse, "not known, so worth a try");
+        pace.took(Rung::Whole, 190.0);
+        assert_eq!(pace.moving(true), Rung::Coarse, "a third of 190 ms fits");
         assert_eq!(pace.moving(false), Rung::Half, "without coarse layers only resolution is left");
         pace.took(Rung::Coarse, 200.0);
         assert_eq!(pace.moving(true), Rung::Half, "a quarter of 200 ms fits");
@@ -138,7 +143,7 @@ mod tests {
         pace.took(Rung::Quarter, 75.0);
         assert_eq!(pace.moving(true), Rung::Quarter, "there is nothing below");
         pace.set_fps(5.0);
-        assert_eq!(pace.moving(true), Rung::Coarse);
+        assert_eq!(pace.moving(true), Rung::Whole, "190 ms are 5 frames a second");
         pace.forget();
         assert_eq!(pace.moving(true), Rung::Whole);
     }
