@@ -113,7 +113,6 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--height", &[NO_NUMBER, NO_LENGTH, &["5nmx5nm"]]),
     ("--period", &[NO_NUMBER, NO_LENGTH, &["5nmx5nm", "1m"]]),
     ("--patch", &[NO_NUMBER, NO_LENGTH, NO_PAIR, &["1nm", "1m"]]),
-    ("--fps", &[NO_NUMBER, &["0", "-1", "0.09", "1001", "15fps"]]),
     ("--present", &[NO_NUMBER, &["vsync", "FIFO"]]),
     ("--eye", &[NO_NUMBER, NO_TRIPLE, &["0,0,1e10"]]),
     ("--target", &[NO_NUMBER, NO_TRIPLE]),
