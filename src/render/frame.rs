@@ -52,7 +52,7 @@ impl DeviceMesh {
 }
 
 /// What a frame shows.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// The camera.
     pub camera: Camera,
@@ -209,6 +209,11 @@ impl PixelPass {
     pub fn record(&self, record: &Recorder<'_>, target: &Target, descriptors: &Descriptors, push: &[u8]) {
         let push = if push.is_empty() { &self.settings } else { push };
         record.images(&[(&target.radiance, Access::Nothing, Access::ColorAttachment)]);
+        self.go_on(record, target, descriptors, push);
+    }
+
+    /// Records another part of a pass that [`PixelPass::record`] began.
+    pub fn go_on(&self, record: &Recorder<'_>, target: &Target, descriptors: &Descriptors, push: &[u8]) {
         record.render(&[(&target.radiance, [0.0; 4])], None, |draw| {
             draw.bind(&self.pipeline, descriptors);
             if !push.is_empty() {

@@ -1,8 +1,11 @@
 //! What is asked of the optics, whichever way it is computed.
 
+use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
+use crate::precompute::Settings;
+use crate::vk::selection::Candidate;
 
 /// Settings of the optics, validated.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,5 +40,46 @@ impl Default for Shading {
             terms: None,
             wavelengths: None,
         }
+    }
+}
+
+/// Share of the device's memory that the layers may take; pictures and the rest need some.
+const DEVICE_SHARE: f64 = 0.75;
+
+impl Shading {
+    /// What layers have to be made for, for wavelengths from `shortest` \[µm\] on `device`.
+    ///
+    /// # Errors
+    /// For settings that layers cannot do.
+    pub fn layer_settings(&self, shortest: f64, device: &Candidate) -> Result<Settings> {
+        let Coherence::Gaussian { length } = self.coherence else {
+            return Err(Error::usage(
+                "pictures by --method spectral do not do --coherence repeats",
+                "use --coherence gaussian:LENGTH or --method reference",
+            ));
+        };
+        self.windowed_settings(length / 4.0, shortest, device)
+    }
+
+    /// The same through a Gaussian of standard deviation `sigma` \[µm\], or, where that is infinite, of one period alone.
+    ///
+    /// # Errors
+    /// For what layers cannot do.
+    pub fn windowed_settings(&self, sigma: f64, shortest: f64, device: &Candidate) -> Result<Settings> {
+        if self.windows != [1, 1] {
+            return Err(Error::usage(
+                "--method spectral does one window only",
+                "leave --windows away or use --method reference",
+            ));
+        }
+        Ok(Settings {
+            sigma,
+            shortest_wavelength: shortest,
+            tolerance: self.tolerance,
+            basis: self.basis,
+            terms: self.terms,
+            memory_limit: (device.memory as f64 * DEVICE_SHARE) as usize,
+            side_limit: device.max_side as usize,
+        })
     }
 }

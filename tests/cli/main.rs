@@ -7,6 +7,7 @@
 mod brdf;
 mod cache;
 mod devices;
+mod display;
 mod eval;
 mod hostile_files;
 mod hostile_options;
@@ -17,3 +18,4 @@ mod sandbox;
 mod surface;
 mod trade;
 mod usage;
+mod view;

@@ -10,3 +10,4 @@ mod interface;
 mod measure;
 mod picture;
 mod promise;
+mod viewer;
