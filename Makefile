@@ -1,5 +1,5 @@
 # ARGS is handed on: make run ARGS="--tolerance 1e-2", make test ARGS="--test gpu".
-.PHONY: help run test build setup lint clean
+.PHONY: help run test build setup lint measure clean
 
 ARGS =
 export PATH := $(PATH):$(or $(CARGO_HOME),$(HOME)/.cargo)/bin
@@ -10,6 +10,7 @@ help:
 	@echo 'make build   target/release/diffract'
 	@echo 'make setup   get what the above need; each of them does so by itself'
 	@echo 'make lint    formatting, clippy and rustdoc, warnings denied'
+	@echo 'make measure speed against accuracy on this machine, into target/trade'
 	@echo 'make clean   remove what was built'
 
 run:
@@ -32,6 +33,9 @@ lint:
 	cargo fmt --check
 	cargo clippy --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
+
+measure: build
+	target/release/diffract trade $(ARGS) -o target/trade
 
 clean:
 	cargo clean

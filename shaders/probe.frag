@@ -1,18 +1,29 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Reads the layers as fast as the device can: one bilinear sample after the other, neighbours for neighbouring pixels,
-// walking outward and through the layers as the shading does, and no more arithmetic than it takes to keep the compiler
-// from leaving a read out.
+// Reads the layers as fast as the device can: one bilinear sample after the other, walking outward and through the layers as
+// the shading does, and no more arithmetic than it takes to keep the compiler from leaving a read out. Neighbouring pixels
+// read neighbours, or each pixel reads somewhere else.
 #include "interface.glsl"
 #include "spectrum.glsl"
 
 layout(location = 0) out vec4 sum;
 
-layout(push_constant) uniform Probe { int samples; } probe;
+layout(push_constant) uniform Probe {
+    int samples;
+    int scattered; // 1: every pixel begins at a place of its own
+} probe;
+
+// Multiplicative hashing (Knuth): spreads neighbours over the whole range.
+vec2 elsewhere(uvec2 pixel) {
+    uint h = (pixel.x * 2654435761u) ^ (pixel.y * 2246822519u);
+    h = (h ^ (h >> 15)) * 3266489917u;
+    return vec2(h & 0xffffu, h >> 16) / 65536.0;
+}
 
 void main() {
     sum = vec4(0.0);
-    vec2 place = (gl_FragCoord.xy * 0.25 + optics.origin) / optics.texture_size;
+    vec2 beside = (gl_FragCoord.xy * 0.25 + optics.origin) / optics.texture_size;
+    vec2 place = mix(beside, elsewhere(uvec2(gl_FragCoord.xy)), float(probe.scattered));
     vec2 walk = vec2(1.5) / optics.texture_size;
     int layer = 0;
     for (int i = 0; i < probe.samples; ++i) {

@@ -1,9 +1,8 @@
 //! What commands need before they can shade: a device, and the layers, from the cache or made with a progress bar.
 
 use super::{check_validation, say, validation};
-use crate::error::{Error, Result};
-use crate::optics::coherence::Coherence;
-use crate::precompute::{self, Layers, Settings, cache};
+use crate::error::Result;
+use crate::precompute::{Layers, Settings, cache};
 use crate::render::shading::Shading;
 use crate::surface::HeightField;
 use crate::vk::device::Device;
@@ -11,9 +10,6 @@ use crate::vk::instance::Instance;
 use crate::vk::selection::Wish;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::Arc;
-
-/// Share of the device's memory that the layers may take; pictures and the rest need some.
-const DEVICE_SHARE: f64 = 0.75;
 
 /// Opens the device that `wish` means.
 pub fn device(wish: &Wish) -> Result<Arc<Device>> {
@@ -27,44 +23,30 @@ pub fn finish(device: &Device) -> Result<()> {
 
 /// Layers of `field` for wavelengths from `shortest` \[µm\] on `device`.
 pub fn layers(field: &HeightField, shading: &Shading, shortest: f64, device: &Device) -> Result<Layers> {
-    let Coherence::Gaussian { length } = shading.coherence else {
-        return Err(Error::usage(
-            "--method spectral does not do --coherence repeats yet",
-            "use --coherence gaussian:LENGTH or --method reference",
-        ));
-    };
-    if shading.windows != [1, 1] {
-        return Err(Error::usage(
-            "--method spectral does one window only",
-            "leave --windows away or use --method reference",
-        ));
-    }
-    warn_of_coarse_samples(field, shortest);
-    let memory_limit = (device.candidate().memory as f64 * DEVICE_SHARE) as usize;
-    let settings = Settings {
-        sigma: length / 4.0,
-        shortest_wavelength: shortest,
-        budget: shading.budget(),
-        basis: shading.basis,
-        terms: shading.terms,
-        memory_limit,
-        side_limit: device.candidate().max_side as usize,
-    };
-    let folder = cache::folder();
-    let key = cache::key(field, &settings);
-    if let Some(layers) = folder.as_ref().and_then(|f| cache::load(f, &key, memory_limit)) {
-        return Ok(layers);
-    }
+    layers_for(field, &shading.layer_settings(shortest, device.candidate())?)
+}
+
+/// Layers of `field` under a Gaussian of standard deviation `sigma` \[µm\], or, where that is infinite, of one period alone.
+pub fn windowed_layers(
+    field: &HeightField,
+    shading: &Shading,
+    sigma: f64,
+    shortest: f64,
+    device: &Device,
+) -> Result<Layers> {
+    layers_for(field, &shading.windowed_settings(sigma, shortest, device.candidate())?)
+}
+
+fn layers_for(field: &HeightField, settings: &Settings) -> Result<Layers> {
+    warn_of_coarse_samples(field, settings.shortest_wavelength);
     let bar = progress_bar("spectra");
-    let layers = precompute::compute(field, &settings, &|done, of| {
+    let (layers, not_kept) = cache::obtain(field, settings, &|done, of| {
         bar.set_length(of as u64);
         bar.set_position(done as u64);
         Ok(())
     })?;
     bar.finish_and_clear();
-    if let Some(folder) = folder
-        && let Err(error) = cache::store(&folder, &key, &layers)
-    {
+    if let Some(error) = not_kept {
         say(&format_args!("the spectra are not kept for next time: {error}"));
     }
     Ok(layers)

@@ -1,22 +1,18 @@
 //! `diffract profile`: how long a frame takes, what it does in that time, and what the device could do.
 
 use super::options::{
-    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, check_lights, lights_of,
+    ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, check_lights, sample_pixels,
 };
+use super::stage::{Setting, Stage};
 use super::{prepare, write};
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::measure::budget::Budget;
 use crate::measure::cost::Cost;
-use crate::measure::profile::{Summary, Times, measure};
-use crate::optics::spectrum::SHORTEST;
+use crate::measure::error::PixelErrors;
+use crate::measure::profile::{Bound, Rates, Summary, Times, measure, rates};
 use crate::output;
-use crate::precompute::Layers;
-use crate::render::frame::View;
-use crate::render::picture::Painter;
-use crate::render::resources::Pigment;
-use crate::render::shading::{Purpose, Shading};
-use crate::scene::{Light, Scene};
+use crate::scene::Light;
 use crate::units;
-use crate::vk::device::Device;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -24,34 +20,45 @@ use std::path::PathBuf;
 /// Frames a second of the thesis' shader on the GPU of its day.
 const TARGET_FPS: (f64, f64) = (5.0, 15.0);
 /// A spread of medians beyond this means that the machine was busy with something else.
-const NOISY: f64 = 1.15;
+pub const NOISY: f64 = 1.15;
 
 /// Arguments of `profile`.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct Arguments {
     /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
-    scene: String,
+    pub scene: String,
     /// Write the numbers as JSON too
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    pub json: Option<PathBuf>,
     /// Frames to measure
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(3..=100_000), allow_hyphen_values = true)]
-    frames: u32,
+    pub frames: u32,
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "640x480")]
-    size: [u32; 2],
+    pub size: [u32; 2],
     /// A light instead of the scene's, in degrees from up and around it; up to four
     #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
-    light: Vec<Light>,
+    pub light: Vec<Light>,
+    /// Compare so many random pixels with the f64 reference too, or `all`
+    #[arg(long, value_name = "N|all", value_parser = compared, allow_hyphen_values = true)]
+    pub error: Option<usize>,
+    /// Print where the error comes from
+    #[arg(long)]
+    pub explain: bool,
     #[command(flatten)]
-    surface: SurfaceOptions,
+    pub surface: SurfaceOptions,
     #[command(flatten)]
-    optics: OpticsOptions,
+    pub optics: OpticsOptions,
     #[command(flatten)]
-    colour: ColourOptions,
+    pub colour: ColourOptions,
     #[command(flatten)]
-    device: DeviceOptions,
+    pub device: DeviceOptions,
+}
+
+/// How many pixels `--error` means.
+fn compared(text: &str) -> Result<usize> {
+    if text.trim() == "all" { Ok(usize::MAX) } else { sample_pixels(text) }
 }
 
 /// The report, as JSON has it.
@@ -69,14 +76,24 @@ struct Report {
     wavelengths: f64,
     covered: f64,
     gpu_ms: Milliseconds,
+    geometry_ms: Milliseconds,
     shade_ms: Milliseconds,
     display_ms: Milliseconds,
+    record_ms: Milliseconds,
     frame_ms: Milliseconds,
     fps: f64,
     samples_per_covered_pixel: f64,
     sample_rate: f64,
+    scattered_sample_rate: f64,
     sample_rate_fraction: f64,
+    bound_by: Bound,
     spread: f64,
+    noisy: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<PixelErrors>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    flip: Option<f64>,
+    budget: Budget,
 }
 
 #[derive(Serialize)]
@@ -95,80 +112,79 @@ impl From<Summary> for Milliseconds {
 
 /// Measures and reports.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    if arguments.optics.method == Method::Reference {
-        return Err(Error::usage("--method reference has no frames to time", "use --method spectral"));
-    }
     check_lights(&arguments.light)?;
     if let Some(path) = &arguments.json {
         output::check(path)?;
     }
-    let shading = Shading { purpose: Purpose::Picture, ..arguments.optics.shading(&arguments.colour)? };
-    let scene = Scene::open(&arguments.scene)?;
-    let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
-    let device = prepare::device(&arguments.device.wish())?;
-    let layers = prepare::layers(&field, &shading, SHORTEST, &device)?;
-    let view = View::of(&scene, lights_of(&arguments.light, &scene));
-    let mut painter = Painter::new(
-        &device,
-        &layers,
-        &shading,
-        &scene.mesh,
-        &Pigment::white(),
-        arguments.size,
-        view.lights.len(),
-    )?;
-    let directions =
-        (0..view.lights.len()).map(|light| painter.directions(&view, light)).collect::<Result<Vec<_>>>()?;
-    let cost = Cost::of(&layers, painter.combs(), &directions);
-    let bar = prepare::progress_bar("frames");
-    let pixels = arguments.size[0] as usize * arguments.size[1] as usize;
-    let times = measure(&mut painter, &view, arguments.frames as usize, pixels, &|done, of| {
-        bar.set_length(of as u64);
-        bar.set_position(done as u64);
-        Ok(())
-    })?;
-    bar.finish_and_clear();
-    drop(painter);
-    prepare::finish(&device)?;
-    let report = report(arguments, &device, &layers, &cost, &times, pixels);
-    write::stdout(&text(&report))?;
+    let stage = Stage::set(arguments)?;
+    let report = profile(&stage, arguments)?;
+    prepare::finish(&stage.device)?;
+    let budget = if arguments.explain { report.budget.to_text() } else { String::new() };
+    write::stdout(&(text(&report) + &budget))?;
     if let Some(path) = &arguments.json {
         write::json(path, &report)?;
     }
     Ok(())
 }
 
+fn profile(stage: &Stage, arguments: &Arguments) -> Result<Report> {
+    let shading = arguments.optics.shading(&arguments.colour)?.for_pictures();
+    let (mut painter, setting, cost, directions) = stage.prepare(arguments, &shading)?;
+    let bar = prepare::progress_bar("frames");
+    let times = measure(&mut painter, &stage.view, arguments.frames as usize, f64::INFINITY, &|done, of| {
+        bar.set_length(of as u64);
+        bar.set_position(done as u64);
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    let rates = rates(&mut painter, stage.pixels())?;
+    let (error, flip) = match arguments.error {
+        Some(count) => stage.compare(&mut painter, &shading, &directions, count)?,
+        None => (None, None),
+    };
+    let report = report(stage, arguments, setting, &cost, &times, &rates);
+    Ok(Report { error, flip, ..report })
+}
+
 fn report(
+    stage: &Stage,
     arguments: &Arguments,
-    device: &Device,
-    layers: &Layers,
+    setting: Setting,
     cost: &Cost,
     times: &Times,
-    pixels: usize,
+    rates: &Rates,
 ) -> Report {
-    let candidate = device.candidate();
+    let candidate = stage.device.candidate();
     let reached = cost.samples as f64 / (times.shade.p50 * 1e-3);
     Report {
         device: candidate.name.clone(),
         driver: candidate.driver.clone(),
-        size: arguments.size,
-        method: "spectral",
+        size: stage.size,
+        method: setting.method,
         basis: arguments.optics.basis.name(),
         tolerance: arguments.optics.tolerance,
-        terms: layers.terms,
-        layers: layers.pairs(),
-        kernel: layers.interpolation.name(),
+        terms: setting.terms,
+        layers: setting.layers,
+        kernel: setting.kernel,
         wavelengths: cost.wavelengths_per_pixel(),
-        covered: cost.covered as f64 / pixels as f64,
+        covered: cost.covered as f64 / stage.pixels() as f64,
         gpu_ms: times.gpu.into(),
+        geometry_ms: times.geometry.into(),
         shade_ms: times.shade.into(),
         display_ms: times.display.into(),
+        record_ms: times.record.into(),
         frame_ms: times.frame.into(),
         fps: 1e3 / times.frame.p50,
         samples_per_covered_pixel: cost.samples_per_pixel(),
-        sample_rate: times.sample_rate,
-        sample_rate_fraction: reached / times.sample_rate,
+        sample_rate: rates.coherent,
+        scattered_sample_rate: rates.scattered,
+        sample_rate_fraction: reached / rates.coherent,
+        bound_by: Bound::of(times, cost.samples, rates),
         spread: times.spread,
+        noisy: times.spread > NOISY,
+        error: None,
+        flip: None,
+        budget: setting.budget,
     }
 }
 
@@ -190,23 +206,53 @@ fn text(r: &Report) -> String {
             ),
         ),
         ("frame (min/p50/p95/max)", ms(&r.frame_ms)),
+        ("device: mesh", ms(&r.geometry_ms)),
         ("device: shading", ms(&r.shade_ms)),
         ("device: display", ms(&r.display_ms)),
+        ("CPU: recording", ms(&r.record_ms)),
         ("frames a second", format!("{:.2}, {verdict}", r.fps)),
         ("samples", format!("{:.0} a covered pixel", r.samples_per_covered_pixel)),
         (
             "sample rate",
             format!(
-                "{:.0} M/s are possible here, {:.0} % of it are used",
+                "{:.0} M/s are possible here side by side, {:.0} M/s scattered; the frame reaches {:.0} M/s, {:.0} % of the \
+                 first",
                 r.sample_rate * 1e-6,
+                r.scattered_sample_rate * 1e-6,
+                r.sample_rate * r.sample_rate_fraction * 1e-6,
                 r.sample_rate_fraction * 100.0
             ),
         ),
+        (
+            "bound by",
+            match r.bound_by {
+                Bound::Samples => "reading the layers",
+                Bound::Arithmetic => "the arithmetic between the reads",
+                Bound::Fill => "drawing the mesh and the display, not the shading",
+                Bound::Cpu => "the CPU: recording, submitting, waiting",
+            }
+            .to_owned(),
+        ),
     ];
-    if r.spread > NOISY {
+    if let Some(e) = &r.error {
+        lines.push((
+            "error",
+            format!(
+                "{:.1e} ± {:.0e} relative L2, 99 % of pixels within {:.1e} of their own value ({} pixels against f64)",
+                e.relative_l2, e.relative_l2_interval, e.p99, e.pixels
+            ),
+        ));
+    }
+    if let Some(flip) = r.flip {
+        lines.push(("seen", format!("FLIP {flip:.1e} (0 is no visible difference, 1 the largest)")));
+    }
+    if r.noisy {
         lines.push((
             "warning",
-            format!("the machine was busy: medians differ by a factor of {:.2}", r.spread),
+            format!(
+                "too noisy to tell: the medians of three parts of the series differ by a factor of {:.2}",
+                r.spread
+            ),
         ));
     }
     lines.iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect()

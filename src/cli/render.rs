@@ -1,25 +1,24 @@
 //! `diffract render`: a scene into a file.
 
 use super::options::{
-    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, check_lights, exposure, lights_of,
+    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions, check_lights,
+    sample_pixels,
 };
 use super::{prepare, write};
 use crate::error::{Error, Result};
+use crate::measure::error;
 use crate::optics::coherence::Coherence;
-use crate::optics::color;
 use crate::optics::spectrum::SHORTEST;
 use crate::render::frame::View;
 use crate::render::picture::{Painter, Picture};
-use crate::render::reference_picture::reference_picture;
+use crate::render::reference_picture::{self, displayed, reference_pixels};
 use crate::render::resources::Pigment;
-use crate::render::shading::{Purpose, Shading};
-use crate::scene::{Light, Scene};
+use crate::render::shading::Shading;
+use crate::scene::Scene;
 use crate::surface::HeightField;
-use crate::{input, output, units};
+use crate::{output, units};
 use clap::Args;
-use glam::DVec3;
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]
@@ -37,12 +36,11 @@ pub struct Arguments {
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "1280x720")]
     size: [u32; 2],
-    /// Exposure in stops, instead of the scene's
-    #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true)]
-    exposure: Option<f64>,
-    /// A light instead of the scene's, in degrees from up and around it; up to four
-    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
-    light: Vec<Light>,
+    #[command(flatten)]
+    view: ViewOptions,
+    /// Shade only so many random pixels of those that the mesh covers (--method reference only)
+    #[arg(long, value_name = "N", value_parser = sample_pixels, allow_hyphen_values = true)]
+    sample_pixels: Option<usize>,
     #[command(flatten)]
     surface: SurfaceOptions,
     #[command(flatten)]
@@ -57,9 +55,16 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let format = write::PictureFormat::of(&arguments.output)?;
     output::check(&arguments.output)?;
-    check_lights(&arguments.light)?;
-    let shading = Shading { purpose: Purpose::Picture, ..arguments.optics.shading(&arguments.colour)? };
-    let scene = Scene::open(&arguments.scene)?;
+    check_lights(&arguments.view.light)?;
+    if arguments.sample_pixels.is_some() && arguments.optics.method != Method::Reference {
+        return Err(Error::usage(
+            "--sample-pixels is for the reference picture only",
+            "add --method reference, or leave it away",
+        ));
+    }
+    let shading = arguments.optics.shading(&arguments.colour)?.for_pictures();
+    let mut scene = Scene::open(&arguments.scene)?;
+    arguments.view.apply(&mut scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
     let picture = draw(arguments, &scene, &field, &shading)?;
     write::picture(&arguments.output, format, &picture)
@@ -83,17 +88,17 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
     } else {
         prepare::layers(field, shading, SHORTEST, &device)?
     };
-    let pigment = scene.pigment.as_deref().map(read_pigment).transpose()?;
-    let view = View { pigment: pigment.is_some(), ..View::of(scene, lights_of(&arguments.light, scene)) };
+    let pigment = scene.pigment.as_deref().map(Pigment::read).transpose()?;
+    let view = View { pigment: pigment.is_some(), ..View::of(scene, scene.lights.clone()) };
     let pigment = pigment.unwrap_or_else(Pigment::white);
     let mut painter =
         Painter::new(&device, &layers, shading, &scene.mesh, &pigment, arguments.size, view.lights.len())?;
-    let exposure = arguments.exposure.unwrap_or(scene.exposure);
     let picture = if reference {
-        let radiance = reference_radiance(&mut painter, &view, field, shading)?;
-        displayed(arguments.size, radiance, exposure, scene.background)
+        let radiance = reference_radiance(&mut painter, &view, field, shading, arguments.sample_pixels)?;
+        let display = displayed(&radiance, scene.exposure, scene.background);
+        Picture { size: arguments.size, radiance, display }
     } else {
-        painter.paint(&view, exposure, scene.background)?
+        painter.paint(&view, scene.exposure, scene.background)?
     };
     drop(painter);
     prepare::finish(&device)?;
@@ -105,54 +110,25 @@ fn reference_radiance(
     view: &View,
     field: &HeightField,
     shading: &Shading,
+    samples: Option<usize>,
 ) -> Result<Vec<[f32; 4]>> {
     prepare::warn_of_coarse_samples(field, SHORTEST);
     let directions =
         (0..view.lights.len()).map(|light| painter.directions(view, light)).collect::<Result<Vec<_>>>()?;
+    let mut pixels = reference_picture::covered(&directions);
+    if let Some(count) = samples {
+        pixels = error::sample(&pixels, count);
+    }
     let bar = prepare::progress_bar("pixels");
-    let radiance = reference_picture(field, shading, view, &directions, &|done, of| {
+    let colors = reference_pixels(field, shading, view, &directions, &pixels, &|done, of| {
         bar.set_length(of as u64);
         bar.set_position(done as u64);
         Ok(())
     });
     bar.finish_and_clear();
-    radiance
-}
-
-/// The display of `radiance` by the f64 twin of the display pass.
-fn displayed(size: [u32; 2], radiance: Vec<[f32; 4]>, exposure: f64, background: DVec3) -> Picture {
-    let display = radiance
-        .iter()
-        .map(|&[r, g, b, a]| {
-            let [r, g, b] = if a > 0.0 {
-                color::display(DVec3::new(r.into(), g.into(), b.into()), exposure)
-            } else {
-                color::display(background, 0.0)
-            };
-            [r, g, b, 255]
-        })
-        .collect();
-    Picture { size, radiance, display }
-}
-
-/// Largest side of a pigment texture \[pixels\].
-const MAX_PIGMENT: u32 = 8192;
-
-fn read_pigment(path: &Path) -> Result<Pigment> {
-    const EXPECTED: &str = "a PNG or TIFF picture for the pigment";
-    let mut bytes = Vec::new();
-    let file = input::open(path, EXPECTED, input::MAX_TEXT)?;
-    let bad = |e: &dyn std::fmt::Display| {
-        Error::failed(format!("it cannot be read as a picture ({e})"), format!("give {EXPECTED}"))
-            .at(path.display())
-    };
-    file.take(input::MAX_TEXT).read_to_end(&mut bytes).map_err(|e| bad(&e))?;
-    let mut reader =
-        image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().map_err(|e| bad(&e))?;
-    let mut limits = image::Limits::default();
-    limits.max_image_width = Some(MAX_PIGMENT);
-    limits.max_image_height = Some(MAX_PIGMENT);
-    reader.limits(limits);
-    let picture = reader.decode().map_err(|e| bad(&e))?.to_rgba8();
-    Ok(Pigment { size: [picture.width(), picture.height()], texels: picture.into_raw() })
+    let mut radiance = vec![[0.0; 4]; directions.first().map_or(0, |seen| seen.view.len())];
+    for (pixel, color) in pixels.into_iter().zip(colors?) {
+        radiance[pixel] = color.as_vec3().extend(1.0).to_array();
+    }
+    Ok(radiance)
 }

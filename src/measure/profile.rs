@@ -3,13 +3,17 @@
 use crate::error::Result;
 use crate::render::frame::View;
 use crate::render::picture::Painter;
+use crate::render::picture::timing::PassTimes;
 use glam::DVec3;
+use serde::Serialize;
 use std::time::Instant;
 
 /// Frames drawn before any is counted: the first compile shaders and fault memory in.
 const WARM_UP: usize = 3;
 /// Samples per pixel of the probe: long enough that its start does not count.
 const PROBE_SAMPLES: u32 = 64;
+/// Frames that are measured however long they take.
+const FEWEST: usize = 3;
 
 /// Order statistics of a series of milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,22 +43,33 @@ impl Summary {
 /// Times of a series of frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Times {
+    /// Drawing the mesh, on the device \[ms\].
+    pub geometry: Summary,
     /// Shading on the device \[ms\].
     pub shade: Summary,
     /// Display on the device \[ms\].
     pub display: Summary,
-    /// Both \[ms\].
+    /// All passes \[ms\].
     pub gpu: Summary,
+    /// Recording the commands, on the CPU \[ms\].
+    pub record: Summary,
     /// From the call to the finished frame, on the wall \[ms\].
     pub frame: Summary,
     /// Largest over smallest of the medians of the series' thirds: 1 on a quiet machine.
     pub spread: f64,
-    /// Bilinear samples of the layers a second that the device reaches with nothing else to do.
-    pub sample_rate: f64,
 }
 
-/// Draws `view` `frames` times with `painter`, whose pictures have `pixels` pixels, and measures. `progress(done, of)` is
-/// called before each frame; an error from it ends the work.
+/// Bilinear samples of the layers a second that a device reaches with nothing else to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates {
+    /// Where neighbouring pixels read neighbours.
+    pub coherent: f64,
+    /// Where every pixel reads somewhere else.
+    pub scattered: f64,
+}
+
+/// Draws `view` `frames` times with `painter` and measures, but not for longer than `seconds` once there are three frames.
+/// `progress(done, of)` is called before each frame; an error from it ends the work.
 ///
 /// # Errors
 /// Where the device is lost, and what `progress` returns.
@@ -62,32 +77,86 @@ pub fn measure(
     painter: &mut Painter,
     view: &View,
     frames: usize,
-    pixels: usize,
+    seconds: f64,
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<Times> {
-    let (mut shade, mut display, mut gpu, mut wall) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let watch = painter.stopwatch()?;
+    let mut series: Vec<PassTimes> = Vec::new();
+    let begin = Instant::now();
     for frame in 0..WARM_UP + frames {
         progress(frame, WARM_UP + frames)?;
-        let start = Instant::now();
-        let [shading, displaying] = painter.draw(view, 0.0, DVec3::ZERO)?;
-        if frame >= WARM_UP {
-            wall.push(start.elapsed().as_secs_f64() * 1e3);
-            shade.push(shading);
-            display.push(displaying);
-            gpu.push(shading + displaying);
+        let times = painter.time(&watch, view, 0.0, DVec3::ZERO)?;
+        // A frame that alone takes the time that there is needs no second one to warm up.
+        if frame >= WARM_UP || times.wall * 1e-3 > seconds / 3.0 {
+            series.push(times);
+        }
+        if series.len() >= FEWEST && begin.elapsed().as_secs_f64() > seconds {
+            break;
         }
     }
-    let medians: Vec<f64> = wall.chunks(wall.len().div_ceil(3)).map(|part| Summary::of(part).p50).collect();
+    let of = |part: &dyn Fn(&PassTimes) -> f64| Summary::of(&series.iter().map(part).collect::<Vec<_>>());
+    let medians: Vec<f64> = series
+        .chunks(series.len().div_ceil(3).max(1))
+        .map(|part| Summary::of(&part.iter().map(|t| t.wall).collect::<Vec<_>>()).p50)
+        .collect();
     let ends = Summary::of(&medians);
-    let probe = painter.probe(PROBE_SAMPLES)?;
     Ok(Times {
-        shade: Summary::of(&shade),
-        display: Summary::of(&display),
-        gpu: Summary::of(&gpu),
-        frame: Summary::of(&wall),
+        geometry: of(&|t| t.geometry),
+        shade: of(&|t| t.shade),
+        display: of(&|t| t.display),
+        gpu: of(&PassTimes::device),
+        record: of(&|t| t.record),
+        frame: of(&|t| t.wall),
         spread: ends.max / ends.min.max(f64::MIN_POSITIVE),
-        sample_rate: pixels as f64 * f64::from(PROBE_SAMPLES) / (probe * 1e-3),
     })
+}
+
+/// Measures what the device could do with `painter`'s layers, for pictures of `pixels` pixels.
+///
+/// # Errors
+/// Where the device is lost.
+pub fn rates(painter: &mut Painter, pixels: usize) -> Result<Rates> {
+    let mut rate = |scattered| {
+        let milliseconds = painter.probe(PROBE_SAMPLES, scattered)?;
+        Ok(pixels as f64 * f64::from(PROBE_SAMPLES) / (milliseconds * 1e-3))
+    };
+    Ok(Rates { coherent: rate(false)?, scattered: rate(true)? })
+}
+
+/// What a frame waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Bound {
+    /// Reading the layers.
+    Samples,
+    /// The arithmetic between the reads.
+    Arithmetic,
+    /// Drawing the mesh and the display, which are a few reads and writes a pixel.
+    Fill,
+    /// Recording, submitting and waiting.
+    Cpu,
+}
+
+impl Bound {
+    /// What bounds frames of `times` that make `samples` reads on a device of `rates`.
+    pub fn of(times: &Times, samples: usize, rates: &Rates) -> Self {
+        /// Of its time a frame reads this part at the least where reading bounds it; what it reads is neither as
+        /// scattered nor as coherent as the probes.
+        const READING: f64 = 0.5;
+        let host = times.frame.p50 - times.gpu.p50;
+        if host > times.gpu.p50 {
+            return Self::Cpu;
+        }
+        if times.geometry.p50 + times.display.p50 > times.shade.p50 {
+            return Self::Fill;
+        }
+        let between = (rates.coherent * rates.scattered).sqrt();
+        if samples as f64 / between > READING * times.shade.p50 * 1e-3 {
+            Self::Samples
+        } else {
+            Self::Arithmetic
+        }
+    }
 }
 
 #[cfg(test)]
@@ -99,5 +168,25 @@ mod tests {
         let s = Summary::of(&[5.0, 1.0, 4.0, 2.0, 3.0]);
         assert_eq!((s.min, s.p50, s.max), (1.0, 3.0, 5.0));
         assert_eq!(Summary::of(&[]).max, 0.0);
+    }
+
+    #[test]
+    fn what_bounds_a_frame_follows_from_its_parts() {
+        let flat = |x: f64| Summary { min: x, p50: x, p95: x, max: x };
+        let times = |geometry: f64, shade: f64, display: f64, frame: f64| Times {
+            geometry: flat(geometry),
+            shade: flat(shade),
+            display: flat(display),
+            gpu: flat(geometry + shade + display),
+            record: flat(0.1),
+            frame: flat(frame),
+            spread: 1.0,
+        };
+        let rates = Rates { coherent: 4e8, scattered: 1e8 };
+        // 100 ms of shading hold 20 M samples at the rate between the two.
+        assert_eq!(Bound::of(&times(1.0, 100.0, 1.0, 103.0), 19_000_000, &rates), Bound::Samples);
+        assert_eq!(Bound::of(&times(1.0, 100.0, 1.0, 103.0), 2_000_000, &rates), Bound::Arithmetic);
+        assert_eq!(Bound::of(&times(3.0, 5.0, 4.0, 13.0), 19_000_000, &rates), Bound::Fill);
+        assert_eq!(Bound::of(&times(0.1, 1.0, 0.1, 9.0), 19_000_000, &rates), Bound::Cpu);
     }
 }

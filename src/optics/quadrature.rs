@@ -99,6 +99,11 @@ impl<'a> ColourDensity<'a> {
     }
 }
 
+/// S (x̄,ȳ,z̄)/∫Sȳdλ · |dλ/dq| at the wavenumber `q` \[µm⁻¹\]: the XYZ of a response that stands at one wavenumber alone.
+pub fn density(illuminant: &Illuminant, q: f64) -> DVec3 {
+    ColourDensity::new(illuminant).at(q)
+}
+
 /// Nodes that stand closer where the eye sees more, with the XYZ weight of each.
 ///
 /// A comb of local step δq along a ray at |(u,v)| aliases what the window's autocorrelation exp(−x²/4σ²) has beyond

@@ -78,19 +78,47 @@ impl<'a> Reference<'a> {
         if !pair.above_horizon() {
             return Ok(DVec3::ZERO);
         }
-        let count = self.colour_nodes(pair)?;
+        let count = self.colour_nodes(pair, COLOUR_NODES)?;
         let nodes = Nodes::catmull_rom(illuminant, count);
-        let spectrum = self.cosine_weighted_spectrum(pair, nodes.first, nodes.step, count);
-        Ok(nodes.weights.iter().zip(spectrum).map(|(w, f)| *w * f).sum())
+        Ok(self.colour_of(pair, &nodes, &self.power(pair.uvw(), nodes.first, nodes.step, count)))
     }
 
-    /// Wavelengths that resolve the response along the ray of `pair`.
-    fn colour_nodes(&self, pair: &Pair) -> Result<usize> {
+    /// The height field.
+    pub(super) fn field(&self) -> &'a HeightField {
+        self.field
+    }
+
+    /// What surrounds the patch.
+    pub(super) fn coherence(&self) -> &Coherence {
+        &self.coherence
+    }
+
+    /// Window centres that are averaged over.
+    pub(super) fn windows(&self) -> [u32; 2] {
+        self.windows
+    }
+
+    /// XYZ of f·cos θ_i from |P|² \[µm⁴\] at every one of `nodes`.
+    pub(super) fn colour_of(&self, pair: &Pair, nodes: &Nodes, power: &[f64]) -> DVec3 {
+        let area = self.coherence.area(self.field.patch_size());
+        let reflectance = brdf::schlick(self.ior, pair.cos_half_angle());
+        let terms = nodes.weights.iter().zip(power).enumerate().map(|(j, (weight, power))| {
+            let wavelength = 1.0 / (nodes.first + j as f64 * nodes.step);
+            *weight * (reflectance * brdf::cosine_weighted(pair, wavelength, area, *power))
+        });
+        terms.sum()
+    }
+
+    /// Wavelengths that resolve the response along the ray of `pair`, `base` of them for the colour functions alone.
+    ///
+    /// # Errors
+    /// Where the window is so large that there would be more than 200 000.
+    pub(super) fn colour_nodes(&self, pair: &Pair, base: usize) -> Result<usize> {
         let uvw = pair.uvw();
         let patch = self.field.patch_size();
         let extent = |axis| self.coherence.correlation_extent(patch, axis, ALIAS_LEVEL);
-        let count = COLOUR_NODES as f64
-            + SPAN * self.coherence.path(uvw.x.abs() * extent(0), uvw.y.abs() * extent(1));
+        let count =
+            base as f64 + SPAN * self.coherence.path(uvw.x.abs() * extent(0), uvw.y.abs() * extent(1));
         if count <= MAX_NODES as f64 {
             return Ok(count as usize);
         }

@@ -5,8 +5,8 @@
 
 use super::coefficients::Coefficients;
 use super::kernel::{Interpolation, Kernel};
-use super::layers::{Errors, Layers, PairRule, Settings};
-use crate::error::Result;
+use super::layers::{self, Errors, Layers, PairRule, Settings};
+use crate::error::{Error, Result};
 use crate::output;
 use crate::surface::HeightField;
 use std::fs::File;
@@ -50,6 +50,25 @@ pub fn key(field: &HeightField, settings: &Settings) -> blake3::Hash {
     hasher.update(bytemuck::cast_slice(&numbers));
     hasher.update(bytemuck::cast_slice(field.heights()));
     hasher.finalize()
+}
+
+/// The layers of `field` under `settings`, from the cache or made and kept there; beside them, why they could not be kept.
+///
+/// # Errors
+/// As [`layers::compute`].
+pub fn obtain(
+    field: &HeightField,
+    settings: &Settings,
+    progress: &dyn Fn(usize, usize) -> Result<()>,
+) -> Result<(Layers, Option<Error>)> {
+    let folder = folder();
+    let key = key(field, settings);
+    if let Some(layers) = folder.as_ref().and_then(|f| load(f, &key, settings.memory_limit)) {
+        return Ok((layers, None));
+    }
+    let layers = layers::compute(field, settings, progress)?;
+    let kept = folder.map(|folder| store(&folder, &key, &layers));
+    Ok((layers, kept.and_then(Result::err)))
 }
 
 /// Where the layers of `key` are kept in `folder`.

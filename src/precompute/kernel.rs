@@ -83,6 +83,20 @@ impl Kernel {
     }
 }
 
+impl Kernel {
+    /// As [`Kernel::amplitude_error`], for one period without a window, 1 over T and 0 beyond, on a padded length L = `ratio`·T ≥ T.
+    pub fn amplitude_error_of_patch(self, ratio: f64) -> f64 {
+        const STEPS: i32 = 1000;
+        const COPIES: i32 = 3;
+        let error = |i: i32| {
+            let x = ((f64::from(i) + 0.5) / f64::from(STEPS) - 0.5) / ratio;
+            let copies = (1..=COPIES).flat_map(|m| [f64::from(m), f64::from(-m)]);
+            copies.map(|m| (self.transform(x + m) / self.transform(x)).powi(2)).sum::<f64>()
+        };
+        ((0..STEPS).map(error).sum::<f64>() / f64::from(STEPS)).sqrt()
+    }
+}
+
 /// A kernel for each axis, and the padded lengths that they need.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interpolation {
@@ -107,6 +121,25 @@ const MOST_CUBIC: f64 = 64.0;
 const CUBIC_PART: f64 = 0.1;
 
 impl Interpolation {
+    /// The cheapest interpolation of the spectrum of one period without a window, with ratios L/T, and its RMS relative
+    /// intensity error: at most `tolerance`, or as small as there is.
+    pub fn of_patch(tolerance: f64) -> (Self, f64) {
+        const MOST: [(Kernel, f64); 2] = [(Kernel::Linear, 6.0), (Kernel::Cubic, 16.0)];
+        let mut last = (Self { kernels: [Kernel::Cubic; 2], ratios: [MOST[1].1; 2] }, f64::INFINITY);
+        for (kernel, most) in MOST {
+            let mut ratio = 1.2;
+            while ratio <= most {
+                let error = SPECKLE * std::f64::consts::SQRT_2 * kernel.amplitude_error_of_patch(ratio);
+                last = (Self { kernels: [kernel; 2], ratios: [ratio; 2] }, error);
+                if last.1 <= tolerance {
+                    return last;
+                }
+                ratio *= 1.02;
+            }
+        }
+        last
+    }
+
     /// The cheapest interpolation whose RMS relative intensity error over single directions and wavelengths is at most
     /// `tolerance`, or the finest there is.
     pub fn for_tolerance(tolerance: f64) -> Self {

@@ -18,7 +18,8 @@ use std::f64::consts::PI;
 /// What the layers are made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Standard deviation of the Gaussian window \[µm\].
+    /// Standard deviation of the Gaussian window over the endless surface \[µm\]; infinite: one period alone, without a
+    /// window.
     pub sigma: f64,
     /// Shortest wavelength that will be asked for \[µm\].
     pub shortest_wavelength: f64,
@@ -171,7 +172,9 @@ fn plan(field: &HeightField, settings: &Settings, interpolation: Interpolation) 
     let samples = [field.columns(), field.rows()];
     let band = bands_of(field, settings.shortest_wavelength);
     // Whether it fits is known before the axes, which are as long as the window, are made.
-    let texels = |axis: usize| 2.0 * band[axis] * interpolation.ratios[axis] * settings.sigma;
+    let patch = field.patch_size();
+    let extent = |axis: usize| if settings.sigma.is_finite() { settings.sigma } else { patch[axis] };
+    let texels = |axis: usize| 2.0 * band[axis] * interpolation.ratios[axis] * extent(axis);
     let plane = if settings.basis.is_real() { 0.5 } else { 1.0 };
     let bytes = texels(0) * texels(1) * plane * 8.0 * settings.terms.unwrap_or(2) as f64;
     if bytes > settings.memory_limit as f64 {
@@ -233,8 +236,13 @@ pub fn compute(
         // Refuses what is hopeless before any work.
         terms_for(z_max * scale.half_range, budget.expansion, F32_ROUNDOFF)?;
     }
-    let interpolation = Interpolation::for_tolerance(budget.interpolation);
-    if interpolation.relative_error() > budget.interpolation {
+    let (interpolation, interpolation_error) = if settings.sigma.is_finite() {
+        let gaussian = Interpolation::for_tolerance(budget.interpolation);
+        (gaussian, gaussian.relative_error())
+    } else {
+        Interpolation::of_patch(budget.interpolation)
+    };
+    if interpolation_error > budget.interpolation {
         return Err(Error::failed(
             format!(
                 "spectra of any size that is sensible leave more than {:.0e} between their samples",
@@ -312,7 +320,7 @@ pub fn compute(
         interpolation,
         errors: Errors {
             expansion: expansion_error,
-            interpolation: interpolation.relative_error(),
+            interpolation: interpolation_error,
             truncation_bound: worst(&|f| f.truncation_bound(z_max, terms)),
             rounding_bound: worst(&|f| f.rounding_bound(z_max, F32_ROUNDOFF)),
         },

@@ -29,7 +29,8 @@ pub struct PaddedAxis {
 
 impl PaddedAxis {
     /// The axis of a patch of `samples` samples `spacing` \[µm\] apart under a Gaussian of standard deviation `sigma`
-    /// \[µm\] padded to at least `ratio`·σ, keeping frequencies up to `band` \[µm⁻¹\]. `upward`: sample 0 of the patch
+    /// \[µm\] padded to at least `ratio`·σ, keeping frequencies up to `band` \[µm⁻¹\]; an infinite σ is one period
+    /// alone without a window, padded to at least `ratio`·T. `upward`: sample 0 of the patch
     /// has the largest coordinate, as rows of an image have.
     pub fn new(
         samples: usize,
@@ -42,7 +43,10 @@ impl PaddedAxis {
     ) -> Self {
         /// A transform this short costs nothing and still holds every kernel's guard.
         const FEWEST: usize = 8;
-        let padded = fast_size(((ratio * sigma / spacing).ceil() as usize).max(FEWEST));
+        let patch = samples as f64 * spacing;
+        let windowed = sigma.is_finite();
+        let extent = if windowed { sigma } else { patch };
+        let padded = fast_size(((ratio * extent / spacing).ceil() as usize).max(FEWEST));
         let length = padded as f64 * spacing;
         let shift = if samples.is_multiple_of(2) { 0.5 } else { 0.0 };
         // Padded sample m stands at (m + shift)·spacing, the upper half of m wrapped to negative positions.
@@ -50,13 +54,16 @@ impl PaddedAxis {
             let signed = if m < padded.div_ceil(2) { m as i64 } else { m as i64 - padded as i64 };
             (signed, (signed as f64 + shift) * spacing)
         };
-        let gaussian = |x: f64| (-0.5 * (x / sigma).powi(2)).exp();
+        let window_at = |x: f64| match windowed {
+            true => (-0.5 * (x / sigma).powi(2)).exp(),
+            false => f64::from(u8::from(x.abs() < patch / 2.0)),
+        };
         // The continuous integral of g, so that a flat surface's mirror peak is 1 by definition.
-        let scale = spacing / ((2.0 * PI).sqrt() * sigma);
+        let scale = spacing / if windowed { (2.0 * PI).sqrt() * sigma } else { patch };
         let window = (0..padded)
             .map(|m| {
                 let x = place(m).1;
-                gaussian(x) / kernel.transform(x / length) * scale
+                window_at(x) / kernel.transform(x / length) * scale
             })
             .collect();
         // Position (j + shift)·spacing is column (samples − 1)/2 + shift + j of the patch: a whole number.

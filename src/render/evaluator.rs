@@ -33,10 +33,7 @@ pub struct Query {
 
 /// Evaluates queries on the device.
 pub struct Evaluator {
-    commands: Commands,
-    pipeline: Pipeline,
-    queries: Buffer,
-    answers: Buffer,
+    asker: Asker,
     resources: Resources,
 }
 
@@ -47,6 +44,32 @@ impl Evaluator {
     /// Where the device has no room.
     pub fn new(device: &Arc<Device>, layers: &Layers, shading: &Shading) -> Result<Self> {
         let resources = Resources::new(device, layers, shading, &Pigment::white())?;
+        Ok(Self { asker: Asker::new(device, &resources)?, resources })
+    }
+
+    /// f·cos θ_i \[sr⁻¹\] of every query, in order: at a wavelength in the first component, as XYZ otherwise.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
+        self.asker.ask(&self.resources, queries)
+    }
+}
+
+/// Asks queries of resources that someone else holds.
+pub struct Asker {
+    commands: Commands,
+    pipeline: Pipeline,
+    queries: Buffer,
+    answers: Buffer,
+}
+
+impl Asker {
+    /// For `resources`, whose set the device must not be using, and for no others.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn new(device: &Arc<Device>, resources: &Resources) -> Result<Self> {
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let bytes = |one: usize| (AT_ONCE * one) as u64;
         let queries = Buffer::new(
@@ -61,20 +84,20 @@ impl Evaluator {
         resources.descriptors.buffer(binding::ANSWERS, &answers);
         let code = shader!("eval.comp").with(&resources.specialization);
         let pipeline = Pipeline::compute(device, code, &resources.descriptors, 4)?;
-        Ok(Self { commands: Commands::new(device, "evaluation")?, pipeline, queries, answers, resources })
+        Ok(Self { commands: Commands::new(device, "evaluation")?, pipeline, queries, answers })
     }
 
-    /// f·cos θ_i \[sr⁻¹\] of every query, in order: at a wavelength in the first component, as XYZ otherwise.
+    /// As [`Evaluator::cosine_weighted`].
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
+    pub fn ask(&mut self, resources: &Resources, queries: &[Query]) -> Result<Vec<DVec3>> {
         let mut all = Vec::with_capacity(queries.len());
         for part in queries.chunks(AT_ONCE) {
             let blocks: Vec<QueryBlock> = part.iter().map(block).collect();
             self.queries.write(bytemuck::cast_slice(&blocks))?;
             self.commands.run(|record| {
-                record.bind(&self.pipeline, &self.resources.descriptors);
+                record.bind(&self.pipeline, &resources.descriptors);
                 record.push(&self.pipeline, &(part.len() as u32).to_ne_bytes());
                 record.dispatch(part.len().div_ceil(GROUP) as u32);
                 record.memory(Access::ComputeWrite, Access::HostRead);

@@ -53,7 +53,7 @@ impl DeviceMesh {
 }
 
 /// What a frame shows.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// The camera.
     pub camera: Camera,
@@ -160,6 +160,8 @@ impl GeometryPass {
 /// device idle in a fragment stage of their own.
 pub struct PixelPass {
     pipeline: Pipeline,
+    // Push constants where `record` is given none.
+    settings: Vec<u8>,
 }
 
 impl PixelPass {
@@ -171,12 +173,13 @@ impl PixelPass {
         Self::new(device, shader!("diffraction.frag"), resources, 0)
     }
 
-    /// The pass that finds out how fast the device reads the layers; its push constant is the number of reads.
+    /// The pass that finds out how fast the device reads the layers; its push constants are the number of reads
+    /// and whether they are scattered.
     ///
     /// # Errors
     /// Where the device refuses.
     pub fn probe(device: &Arc<Device>, resources: &Resources) -> Result<Self> {
-        Self::new(device, shader!("probe.frag"), resources, 4)
+        Self::new(device, shader!("probe.frag"), resources, 8)
     }
 
     fn new(device: &Arc<Device>, code: Code<'_>, resources: &Resources, push_bytes: u32) -> Result<Self> {
@@ -185,12 +188,35 @@ impl PixelPass {
         let code = code.with(&resources.specialization);
         let descriptors = &resources.descriptors;
         let pipeline = Pipeline::graphics(device, vertex, Some(code), &drawing, descriptors, push_bytes)?;
-        Ok(Self { pipeline })
+        Ok(Self { pipeline, settings: Vec::new() })
+    }
+
+    /// The pass that shades as a classical grating shader does, for comparison: `axis` along which the heights repeat every
+    /// `period` \[µm\], and the radiance of the first order under a light of irradiance 1.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn grating(
+        device: &Arc<Device>,
+        resources: &Resources,
+        axis: [f32; 2],
+        period: f32,
+        strength: f32,
+    ) -> Result<Self> {
+        let pass = Self::new(device, shader!("grating.frag"), resources, 16)?;
+        let settings = bytemuck::cast_slice(&[axis[0], axis[1], period, strength]).to_vec();
+        Ok(Self { settings, ..pass })
     }
 
     /// Records the pass into `target.radiance`, which it leaves as a colour attachment.
     pub fn record(&self, record: &Recorder<'_>, target: &Target, descriptors: &Descriptors, push: &[u8]) {
+        let push = if push.is_empty() { &self.settings } else { push };
         record.images(&[(&target.radiance, Access::Nothing, Access::ColorAttachment)]);
+        self.go_on(record, target, descriptors, push);
+    }
+
+    /// Records another part of a pass that [`PixelPass::record`] began.
+    pub fn go_on(&self, record: &Recorder<'_>, target: &Target, descriptors: &Descriptors, push: &[u8]) {
         record.render(&[(&target.radiance, [0.0; 4])], None, |draw| {
             draw.bind(&self.pipeline, descriptors);
             if !push.is_empty() {

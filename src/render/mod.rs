@@ -1,6 +1,7 @@
 //! Joins optics and Vulkan: the layers as a texture, the tables that the shaders read, passes, frames, targets. Only this
 //! floor knows both sides.
 
+pub mod difference;
 pub mod evaluator;
 pub mod frame;
 pub mod interface;
@@ -11,6 +12,7 @@ pub mod shading;
 pub mod tables;
 pub mod target;
 mod upload;
+pub mod window;
 
 /// SPIR-V of a shader, by the name of its file.
 macro_rules! shader {

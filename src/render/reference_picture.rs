@@ -1,52 +1,89 @@
-//! The picture that the direct f64 sum gives for the very directions that a frame shaded: only shading differs.
+//! The picture that f64 optics give for the very directions that a frame shaded: only shading differs.
 
 use super::frame::View;
 use super::picture::Directions;
 use super::shading::Shading;
 use crate::error::Result;
 use crate::optics::brdf::schlick;
-use crate::optics::color::xyz_to_linear_srgb;
+use crate::optics::color::{self, xyz_to_linear_srgb};
+use crate::optics::fine::{self, Progress};
 use crate::optics::geometry::Pair;
 use crate::optics::reference::Reference;
 use crate::surface::HeightField;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Shades `directions` (one entry per light of `view`) by the direct sum. RGBA as [`super::picture::Picture::radiance`].
-/// A pigment texture does not count. `progress(done, of)` is called once a pixel; an error from it ends the work.
+/// Shades `directions` (one entry per light of `view`) in f64. RGBA as [`super::picture::Picture::radiance`]. A pigment
+/// texture does not count.
 ///
 /// # Errors
-/// As [`Reference::cosine_weighted_xyz`], and what `progress` returns.
+/// As [`fine::cosine_weighted_xyz`].
 pub fn reference_picture(
     field: &HeightField,
     shading: &Shading,
     view: &View,
     directions: &[Directions],
-    progress: &dyn Fn(usize, usize) -> Result<()>,
+    progress: Progress<'_>,
 ) -> Result<Vec<[f32; 4]>> {
+    let covered = covered(directions);
+    let mut picture = vec![[0.0; 4]; directions.first().map_or(0, |d| d.view.len())];
+    let colors = reference_pixels(field, shading, view, directions, &covered, progress)?;
+    for (pixel, color) in covered.into_iter().zip(colors) {
+        picture[pixel] = color.as_vec3().extend(1.0).to_array();
+    }
+    Ok(picture)
+}
+
+/// Linear sRGB of the pixels number `pixels` of a frame, as [`reference_picture`] has them.
+///
+/// # Errors
+/// As [`fine::cosine_weighted_xyz`].
+pub fn reference_pixels(
+    field: &HeightField,
+    shading: &Shading,
+    view: &View,
+    directions: &[Directions],
+    pixels: &[usize],
+    progress: Progress<'_>,
+) -> Result<Vec<DVec3>> {
     let reference = Reference::new(field, shading.coherence, shading.windows, shading.ior);
-    let pixels = directions.first().map_or(0, |d| d.view.len());
-    let mut picture = vec![[0.0; 4]; pixels];
-    for (index, pixel) in picture.iter_mut().enumerate() {
-        progress(index, pixels)?;
-        if directions.iter().all(|d| d.view[index][3] == 0.0) {
-            continue;
-        }
-        let mut color = DVec3::ZERO;
-        for (light, seen) in view.lights.iter().zip(directions) {
-            let pair = Pair::new(unit(seen.light[index]), unit(seen.view[index]));
+    let pairs: Vec<Pair> = directions
+        .iter()
+        .flat_map(|seen| pixels.iter().map(|&i| Pair::new(unit(seen.light[i]), unit(seen.view[i]))))
+        .collect();
+    let diffracted = fine::cosine_weighted_xyz(&reference, &shading.illuminant, &pairs, progress)?;
+    let mut colors = vec![DVec3::ZERO; pixels.len()];
+    let lit = pairs.chunks(pixels.len().max(1)).zip(diffracted.chunks(pixels.len().max(1)));
+    for (light, (pairs, diffracted)) in view.lights.iter().zip(lit) {
+        for (color, (pair, xyz)) in colors.iter_mut().zip(pairs.iter().zip(diffracted)) {
             if !pair.above_horizon() {
                 continue;
             }
-            let diffracted = xyz_to_linear_srgb(reference.cosine_weighted_xyz(&pair, &shading.illuminant)?);
             let reflectance = schlick(shading.ior, pair.cos_half_angle());
             let pigmented = view.base_color.as_dvec3() * ((1.0 - reflectance) * pair.light.z / PI);
-            color += (diffracted + pigmented) * (light.intensity * PI);
+            *color += (xyz_to_linear_srgb(*xyz) + pigmented) * (light.intensity * PI);
         }
-        *pixel = color.as_vec3().extend(1.0).to_array();
     }
-    progress(pixels, pixels)?;
-    Ok(picture)
+    Ok(colors)
+}
+
+/// The pixels that the mesh covers.
+pub fn covered(directions: &[Directions]) -> Vec<usize> {
+    let pixels = directions.first().map_or(0, |seen| seen.view.len());
+    (0..pixels).filter(|&i| directions.iter().any(|seen| seen.view[i][3] != 0.0)).collect()
+}
+
+/// What a display shows of `radiance`, by the f64 twin of the display pass.
+pub fn displayed(radiance: &[[f32; 4]], exposure: f64, background: DVec3) -> Vec<[u8; 4]> {
+    let shown = |&[r, g, b, a]: &[f32; 4]| {
+        let [r, g, b] = if a > 0.0 {
+            color::display(DVec3::new(r.into(), g.into(), b.into()), exposure)
+        } else {
+            color::display(background, 0.0)
+        };
+        [r, g, b, 255]
+    };
+    radiance.iter().map(shown).collect()
 }
 
 /// A direction of the frame, in f64 and of unit length to its last bit.

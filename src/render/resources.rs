@@ -5,7 +5,8 @@ use super::shading::Shading;
 use super::tables::{Combs, Table};
 use super::target::Geometry;
 use super::upload;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::input;
 use crate::optics::brdf::schlick;
 use crate::precompute::Layers;
 use crate::scene::MAX_LIGHTS;
@@ -16,7 +17,12 @@ use crate::vk::image::{Description, Image};
 use crate::vk::sampler::Sampler;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
+use std::io::Read;
+use std::path::Path;
 use std::sync::Arc;
+
+/// Largest side of a pigment texture \[pixels\].
+const MAX_PIGMENT: u32 = 8192;
 
 /// A pigment texture, row by row from the top.
 #[derive(Clone, Debug)]
@@ -31,6 +37,30 @@ impl Pigment {
     /// One white texel: no pigment texture.
     pub fn white() -> Self {
         Self { size: [1, 1], texels: vec![255; 4] }
+    }
+
+    /// The picture in the file `path`.
+    ///
+    /// # Errors
+    /// Where it is no PNG or TIFF of a sensible size.
+    pub fn read(path: &Path) -> Result<Self> {
+        const EXPECTED: &str = "a PNG or TIFF picture for the pigment";
+        let mut bytes = Vec::new();
+        let file = input::open(path, EXPECTED, input::MAX_TEXT)?;
+        let bad = |e: &dyn std::fmt::Display| {
+            Error::failed(format!("it cannot be read as a picture ({e})"), format!("give {EXPECTED}"))
+                .at(path.display())
+        };
+        file.take(input::MAX_TEXT).read_to_end(&mut bytes).map_err(|e| bad(&e))?;
+        let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
+            .with_guessed_format()
+            .map_err(|e| bad(&e))?;
+        let mut limits = image::Limits::default();
+        limits.max_image_width = Some(MAX_PIGMENT);
+        limits.max_image_height = Some(MAX_PIGMENT);
+        reader.limits(limits);
+        let picture = reader.decode().map_err(|e| bad(&e))?.to_rgba8();
+        Ok(Self { size: [picture.width(), picture.height()], texels: picture.into_raw() })
     }
 }
 

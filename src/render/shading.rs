@@ -1,10 +1,12 @@
 //! What is asked of the optics, whichever way it is computed.
 
+use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
-use crate::precompute::Budget;
 use crate::precompute::kernel::SPECKLE;
+use crate::precompute::{Budget, Settings};
+use crate::vk::selection::Candidate;
 
 /// What a tolerance is promised for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,16 +47,30 @@ pub struct Shading {
 }
 
 impl Shading {
+    /// The same for the colours of a picture.
+    pub fn for_pictures(self) -> Self {
+        Self { purpose: Purpose::Picture, ..self }
+    }
+
+    /// How much more a single wavelength of a single direction may err than what the tolerance is promised for.
+    pub fn gain(&self) -> f64 {
+        match self.purpose {
+            Purpose::Directions => 1.0,
+            Purpose::Picture => PICTURE_GAIN,
+        }
+    }
+
     /// What the layers may err by. Shares of the tolerance add up as squares; reading between texels costs the most to
     /// lower and gets the largest.
     pub fn budget(&self) -> Budget {
-        let (gain, interpolation, expansion) = match self.purpose {
-            Purpose::Directions => (1.0, 0.7, 0.35),
-            Purpose::Picture => (PICTURE_GAIN, 0.9, 0.35),
+        const EXPANSION: f64 = 0.35;
+        let interpolation = match self.purpose {
+            Purpose::Directions => 0.7,
+            Purpose::Picture => 0.9,
         };
         Budget {
-            interpolation: gain * interpolation * self.tolerance,
-            expansion: gain * expansion * self.tolerance,
+            interpolation: self.gain() * interpolation * self.tolerance,
+            expansion: self.gain() * EXPANSION * self.tolerance,
         }
     }
 
@@ -78,5 +94,46 @@ impl Default for Shading {
             terms: None,
             wavelengths: None,
         }
+    }
+}
+
+/// Share of the device's memory that the layers may take; pictures and the rest need some.
+const DEVICE_SHARE: f64 = 0.75;
+
+impl Shading {
+    /// What layers have to be made for, for wavelengths from `shortest` \[µm\] on `device`.
+    ///
+    /// # Errors
+    /// For settings that layers cannot do.
+    pub fn layer_settings(&self, shortest: f64, device: &Candidate) -> Result<Settings> {
+        let Coherence::Gaussian { length } = self.coherence else {
+            return Err(Error::usage(
+                "pictures by --method spectral do not do --coherence repeats",
+                "use --coherence gaussian:LENGTH or --method reference",
+            ));
+        };
+        self.windowed_settings(length / 4.0, shortest, device)
+    }
+
+    /// The same through a Gaussian of standard deviation `sigma` \[µm\], or, where that is infinite, of one period alone.
+    ///
+    /// # Errors
+    /// For what layers cannot do.
+    pub fn windowed_settings(&self, sigma: f64, shortest: f64, device: &Candidate) -> Result<Settings> {
+        if self.windows != [1, 1] {
+            return Err(Error::usage(
+                "--method spectral does one window only",
+                "leave --windows away or use --method reference",
+            ));
+        }
+        Ok(Settings {
+            sigma,
+            shortest_wavelength: shortest,
+            budget: self.budget(),
+            basis: self.basis,
+            terms: self.terms,
+            memory_limit: (device.memory as f64 * DEVICE_SHARE) as usize,
+            side_limit: device.max_side as usize,
+        })
     }
 }

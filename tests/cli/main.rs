@@ -7,6 +7,7 @@
 mod brdf;
 mod cache;
 mod devices;
+mod display;
 mod eval;
 mod hostile_files;
 mod hostile_options;
@@ -15,4 +16,6 @@ mod profile;
 mod render;
 mod sandbox;
 mod surface;
+mod trade;
 mod usage;
+mod view;

@@ -58,3 +58,16 @@ fn twice_the_wavelengths_are_counted_as_twice_the_samples() {
     assert!((1.9..2.1).contains(&ratio), "{ratio}");
     assert!(number(&many, "wavelengths") > 1.9 * number(&few, "wavelengths"));
 }
+
+#[test]
+fn a_profile_tells_the_error_beside_the_time_and_a_worse_setting_has_a_larger_one() {
+    let sandbox = Sandbox::new();
+    let good = profile(&sandbox, &["--error", "all"]);
+    let part = profile(&sandbox, &["--error", "60"]);
+    let few = profile(&sandbox, &["--error", "all", "--wavelengths", "6", "--terms", "4"]);
+    assert!(number(&good, "relative_l2") < 0.1 && number(&good, "p99") < 1.0, "{good}");
+    assert!(number(&few, "relative_l2") > 3.0 * number(&good, "relative_l2"), "{few}");
+    assert!(number(&few, "flip") > number(&good, "flip") && !part.contains("flip"), "{few}");
+    assert_eq!(number(&part, "pixels"), 60.0);
+    assert!(number(&part, "relative_l2") < 0.1);
+}

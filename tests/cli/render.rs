@@ -221,3 +221,22 @@ fn a_scene_file_finds_its_mesh_and_surface_beside_itself() {
     let mesh = ["render", "my scenes/square.obj", "-o", "b.exr", "--surface", "bumps"];
     sandbox.run2(&mesh, &small).done();
 }
+
+#[test]
+fn a_sample_of_the_reference_is_a_part_of_the_whole_and_the_whole_is_what_the_layers_draw() {
+    let sandbox = Sandbox::with_small_surface();
+    let reference = ["--method", "reference"];
+    render(&sandbox, "sphere", "whole.exr", &reference);
+    render(&sandbox, "sphere", "part.exr", &[&reference[..], &["--sample-pixels", "50"]].concat());
+    render(&sandbox, "sphere", "layers.exr", &["--tolerance", "1e-3"]);
+    let (_, _, whole) = exr(&sandbox, "whole.exr");
+    let (_, _, part) = exr(&sandbox, "part.exr");
+    let (_, _, layers) = exr(&sandbox, "layers.exr");
+    let chosen: Vec<usize> = (0..part.len()).filter(|&i| part[i][3] > 0.0).collect();
+    assert_eq!(chosen.len(), 50);
+    // A few pixels go through the direct sum, many through transforms of their own.
+    let of = |all: &[[f32; 4]]| chosen.iter().map(|&i| all[i]).collect::<Vec<_>>();
+    let both = deviation(&of(&part), &of(&whole));
+    assert!(both < 1e-5, "{both:e}");
+    assert!(deviation(&layers, &whole) < 1e-3);
+}

@@ -3,12 +3,14 @@
 use crate::sandbox::Sandbox;
 
 /// Every command and what its help has to mention.
-pub const COMMANDS: [(&[&str], &str); 9] = [
+pub const COMMANDS: [(&[&str], &str); 11] = [
+    (&["view"], "--fps"),
     (&["render"], "--exposure"),
     (&["eval"], "--queries"),
     (&["brdf"], "--light"),
     (&["peaks"], "--angles"),
     (&["profile"], "--frames"),
+    (&["trade"], "--quick"),
     (&["surface"], "synth"),
     (&["surface", "info"], "--level"),
     (&["surface", "synth"], "--patch"),

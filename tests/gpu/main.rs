@@ -9,3 +9,5 @@ mod evaluation;
 mod interface;
 mod measure;
 mod picture;
+mod promise;
+mod viewer;

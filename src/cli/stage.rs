@@ -1,0 +1,135 @@
+//! What `profile` and `trade` measure on: a scene on a device, and the reference of its very directions.
+
+use super::options::{Method, lights_of};
+use super::prepare;
+use super::profile::Arguments;
+use crate::error::{Error, Result};
+use crate::measure::budget::Budget;
+use crate::measure::cost::Cost;
+use crate::measure::error::{self, PixelErrors};
+use crate::optics::spectrum::SHORTEST;
+use crate::render::frame::View;
+use crate::render::picture::{Directions, Painter, Picture};
+use crate::render::reference_picture::{covered, displayed, reference_pixels};
+use crate::render::resources::Pigment;
+use crate::render::shading::Shading;
+use crate::scene::Scene;
+use crate::surface::HeightField;
+use crate::vk::device::Device;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// What stays the same whatever the setting is.
+pub struct Stage {
+    pub device: Arc<Device>,
+    pub scene: Scene,
+    pub field: HeightField,
+    pub view: View,
+    pub size: [u32; 2],
+}
+
+/// What the method reads from.
+pub struct Setting {
+    pub method: &'static str,
+    pub terms: usize,
+    pub layers: usize,
+    pub kernel: String,
+    pub budget: Budget,
+}
+
+impl Stage {
+    /// Opens what `arguments` name.
+    pub fn set(arguments: &Arguments) -> Result<Self> {
+        let method = arguments.optics.method;
+        if method == Method::Reference {
+            return Err(Error::usage("--method reference has no frames to time", "use --method spectral"));
+        }
+        arguments.optics.shading(&arguments.colour)?;
+        let scene = Scene::open(&arguments.scene)?;
+        let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
+        let view = View::of(&scene, lights_of(&arguments.light, &scene));
+        let device = prepare::device(&arguments.device.wish())?;
+        Ok(Self { device, scene, field, view, size: arguments.size })
+    }
+
+    /// Pixels of a picture.
+    pub fn pixels(&self) -> usize {
+        self.size[0] as usize * self.size[1] as usize
+    }
+
+    /// The painter of the method, with what it reads, how much of it, and the directions that it shades.
+    pub fn prepare(
+        &self,
+        arguments: &Arguments,
+        shading: &Shading,
+    ) -> Result<(Painter, Setting, Cost, Vec<Directions>)> {
+        let (mesh, pigment, lights) = (&self.scene.mesh, Pigment::white(), self.view.lights.len());
+        if arguments.optics.method == Method::Reference {
+            return Err(Error::usage("--method reference has no frames to time", "use --method spectral"));
+        }
+        let layers = prepare::layers(&self.field, shading, SHORTEST, &self.device)?;
+        let mut painter = Painter::new(&self.device, &layers, shading, mesh, &pigment, self.size, lights)?;
+        let directions =
+            (0..lights).map(|light| painter.directions(&self.view, light)).collect::<Result<Vec<_>>>()?;
+        let cost = Cost::of(&layers, painter.combs(), &directions);
+        let kernel = layers.interpolation.name();
+        let (terms, pairs) = (layers.terms, layers.pairs());
+        let budget = Budget::of_layers(&layers, shading);
+        let setting = Setting { method: "spectral", terms, layers: pairs, kernel, budget };
+        Ok((painter, setting, cost, directions))
+    }
+
+    /// Errors of what `painter` shows at `count` random pixels, and what an observer sees of them where that is every
+    /// pixel.
+    pub fn compare(
+        &self,
+        painter: &mut Painter,
+        shading: &Shading,
+        directions: &[Directions],
+        count: usize,
+    ) -> Result<(Option<PixelErrors>, Option<f64>)> {
+        let picture = painter.paint(&self.view, self.scene.exposure, self.scene.background)?;
+        let covered = covered(directions);
+        let pixels = error::sample(&covered, count);
+        let exact = self.exact(shading, directions, &pixels)?;
+        let errors = PixelErrors::of(&shown(&picture, &pixels), &exact, self.scene.exposure);
+        let whole = pixels.len() == covered.len();
+        Ok((Some(errors), whole.then(|| self.seen(&picture, &pixels, &exact))))
+    }
+
+    /// The f64 reference of `pixels`, linear sRGB.
+    pub fn exact(
+        &self,
+        shading: &Shading,
+        directions: &[Directions],
+        pixels: &[usize],
+    ) -> Result<Vec<DVec3>> {
+        let bar = prepare::progress_bar("reference");
+        let exact = reference_pixels(&self.field, shading, &self.view, directions, pixels, &|done, of| {
+            bar.set_length(of as u64);
+            bar.set_position(done as u64);
+            Ok(())
+        });
+        bar.finish_and_clear();
+        exact
+    }
+
+    /// What an observer sees between `picture` and the one that is `exact` at `pixels`.
+    pub fn seen(&self, picture: &Picture, pixels: &[usize], exact: &[DVec3]) -> f64 {
+        let mut radiance = vec![[0.0; 4]; picture.radiance.len()];
+        for (&pixel, color) in pixels.iter().zip(exact) {
+            radiance[pixel] = color.as_vec3().extend(1.0).to_array();
+        }
+        let exact = displayed(&radiance, self.scene.exposure, self.scene.background);
+        error::flip(&picture.display, &exact, picture.size)
+    }
+}
+
+/// Linear sRGB of `pixels` of `picture`.
+pub fn shown(picture: &Picture, pixels: &[usize]) -> Vec<DVec3> {
+    let color = |&i: &usize| {
+        let [r, g, b, _] = picture.radiance[i];
+        DVec3::new(r.into(), g.into(), b.into())
+    };
+    pixels.iter().map(color).collect()
+}

@@ -1,0 +1,361 @@
+//! `diffract trade`: speed against accuracy, measured over many settings.
+
+use super::options::{DeviceOptions, SurfaceOptions, check_lights, coherence, ior, real, tolerance};
+use super::stage::{Stage, shown};
+use super::{prepare, profile, say, write};
+use crate::error::{Error, Result};
+use crate::measure::error::PixelErrors;
+use crate::measure::profile::measure;
+use crate::measure::trade::{self, BASELINE, Row, THESIS};
+use crate::optics::coherence::Coherence;
+use crate::render::picture::Directions;
+use crate::render::reference_picture::covered;
+use crate::render::shading::Shading;
+use crate::scene::Light;
+use crate::surface::statistics::Statistics;
+use crate::{output, units};
+use clap::{Args, Parser};
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `trade`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  diffract trade --quick -o trade
+  diffract trade sphere --surface blaze -o trade
+  diffract trade --fps 15 --tolerance 1e-2 -o trade    the last line is the setting that keeps both
+
+The folder gets trade.csv, trade.md, trade.svg and trade.png. A second run goes on where the first was stopped; \
+delete trade.csv to measure anew.")]
+pub struct Arguments {
+    /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
+    #[arg(default_value = "snake")]
+    scene: String,
+    /// Folder for the results; made where it is missing
+    #[arg(short = 'o', long, alias = "output", value_name = "DIR")]
+    folder: PathBuf,
+    /// Fewer settings and a smaller picture
+    #[arg(long)]
+    quick: bool,
+    /// Width and height in pixels [default: 640x480, with --quick 320x240]
+    #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true)]
+    size: Option<[u32; 2]>,
+    /// A light instead of the scene's, in degrees from up and around it; up to four
+    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
+    light: Vec<Light>,
+    /// Ask for the setting that keeps this relative L2 error
+    #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true)]
+    tolerance: Option<f64>,
+    /// Ask for the setting that keeps this frame rate
+    #[arg(long, value_name = "F", value_parser = fps, allow_hyphen_values = true)]
+    fps: Option<f64>,
+    /// What surrounds the patch: gaussian:LENGTH or repeats:NxM
+    #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
+    coherence: Coherence,
+    /// Refractive index of the surface
+    #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true, default_value = "1.5")]
+    ior: f64,
+    /// The light's spectrum: d65, a, e, or a CSV file of wavelength in nm and power
+    #[arg(long, value_name = "NAME|FILE", default_value = "d65")]
+    illuminant: String,
+    #[command(flatten)]
+    surface: SurfaceOptions,
+    #[command(flatten)]
+    device: DeviceOptions,
+}
+
+/// The options of a setting, parsed by the same words as those of `profile`.
+#[derive(Parser, Debug)]
+struct Words {
+    #[command(flatten)]
+    profile: profile::Arguments,
+}
+
+/// A frame rate.
+fn fps(text: &str) -> Result<f64> {
+    real(text, (1e-3, 1e5), "frame rate")
+}
+
+/// What a sweep leaves.
+const FILES: [&str; 4] = ["trade.csv", "trade.md", "trade.svg", "trade.png"];
+/// Frames of a setting, and the seconds beyond which no more are drawn.
+const FRAMES: usize = 9;
+const SECONDS: f64 = 3.0;
+/// The longest CSV that is read back \[bytes\].
+const LONGEST: u64 = 16 << 20;
+
+/// Measures, and writes the results.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    check_lights(&arguments.light)?;
+    let folder = &arguments.folder;
+    let file = |name: &str| folder.join(name);
+    if folder.as_os_str().is_empty() {
+        return Err(Error::usage("--folder: the name is empty", "give the results a folder"));
+    }
+    let stage = Stage::set(&setting(arguments, "")?)?;
+    // Nothing is made before there is something to write.
+    if folder.exists() {
+        FILES.iter().try_for_each(|name| output::check(&file(name)))?;
+    }
+    let store = |rows: &[Row]| {
+        std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, &e))?;
+        write::text(Some(&file("trade.csv")), &trade::csv(rows)?)
+    };
+    let frame = frame_key(arguments, &stage);
+    let mut rows = read_rows(&file("trade.csv"), &frame);
+    let mut impossible = Vec::new();
+    let settings = settings(arguments.quick);
+    let bar = prepare::progress_bar("settings");
+    bar.set_length(settings.len() as u64);
+    let mut references = References::default();
+    for (done, flags) in settings.iter().enumerate() {
+        bar.set_position(done as u64);
+        if rows.iter().any(|row| row.flags == *flags) {
+            continue;
+        }
+        match measured(&stage, arguments, flags, &frame, &mut references) {
+            Ok(row) => {
+                rows.push(row);
+                store(&rows)?;
+            }
+            Err(error) => impossible.push((flags.clone(), error.to_string())),
+        }
+    }
+    if !rows.is_empty() && !rows.iter().any(|row| row.series == BASELINE) {
+        rows.extend(baseline(&stage, arguments, &frame, &mut references)?);
+        store(&rows)?;
+    }
+    bar.finish_and_clear();
+    prepare::finish(&stage.device)?;
+    if rows.is_empty() {
+        let why = impossible.first().map_or(String::new(), |(_, why)| why.clone());
+        return Err(Error::failed(
+            format!("no setting could be measured: {why}"),
+            "see `diffract trade --help`",
+        ));
+    }
+    let heading = heading(arguments, &stage, &rows);
+    write::text(Some(&file("trade.md")), &trade::markdown(&rows, &heading, &impossible))?;
+    let figure = trade::figure(&rows, "Speed against accuracy", &heading);
+    figure.save(&file("trade.svg"))?;
+    figure.save(&file("trade.png"))?;
+    let asked = match (arguments.tolerance, arguments.fps) {
+        (None, None) => String::new(),
+        (error, fps) => trade::wanted(&rows, error, fps),
+    };
+    write::stdout(&format!("{heading}\n{}{asked}", trade::advice(&rows)))
+}
+
+/// The settings of a sweep: each basis over tolerances, and off the beaten path by terms and by wavelengths.
+fn settings(quick: bool) -> Vec<String> {
+    let mut all = Vec::new();
+    let tolerances: &[&str] =
+        if quick { &["1e-1", "1e-2", "1e-3"] } else { &["2e-1", "1e-1", "3e-2", "1e-2", "3e-3", "1e-3"] };
+    for basis in ["taylor", "chebyshev", "optimal"] {
+        all.extend(tolerances.iter().map(|e| format!("--basis {basis} --tolerance {e}")));
+    }
+    let table: &[&str] = if quick { &["1e-1", "2e-2"] } else { &["1e-1", "5e-2", "2e-2", "1e-2"] };
+    all.extend(table.iter().map(|e| format!("--method table --filter point --tolerance {e}")));
+    all.push(THESIS.to_owned());
+    if quick {
+        return all;
+    }
+    for terms in [4, 6, 8, 12, 16] {
+        all.extend(["taylor", "optimal"].map(|basis| format!("--basis {basis} --terms {terms}")));
+    }
+    for wavelengths in [16, 31, 41, 81, 161] {
+        all.push(format!("--basis optimal --wavelengths {wavelengths}"));
+    }
+    all.push("--method table --filter point --tolerance 2e-2 --windows 2x2".to_owned());
+    all
+}
+
+/// The arguments of `profile` for a setting of `flags`.
+fn setting(arguments: &Arguments, flags: &str) -> Result<profile::Arguments> {
+    let words =
+        Words::try_parse_from(std::iter::once("trade").chain(flags.split_whitespace())).map_err(|e| {
+            let said = e.to_string();
+            let line = said.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();
+            Error::usage(line, "leave it to a version of diffract that knows it")
+        })?;
+    let size = arguments.size.unwrap_or(if arguments.quick { [320, 240] } else { [640, 480] });
+    let mut own = words.profile;
+    (own.optics.coherence, own.optics.ior) = (arguments.coherence, arguments.ior);
+    own.colour.illuminant.clone_from(&arguments.illuminant);
+    Ok(profile::Arguments {
+        scene: arguments.scene.clone(),
+        size,
+        light: arguments.light.clone(),
+        surface: arguments.surface.clone(),
+        device: arguments.device.clone(),
+        ..own
+    })
+}
+
+/// The f64 pictures of the frame, by the windows that they average over.
+#[derive(Default)]
+struct References {
+    pictures: Vec<([u32; 2], Vec<DVec3>)>,
+}
+
+impl References {
+    /// The picture for the windows of `shading`, made once.
+    fn of(
+        &mut self,
+        stage: &Stage,
+        shading: &Shading,
+        directions: &[Directions],
+        pixels: &[usize],
+    ) -> Result<&[DVec3]> {
+        let known = self.pictures.iter().position(|(windows, _)| *windows == shading.windows);
+        let index = match known {
+            Some(index) => index,
+            None => {
+                let exact = stage.exact(shading, directions, pixels)?;
+                self.pictures.push((shading.windows, exact));
+                self.pictures.len() - 1
+            }
+        };
+        Ok(&self.pictures[index].1)
+    }
+}
+
+fn measured(
+    stage: &Stage,
+    arguments: &Arguments,
+    flags: &str,
+    frame: &str,
+    references: &mut References,
+) -> Result<Row> {
+    let own = setting(arguments, flags)?;
+    let shading: Shading = own.optics.shading(&own.colour)?.for_pictures();
+    let (mut painter, what, cost, directions) = stage.prepare(&own, &shading)?;
+    let times = measure(&mut painter, &stage.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
+    let picture = painter.paint(&stage.view, stage.scene.exposure, stage.scene.background)?;
+    drop(painter);
+    let pixels = covered(&directions);
+    let exact = references.of(stage, &shading, &directions, &pixels)?;
+    let errors = PixelErrors::of(&shown(&picture, &pixels), exact, stage.scene.exposure);
+    let series = match what.method {
+        "spectral" => format!("spectral, {}", own.optics.basis.name()),
+        other => other.to_owned(),
+    };
+    Ok(Row {
+        frame: frame.to_owned(),
+        flags: flags.to_owned(),
+        series,
+        terms: what.terms,
+        layers: what.layers,
+        kernel: what.kernel,
+        wavelengths: cost.wavelengths_per_pixel(),
+        samples: cost.samples_per_pixel(),
+        frame_ms: times.frame.p50,
+        fastest_ms: times.frame.min,
+        gpu_ms: times.gpu.p50,
+        spread: times.spread,
+        relative_l2: errors.relative_l2,
+        p99: errors.p99,
+        flip: stage.seen(&picture, &pixels, exact),
+    })
+}
+
+/// What a user would take instead: the classical shader of a grating of one period, at the brightness that suits it best.
+/// `None` for surfaces that do not repeat.
+fn baseline(
+    stage: &Stage,
+    arguments: &Arguments,
+    frame: &str,
+    references: &mut References,
+) -> Result<Option<Row>> {
+    let [along_x, along_y] = Statistics::of(&stage.field).period;
+    let (axis, period) = match (along_x, along_y) {
+        (Some(period), _) => ([1.0, 0.0], period),
+        (None, Some(period)) => ([0.0, 1.0], period),
+        (None, None) => return Ok(None),
+    };
+    let own = setting(arguments, "--tolerance 1e-1")?;
+    let shading: Shading = own.optics.shading(&own.colour)?.for_pictures();
+    let (mut painter, _, _, directions) = stage.prepare(&own, &shading)?;
+    let pixels = covered(&directions);
+    let exact = references.of(stage, &shading, &directions, &pixels)?;
+    let mut colors = |strength: f32| {
+        painter.shade_as_grating(axis, period as f32, strength)?;
+        painter.paint(&stage.view, stage.scene.exposure, stage.scene.background)
+    };
+    // The picture is linear in the strength: least squares between that of 0 and that of 1.
+    let (pigment, one) = (shown(&colors(0.0)?, &pixels), shown(&colors(1.0)?, &pixels));
+    let parts = pigment.iter().zip(&one).zip(exact);
+    let (product, square) = parts.fold((0.0, 0.0), |(p, s), ((pigment, one), exact)| {
+        let orders = *one - *pigment;
+        (p + orders.dot(*exact - *pigment), s + orders.length_squared())
+    });
+    let picture = colors(if square > 0.0 { (product / square).max(0.0) as f32 } else { 0.0 })?;
+    let times = measure(&mut painter, &stage.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
+    let errors = PixelErrors::of(&shown(&picture, &pixels), exact, stage.scene.exposure);
+    Ok(Some(Row {
+        frame: frame.to_owned(),
+        flags: format!("grating equation, one period of {:.0} nm, for comparison", period * 1e3),
+        series: BASELINE.to_owned(),
+        terms: 0,
+        layers: 0,
+        kernel: "none".to_owned(),
+        wavelengths: 0.0,
+        samples: 0.0,
+        frame_ms: times.frame.p50,
+        fastest_ms: times.frame.min,
+        gpu_ms: times.gpu.p50,
+        spread: times.spread,
+        relative_l2: errors.relative_l2,
+        p99: errors.p99,
+        flip: stage.seen(&picture, &pixels, exact),
+    }))
+}
+
+/// A short name of everything that two runs have to share for their rows to be comparable.
+fn frame_key(arguments: &Arguments, stage: &Stage) -> String {
+    let candidate = stage.device.candidate();
+    let mut hasher = blake3::Hasher::new();
+    let words = format!(
+        "{} {:?} {} {} {} {:?} {:?} {:?} {} {}",
+        env!("CARGO_PKG_VERSION"),
+        arguments.coherence,
+        arguments.ior,
+        arguments.illuminant,
+        arguments.scene,
+        stage.size,
+        stage.view,
+        stage.field.pixel_size(),
+        candidate.name,
+        candidate.driver
+    );
+    hasher.update(words.as_bytes());
+    hasher.update(bytemuck::cast_slice(stage.field.heights()));
+    hasher.finalize().to_hex()[..16].to_owned()
+}
+
+fn read_rows(path: &Path, frame: &str) -> Vec<Row> {
+    let small = std::fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() <= LONGEST);
+    let text = if small { std::fs::read_to_string(path).unwrap_or_default() } else { String::new() };
+    let rows = trade::rows_of(&text, frame);
+    if !rows.is_empty() {
+        say(&format_args!("{} settings are taken from {}", rows.len(), path.display()));
+    }
+    rows
+}
+
+fn heading(arguments: &Arguments, stage: &Stage, rows: &[Row]) -> String {
+    let candidate = stage.device.candidate();
+    let [width, height] = stage.size;
+    let noisy = rows.iter().filter(|row| row.spread > profile::NOISY).count();
+    let noise = match noisy {
+        0 => String::new(),
+        n => format!(" The machine was too noisy to tell the times of {n} of {} settings.", rows.len()),
+    };
+    format!(
+        "{}, {width} x {height} pixels, {} light(s), on {}, {}. Errors against the f64 reference of the same directions.{noise}",
+        arguments.scene,
+        stage.view.lights.len(),
+        candidate.name,
+        candidate.driver,
+    )
+}

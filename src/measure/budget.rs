@@ -1,0 +1,96 @@
+//! Where the error of a setting comes from.
+
+use crate::precompute::Layers;
+use crate::render::shading::Shading;
+use serde::Serialize;
+
+/// One part of the error.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Part {
+    /// What errs.
+    pub what: &'static str,
+    /// How much, relative to what the tolerance is promised for: single directions, or the colours of a picture.
+    pub error: f64,
+    /// How that is known.
+    pub known: &'static str,
+}
+
+/// All parts; their squares add up.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Budget {
+    /// The parts.
+    pub parts: Vec<Part>,
+    /// The tolerance that they are to stay below together.
+    pub tolerance: f64,
+}
+
+impl Budget {
+    /// The parts of `layers` under `shading`.
+    pub fn of_layers(layers: &Layers, shading: &Shading) -> Self {
+        let known_by_rule = "by the rule for the nodes, which tests hold to it";
+        let (quadrature, known) = match shading.wavelengths {
+            None => (shading.quadrature(), known_by_rule),
+            Some(_) => (f64::NAN, "not known: the wavelengths are named; --error measures the sum of all"),
+        };
+        let part = |what, error, known| Part { what, error, known };
+        Self {
+            parts: vec![
+                part(
+                    "truncation and rounding",
+                    layers.errors.expansion / shading.gain(),
+                    "measured against the transform of the exact phase",
+                ),
+                part(
+                    "reading between texels",
+                    layers.errors.interpolation / shading.gain(),
+                    "by the kernel's transform",
+                ),
+                part("wavelengths of a colour", quadrature, known),
+            ],
+            tolerance: shading.tolerance,
+        }
+    }
+
+    /// The sum of all parts that are known.
+    pub fn total(&self) -> f64 {
+        self.known().map(|part| part.error * part.error).sum::<f64>().sqrt()
+    }
+
+    fn known(&self) -> impl Iterator<Item = &Part> {
+        self.parts.iter().filter(|part| part.error.is_finite())
+    }
+
+    /// A line a part, with its share of the sum of squares.
+    pub fn to_text(&self) -> String {
+        let squares = self.total().powi(2).max(f64::MIN_POSITIVE);
+        let mut text = String::new();
+        for part in &self.parts {
+            let numbers = if part.error.is_finite() {
+                format!("{:.1e}, {:.0} %, ", part.error, 100.0 * part.error * part.error / squares)
+            } else {
+                String::new()
+            };
+            text += &format!("{:<26}{numbers}{}\n", part.what, part.known);
+        }
+        text + &format!("{:<26}{:.1e} of a tolerance of {:.0e}\n", "together", self.total(), self.tolerance)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_add_up_as_squares_and_what_is_not_known_is_said() {
+        let part = |what, error| Part { what, error, known: "so" };
+        let mut budget = Budget { parts: vec![part("a", 3e-3), part("b", 4e-3)], tolerance: 1e-2 };
+        assert!((budget.total() - 5e-3).abs() < 1e-12);
+        let text = budget.to_text();
+        assert!(
+            text.contains("36 %") && text.contains("64 %") && text.contains("5.0e-3 of a tolerance"),
+            "{text}"
+        );
+        budget.parts.push(part("c", f64::NAN));
+        assert!((budget.total() - 5e-3).abs() < 1e-12 && !budget.to_text().contains("NaN"));
+    }
+}
