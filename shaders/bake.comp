@@ -8,7 +8,7 @@
 
 layout(local_size_x = 64) in;
 
-layout(constant_id = 0) const int NODES = 8; // of w
+layout(constant_id = 7) const int NODES = 8; // of w
 
 // Texels to bake: column and row of a square table, both halves of a word; all have |(u, v)| in one bin of wavelengths.
 layout(set = 0, binding = 7, std430) readonly buffer Places { uint places[]; };
@@ -67,7 +67,7 @@ void main() {
             next[m] = x[m];
             sum[m] = vec4(0.0);
         }
-        for (int p = 0; p < optics.pairs; ++p) {
+        for (int p = 0; p < PAIRS; ++p) {
             vec4 s = read_layer(read, p);
             for (int m = 0; m < NODES; ++m) {
                 sum[m] += own[m] * s;

@@ -10,8 +10,8 @@ const float HORIZON = 1e-6;
 
 // What of a pair of directions does not depend on the wavelength.
 struct Pair {
-    vec2 toward;      // -(u, v) or (u, v), so that toward.x >= 0
-    float conjugate;  // -1 where the layers have to be conjugated for that
+    vec2 toward;      // -(u, v), or (u, v) where the layers hold the other half of the plane
+    float conjugate;  // -1 where they have to be conjugated for that
     float w;          // |w|
     float uv;         // |(u, v)|
     float factor;     // 4 pi sigma^2 R G cos(theta_i) / w^2 [um^2/sr]; 0 below the horizon
@@ -23,9 +23,9 @@ Pair pair_of(vec3 light, vec3 view) {
     vec3 uvw = -light - view;
     pair.w = -uvw.z;
     pair.uv = length(uvw.xy);
-    // w <= 0: with c_n(-z) = conj(c_n(z)), |P(f)| = |sum c_n(|z|) P_n(-f)|. The layers hold f_x >= 0; the other half is
-    // P_n(-f) = conj(P_n(f)), because every b_n is real.
-    pair.conjugate = -uvw.x < 0.0 ? -1.0 : 1.0;
+    // w <= 0, and P(f; -z) = conj(P(-f; z)) because heights are real: |P(f)| = |sum c_n(|z|) P_n(-f)|. Where every b_n is
+    // real the layers hold f_x >= 0, and the other half is P_n(-f) = conj(P_n(f)).
+    pair.conjugate = HALF_PLANE && -uvw.x < 0.0 ? -1.0 : 1.0;
     pair.toward = -uvw.xy * pair.conjugate;
     // 1 + light . view = |(u,v,w)|^2 / 2, which does not cancel near opposite grazing directions.
     float one_plus_dot = 0.5 * dot(uvw, uvw);
@@ -41,49 +41,60 @@ Pair pair_of(vec3 light, vec3 view) {
     return pair;
 }
 
-bool in_band(Pair pair, float wavenumber) {
-    return all(lessThanEqual(abs(pair.toward * wavenumber), optics.band));
+// The largest wavenumber at which the layers hold anything [1/um].
+float largest_wavenumber(Pair pair) {
+    vec2 reach = optics.band / max(abs(pair.toward), vec2(1e-9)); // straight at the mirror direction every wavenumber is in
+    return min(reach.x, reach.y);
+}
+
+// c_2p, c_2p+1 at a place along the columns of a layer.
+vec4 coefficients_at(float column, int layer) {
+    if (NEAREST) {
+        return texelFetch(coefficients, ivec3(int(column + 0.5), 0, layer), 0);
+    }
+    // Interpolating all coefficients alike interpolates e^{izh} itself: an error of (dz a)^2/8 and no cancellation.
+    return textureLod(coefficients, vec3((column + 0.5) / (optics.last_column + 1.0), 0.5, layer), 0.0);
 }
 
 // |P|^2 relative to the flat mirror's peak, at a wavenumber 1/lambda [1/um] within the band.
 float power(Pair pair, float wavenumber) {
     Read read = read_at(pair.toward * wavenumber);
-    float column = 2.0 * PI * wavenumber * pair.w * optics.columns_per_z + optics.first_column;
-    // The counts never fall along z: between two columns, rounding up takes the larger. The margin is for hardware whose
-    // filter does not return a value that both its neighbours have.
-    float needed = textureLod(coefficients, vec3(column, 0.5, optics.pairs), 0.0).x;
-    int count = min(int(ceil(needed - 1e-3)), optics.pairs);
+    float z = 2.0 * PI * wavenumber * pair.w;
+    float place = z * optics.bands_per_z;
+    int layer = min(int(place), Z_BANDS - 1);
+    float column = min(place - float(layer), 1.0) * optics.last_column;
+    int count = FEWER_PAIRS ? min(int(ceil(z * optics.pairs_per_z + optics.fewest_pairs)), PAIRS) : PAIRS;
     vec2 p = vec2(0.0);
-    for (int layer = 0; layer < count; ++layer) {
-        // Interpolating all coefficients alike interpolates e^{izh} itself: an error of (dz a)^2/8 and no cancellation.
-        vec4 c = textureLod(coefficients, vec3(column, 0.5, layer), 0.0);
+    // Tested at its end: software devices run a loop's body until every lane has failed the test, and a test in front would
+    // run it once more for nobody. There is always a pair.
+    int done = 0;
+    do {
+        vec4 c = coefficients_at(column, layer);
         c.yw *= pair.conjugate;
         vec4 s = read_layer(read, layer);
         p += vec2(c.x * s.x - c.y * s.y, c.x * s.y + c.y * s.x);
         p += vec2(c.z * s.z - c.w * s.w, c.z * s.w + c.w * s.z);
-    }
+        layer += Z_BANDS;
+        ++done;
+    } while (done < count);
     return dot(p, p);
 }
 
 // f cos(theta_i) at one wavenumber [1/sr].
 float cosine_weighted(Pair pair, float wavenumber) {
-    if (pair.factor == 0.0 || !in_band(pair, wavenumber)) {
-        return 0.0;
-    }
-    return pair.factor * wavenumber * wavenumber * power(pair, wavenumber);
+    bool seen = pair.factor != 0.0 && wavenumber <= largest_wavenumber(pair);
+    return seen ? pair.factor * wavenumber * wavenumber * power(pair, wavenumber) : 0.0;
 }
 
 // XYZ of f cos(theta_i) [1/sr]: the comb that |(u, v)| needs, over the wavelengths that are in the band.
 vec3 cosine_weighted_xyz(Pair pair) {
     vec3 xyz = vec3(0.0);
-    if (pair.factor == 0.0) {
-        return xyz;
-    }
     ivec2 comb = combs[min(int(pair.uv * (0.5 * float(UV_BINS))), UV_BINS - 1)];
+    float largest = pair.factor != 0.0 ? largest_wavenumber(pair) : 0.0;
     for (int node = 0; node < comb.y; ++node) {
         vec4 weight_and_wavenumber = texelFetch(nodes, ivec2(node, comb.x), 0);
         float wavenumber = weight_and_wavenumber.w;
-        if (!in_band(pair, wavenumber)) {
+        if (wavenumber > largest) {
             break; // wavenumbers grow
         }
         xyz += weight_and_wavenumber.xyz * (wavenumber * wavenumber * power(pair, wavenumber));

@@ -4,9 +4,6 @@
 const int MAX_LIGHTS = 4;
 const int UV_BINS = 256; // entries of `combs` over |(u, v)| in 0 ... 2
 
-const int KERNEL_BILINEAR = 0;
-const int KERNEL_BSPLINE = 1;
-
 layout(set = 0, binding = 0, std140) uniform Frame {
     mat4 clip_from_world;
     vec4 eye;                       // xyz: position of the viewer in the world
@@ -22,17 +19,18 @@ layout(set = 0, binding = 1, std140) uniform Optics {
     vec2 band;                      // largest |f_x|, |f_y| that holds anything [1/um]
     float sigma;                    // standard deviation of the Gaussian window [um]
     float normal_reflectance;       // R0 of Schlick
-    float columns_per_z;            // texture coordinate in `coefficients` per unit of k|w| [um]
-    float first_column;             // texture coordinate of k|w| = 0
-    int kernel;                     // KERNEL_*
-    int pairs;                      // layers: pairs of terms
+    float bands_per_z;              // bands of z per unit of k|w| [um]
+    float last_column;              // number of the last column of `coefficients`; the first is 0
+    float pairs_per_z;              // pairs of terms that k|w| needs: pairs_per_z k|w| + fewest_pairs, rounded up
+    float fewest_pairs;
 } optics;
 
 // Spectra of the basis functions: RGBA = Re, Im of term 2p, Re, Im of term 2p + 1, relative to the flat mirror's peak.
+// Pair p of terms in band b of z is layer p Z_BANDS + b.
 layout(set = 0, binding = 2) uniform sampler2DArray layers;
 
-// Over z = k|w|: layer p has c_2p, c_2p+1 as (Re, Im, Re, Im); the layer after the last has in x how many pairs z needs.
-// Small tables are textures because software devices read those eight lanes at a time, and buffers lane by lane.
+// c_2p, c_2p+1 as (Re, Im, Re, Im) over the band of z, in the layers of the same numbers. Small tables are textures
+// because software devices read those eight lanes at a time, and buffers lane by lane.
 layout(set = 0, binding = 3) uniform sampler2DArray coefficients;
 
 // Wavelength combs: row of `nodes` and number of nodes for each bin of |(u, v)|.

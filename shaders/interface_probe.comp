@@ -20,6 +20,6 @@ void main() {
     answers[n++] = vec4(frame.counts);
     answers[n++] = vec4(optics.texture_size, optics.origin);
     answers[n++] = vec4(optics.texels_per_frequency, optics.band);
-    answers[n++] = vec4(optics.sigma, optics.normal_reflectance, optics.columns_per_z, optics.first_column);
-    answers[n++] = vec4(float(optics.kernel), float(optics.pairs), float(MAX_LIGHTS), float(UV_BINS));
+    answers[n++] = vec4(optics.sigma, optics.normal_reflectance, optics.bands_per_z, optics.last_column);
+    answers[n++] = vec4(optics.pairs_per_z, optics.fewest_pairs, float(MAX_LIGHTS), float(UV_BINS));
 }

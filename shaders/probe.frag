@@ -4,6 +4,7 @@
 // the shading does, and no more arithmetic than it takes to keep the compiler from leaving a read out. Neighbouring pixels
 // read neighbours, or each pixel reads somewhere else.
 #include "interface.glsl"
+#include "spectrum.glsl"
 
 layout(location = 0) out vec4 sum;
 
@@ -28,7 +29,7 @@ void main() {
     for (int i = 0; i < probe.samples; ++i) {
         sum += textureLod(layers, vec3(fract(place), layer), 0.0);
         layer += 1;
-        if (layer == optics.pairs) {
+        if (layer == PAIRS * Z_BANDS) {
             layer = 0;
             place += walk;
         }

@@ -17,4 +17,5 @@ pub mod render;
 pub mod scene;
 pub mod surface;
 pub mod units;
+pub mod viewer;
 pub mod vk;

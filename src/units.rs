@@ -103,6 +103,32 @@ pub fn light(text: &str) -> Result<Light> {
     Ok(light)
 }
 
+/// Three finite numbers such as `0.3,1.7,-2`.
+///
+/// # Errors
+/// Another number of fields, or one that is no number or beyond ±10⁹.
+pub fn triple(text: &str) -> Result<[f64; 3]> {
+    /// As for coordinates of meshes: squares still fit an `f32`.
+    const LARGEST: f64 = 1e9;
+    let numbers: Option<Vec<f64>> =
+        text.split(',').map(|field| plain_number(field.trim()).filter(|x| x.abs() <= LARGEST)).collect();
+    numbers
+        .and_then(|n| n.try_into().ok())
+        .ok_or_else(|| Error::usage(format!("'{text}' is not three numbers"), "write X,Y,Z as in 0.3,1.7,-2"))
+}
+
+/// A colour as three numbers from 0 to 1, linear sRGB.
+///
+/// # Errors
+/// As [`triple`], and numbers outside.
+pub fn color(text: &str) -> Result<[f64; 3]> {
+    let color = triple(text)?;
+    if color.iter().all(|c| (0.0..=1.0).contains(c)) {
+        return Ok(color);
+    }
+    Err(Error::usage(format!("'{text}' is no colour"), "give R,G,B from 0 to 1 each, linear sRGB"))
+}
+
 /// Two counts such as `3x3`, each 1 … [`MAX_COUNT`].
 ///
 /// # Errors
@@ -287,6 +313,16 @@ mod tests {
         ] {
             assert_eq!(light(text).unwrap_err().exit_code(), 2, "{text}");
         }
+    }
+
+    #[test]
+    fn a_triple_has_three_numbers_and_a_colour_stays_within_one() {
+        assert_eq!(triple("0.3, 1.7,-2e1").unwrap(), [0.3, 1.7, -20.0]);
+        for text in ["", "1,2", "1,2,3,4", "1,,3", "1,2,x", "nan,0,0", "inf,0,0", "1e10,0,0", "1 2 3"] {
+            assert!(triple(text).is_err() && color(text).is_err(), "{text}");
+        }
+        assert_eq!(color("0,0.5,1").unwrap(), [0.0, 0.5, 1.0]);
+        assert!(color("0,0,1.1").is_err() && color("-0.1,0,0").is_err());
     }
 
     #[test]

@@ -11,7 +11,7 @@ usage: tools/setup.sh [build] [run] [test]
 
   build     what compiling needs: Rust, a C++ compiler, the shaderc library
   run       and what the program needs: the Vulkan loader, a driver, the libraries of a window where there is a display
-  test      and what the tests need: Mesa's lavapipe, the Khronos validation layer
+  test      and what the tests need: Mesa's lavapipe, the Khronos validation layer, Xvfb and the libraries of a window
   lavapipe  install nothing, print the path of lavapipe's driver manifest
 
 What is missing is installed with apt-get where that takes no password; elsewhere the packages are named.
@@ -218,6 +218,17 @@ need() {
     arch="$arch $4"
 }
 
+# need_x11: notes the libraries that a window on X11 loads.
+need_x11() {
+    has_library libX11.so.6 || need 'libX11' libx11-6 libX11 libx11
+    has_library libX11-xcb.so.1 || need 'libX11-xcb' libx11-xcb1 libX11-xcb libx11
+    has_library libXcursor.so.1 || need 'libXcursor' libxcursor1 libXcursor libxcursor
+    has_library libXi.so.6 || need 'libXi' libxi6 libXi libxi
+    has_library libXrandr.so.2 || need 'libXrandr' libxrandr2 libXrandr libxrandr
+    has_library libxkbcommon-x11.so.0 \
+        || need 'libxkbcommon-x11' libxkbcommon-x11-0 libxkbcommon-x11 libxkbcommon-x11
+}
+
 # collect: fills the lists with what is missing for the purposes that were asked for.
 collect() {
     missing='' debian='' fedora='' arch=''
@@ -250,21 +261,15 @@ collect() {
                 || need 'libwayland-client' libwayland-client0 libwayland-client wayland
             has_library libxkbcommon.so.0 || need 'libxkbcommon' libxkbcommon0 libxkbcommon libxkbcommon
         fi
-        if [ -n "${DISPLAY:-}" ]; then
-            has_library libX11.so.6 || need 'libX11' libx11-6 libX11 libx11
-            has_library libX11-xcb.so.1 || need 'libX11-xcb' libx11-xcb1 libX11-xcb libx11
-            has_library libXcursor.so.1 || need 'libXcursor' libxcursor1 libXcursor libxcursor
-            has_library libXi.so.6 || need 'libXi' libxi6 libXi libxi
-            has_library libXrandr.so.2 || need 'libXrandr' libxrandr2 libXrandr libxrandr
-            has_library libxkbcommon-x11.so.0 \
-                || need 'libxkbcommon-x11' libxkbcommon-x11-0 libxkbcommon-x11 libxkbcommon-x11
-        fi
+        [ -n "${DISPLAY:-}" ] && need_x11
     fi
     if [ "$purpose_test" = yes ]; then
         lavapipe >/dev/null \
             || need "lavapipe (Mesa's Vulkan on the CPU)" mesa-vulkan-drivers mesa-vulkan-drivers vulkan-swrast
         has_validation || need 'the Khronos validation layer' \
             vulkan-validationlayers vulkan-validation-layers vulkan-validation-layers
+        have Xvfb || need 'Xvfb' xvfb xorg-x11-server-Xvfb xorg-server-xvfb
+        need_x11
     fi
 }
 

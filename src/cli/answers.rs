@@ -2,7 +2,9 @@
 
 use super::options::Method;
 use super::prepare;
+use super::repeated::Repeated;
 use crate::error::{Error, Result};
+use crate::optics::coherence::Coherence;
 use crate::optics::geometry::Pair;
 use crate::optics::reference::Reference;
 use crate::optics::spectrum::SHORTEST;
@@ -32,6 +34,7 @@ pub struct Answers<'a> {
 enum By<'a> {
     Sum(Reference<'a>),
     Layers(Box<Evaluator>, Arc<Device>),
+    Repeats(Box<Repeated>, Arc<Device>),
 }
 
 impl<'a> Answers<'a> {
@@ -53,13 +56,21 @@ impl<'a> Answers<'a> {
             }
             Method::Spectral => {
                 let device = prepare::device(wish)?;
+                if let Coherence::Repeats(copies) = shading.coherence {
+                    let repeated = Repeated::new(field, copies, shading, shortest, &device)?;
+                    return Ok(Self {
+                        by: By::Repeats(Box::new(repeated), device),
+                        shading,
+                        bar: prepare::progress_bar("directions"),
+                    });
+                }
                 let layers = prepare::layers(field, shading, shortest, &device)?;
                 By::Layers(Box::new(Evaluator::new(&device, &layers, shading)?), device)
             }
             Method::Table => {
                 let device = prepare::device(wish)?;
                 let table = prepare::color_table(field, shading, &device)?;
-                By::Layers(Box::new(Evaluator::of_table(&device, &table, shading)?), device)
+                By::Layers(Box::new(Evaluator::new(&device, &table, shading)?), device)
             }
         };
         Ok(Self { by, shading, bar: prepare::progress_bar("directions") })
@@ -94,6 +105,10 @@ impl<'a> Answers<'a> {
                 }
                 Ok(all)
             }
+            By::Repeats(repeated, _) => {
+                let weighted = repeated.cosine_weighted(queries, &|| bar.inc(1))?;
+                Ok(queries.iter().zip(weighted).map(|(q, f)| without_cosine(&q.pair, f)).collect())
+            }
         }
     }
 
@@ -107,6 +122,10 @@ impl<'a> Answers<'a> {
             By::Sum(_) => Ok(()),
             By::Layers(evaluator, device) => {
                 drop(evaluator);
+                prepare::finish(&device)
+            }
+            By::Repeats(repeated, device) => {
+                drop(repeated);
                 prepare::finish(&device)
             }
         }

@@ -10,10 +10,13 @@ mod prepare;
 mod profile;
 mod range;
 mod render;
+mod repeated;
 mod stage;
 mod surface;
 mod trade;
 mod usage;
+mod view;
+mod words;
 mod write;
 
 use crate::error::{Error, Result};
@@ -28,6 +31,7 @@ use std::process::ExitCode;
     version,
     about = "Structural colour from a measured height field: Stam's wave-optics BRDF, as pictures and as numbers",
     after_help = "Examples:
+  diffract view
   diffract render -o snake.png
   diffract render sphere --surface scan.png --pixel-size 97.66nm --height 434.7nm -o scan.exr
   diffract eval blaze --queries directions.csv --method reference
@@ -44,6 +48,8 @@ struct Arguments {
 
 #[derive(Subcommand, Debug)]
 enum Command {
+    /// A window: orbit, drag the light, change everything live
+    View(view::Arguments),
     /// Draw a scene into a PNG or EXR file
     Render(render::Arguments),
     /// BRDF numbers for given directions
@@ -76,6 +82,7 @@ pub fn main() -> ExitCode {
 
 fn run(arguments: Arguments) -> Result<()> {
     match arguments.command {
+        Command::View(arguments) => view::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Brdf(arguments) => brdf::run(&arguments),

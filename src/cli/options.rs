@@ -6,13 +6,12 @@ use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
 use crate::render::color_table::Filter;
 use crate::render::shading::Shading;
-use crate::scene::{Light, MAX_LIGHTS, Scene};
-use crate::surface::synth::{self, Kind, Spec};
-use crate::surface::{HeightField, Level, image_file};
+use crate::scene::{Camera, Light, MAX_LIGHTS, Scene};
+use crate::surface::{HeightField, Level, Source};
 use crate::units;
 use crate::vk::selection::Wish;
 use clap::{Args, ValueEnum};
-use std::path::Path;
+use glam::Vec3;
 
 /// Smallest and largest tolerance that mean something: below the first, 32-bit floats are in the way everywhere.
 const TOLERANCES: (f64, f64) = (1e-6, 1.0);
@@ -76,6 +75,11 @@ impl SurfaceOptions {
         scene: Option<&Scene>,
         fallback: &str,
     ) -> Result<HeightField> {
+        self.source(positional, scene, fallback)?.load()
+    }
+
+    /// What [`SurfaceOptions::load`] loads.
+    pub fn source(&self, positional: Option<&str>, scene: Option<&Scene>, fallback: &str) -> Result<Source> {
         if positional.is_some() && self.surface.is_some() {
             return Err(Error::usage(
                 "the surface is given twice",
@@ -88,32 +92,8 @@ impl SurfaceOptions {
         let of_scene = scene.filter(|_| own.is_none());
         let pixel_size = self.pixel_size.or(of_scene.and_then(|s| s.pixel_size));
         let height = self.height.or(of_scene.and_then(|s| s.full_height));
-        let field = match Kind::from_name(name) {
-            Some(kind) => synth::generate(&Spec { seed: self.seed, pixel_size, height, ..Spec::new(kind) })?,
-            None => from_file(name, pixel_size, height)?,
-        };
-        field.levelled(self.level)
+        Ok(Source { name: name.to_owned(), pixel_size, height, level: self.level, seed: self.seed })
     }
-}
-
-fn from_file(name: &str, pixel_size: Option<[f64; 2]>, height: Option<f64>) -> Result<HeightField> {
-    let path = Path::new(name);
-    let known = Kind::ALL.map(Kind::name).join(", ");
-    if path.extension().is_none() && !path.exists() {
-        return Err(Error::usage(
-            format!("there is no surface `{name}`"),
-            format!("give a PNG or TIFF file, or one of {known}"),
-        ));
-    }
-    let missing = |option: &str, example: &str| {
-        Error::usage(
-            format!("the height image {name} carries no units"),
-            format!("add {option}, as in {option} {example}"),
-        )
-    };
-    let pixel_size = pixel_size.ok_or_else(|| missing("--pixel-size", "97.66nm"))?;
-    let height = height.ok_or_else(|| missing("--height", "434.7nm"))?;
-    image_file::read(path, pixel_size, height)
 }
 
 /// The optics.
@@ -171,8 +151,9 @@ impl OpticsOptions {
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Optics")]
 pub struct FilterOptions {
-    /// What a pixel of --method table shows: the average over all that it sees, or its centre, as the other methods do
-    #[arg(long, value_name = "pixel|point", value_parser = filter, default_value = "pixel")]
+    /// What a pixel of --method table shows: its centre, as the other methods do and the tolerance is promised for, or the average
+    /// over all that it sees
+    #[arg(long, value_name = "point|pixel", value_parser = filter, default_value = "point")]
     pub filter: Filter,
 }
 
@@ -204,6 +185,59 @@ impl DeviceOptions {
     }
 }
 
+/// How a scene is looked at, each instead of the scene's own.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "View")]
+pub struct ViewOptions {
+    /// Exposure in stops, instead of the scene's
+    #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true)]
+    pub exposure: Option<f64>,
+    /// A light instead of the scene's, in degrees from up and around it; up to four
+    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
+    pub light: Vec<Light>,
+    /// Where the camera stands, instead of the scene's
+    #[arg(long, value_name = "X,Y,Z", value_parser = units::triple, allow_hyphen_values = true)]
+    pub eye: Option<[f64; 3]>,
+    /// What the camera looks at, instead of the scene's
+    #[arg(long, value_name = "X,Y,Z", value_parser = units::triple, allow_hyphen_values = true)]
+    pub target: Option<[f64; 3]>,
+    /// Vertical field of view, as in 35deg, instead of the scene's
+    #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true)]
+    pub field_of_view: Option<f64>,
+    /// Albedo of the pigment, linear sRGB from 0 to 1, instead of the scene's
+    #[arg(long, value_name = "R,G,B", value_parser = units::color, allow_hyphen_values = true)]
+    pub base_color: Option<[f64; 3]>,
+}
+
+impl ViewOptions {
+    /// Changes what the options name in `scene`.
+    ///
+    /// # Errors
+    /// Too many lights; a camera that cannot be.
+    pub fn apply(&self, scene: &mut Scene) -> Result<()> {
+        check_lights(&self.light)?;
+        if !self.light.is_empty() {
+            scene.lights = self.light.clone();
+        }
+        if let Some(exposure) = self.exposure {
+            scene.exposure = exposure;
+        }
+        if let Some(color) = self.base_color {
+            scene.base_color = color.map(|c| c as f32).into();
+        }
+        let vector = |v: [f64; 3]| Vec3::from(v.map(|x| x as f32));
+        if self.eye.is_some() || self.target.is_some() || self.field_of_view.is_some() {
+            let old = scene.camera;
+            scene.camera = Camera::looking(
+                self.eye.map_or(old.eye(), vector),
+                self.target.map_or(old.target, vector),
+                self.field_of_view.map_or(old.field_of_view, |deg| deg.to_radians() as f32),
+            )?;
+        }
+        Ok(())
+    }
+}
+
 /// Fails where there are more lights than a picture takes.
 pub fn check_lights(lights: &[Light]) -> Result<()> {
     if lights.len() <= MAX_LIGHTS {
@@ -228,6 +262,15 @@ pub fn real(text: &str, range: (f64, f64), what: &str) -> Result<f64> {
     })
 }
 
+/// A length within `range` \[µm\], ends included; `what` it is stands in the error.
+pub fn length_within(text: &str, range: (f64, f64), what: &str) -> Result<f64> {
+    let length = units::length(text)?;
+    if (range.0..=range.1).contains(&length) {
+        return Ok(length);
+    }
+    Err(Error::usage(format!("`{text}` is no {what}"), format!("give {}um to {}um", range.0, range.1)))
+}
+
 fn whole(text: &str, range: (usize, usize), what: &str) -> Result<usize> {
     text.trim().parse::<usize>().ok().filter(|n| (range.0..=range.1).contains(n)).ok_or_else(|| {
         Error::usage(
@@ -248,7 +291,7 @@ fn filter(text: &str) -> Result<Filter> {
     match text {
         "pixel" => Ok(Filter::Pixel),
         "point" => Ok(Filter::Point),
-        _ => Err(Error::usage(format!("there is no filter `{text}`"), "give pixel or point")),
+        _ => Err(Error::usage(format!("there is no filter `{text}`"), "give point or pixel")),
     }
 }
 
@@ -298,7 +341,7 @@ fn bounded(text: &str, counts: [u32; 2], most: u32, what: &str) -> Result<[u32; 
     Err(Error::usage(format!("`{text}` are too many {what}"), format!("give at most {most}x{most}")))
 }
 
-/// What surrounds the patch.
+/// What surrounds the patch, as the command line has it.
 pub fn coherence(text: &str) -> Result<Coherence> {
     const FORM: &str = "give gaussian:LENGTH as in gaussian:65um, or repeats:NxM as in repeats:3x3";
     match text.split_once(':') {

@@ -1,12 +1,10 @@
 //! What commands need before they can shade: a device, and the layers, from the cache or made with a progress bar.
 
 use super::{check_validation, say, validation};
-use crate::error::{Error, Result};
-use crate::expansion::Basis;
-use crate::optics::coherence::Coherence;
+use crate::error::Result;
+use crate::precompute::{Layers, Settings, cache};
+use crate::render::color_table::{self, ColorTable};
 use crate::optics::spectrum::SHORTEST;
-use crate::precompute::{self, Layers, Settings, cache};
-use crate::render::color_table::{self, ColorTable, Grid, bake::layers_tolerance, check_tolerance};
 use crate::render::shading::Shading;
 use crate::surface::HeightField;
 use crate::vk::device::Device;
@@ -14,9 +12,6 @@ use crate::vk::instance::Instance;
 use crate::vk::selection::Wish;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::Arc;
-
-/// Share of the device's memory that the layers may take; pictures and the rest need some.
-const DEVICE_SHARE: f64 = 0.75;
 
 /// Opens the device that `wish` means.
 pub fn device(wish: &Wish) -> Result<Arc<Device>> {
@@ -30,87 +25,47 @@ pub fn finish(device: &Device) -> Result<()> {
 
 /// Layers of `field` for wavelengths from `shortest` \[µm\] on `device`.
 pub fn layers(field: &HeightField, shading: &Shading, shortest: f64, device: &Device) -> Result<Layers> {
-    if shading.windows != [1, 1] {
-        return Err(Error::usage(
-            "--method spectral does one window only",
-            "leave --windows away, or use --method table or --method reference",
-        ));
-    }
-    let settings = settings("spectral", shading, shortest, device)?;
-    warn_of_coarse_samples(field, shortest);
-    let folder = cache::folder();
-    let key = cache::key(field, &settings);
-    if let Some(layers) = folder.as_ref().and_then(|f| cache::load(f, &key, settings.memory_limit)) {
-        return Ok(layers);
-    }
+    layers_for(field, &shading.layer_settings(shortest, device.candidate())?)
+}
+
+/// Layers of `field` under a Gaussian of standard deviation `sigma` \[µm\], or, where that is infinite, of one period alone.
+pub fn windowed_layers(
+    field: &HeightField,
+    shading: &Shading,
+    sigma: f64,
+    shortest: f64,
+    device: &Device,
+) -> Result<Layers> {
+    layers_for(field, &shading.windowed_settings(sigma, shortest, device.candidate())?)
+}
+
+fn layers_for(field: &HeightField, settings: &Settings) -> Result<Layers> {
+    warn_of_coarse_samples(field, settings.shortest_wavelength);
     let bar = progress_bar("spectra");
-    let layers = precompute::compute(field, &settings, &|done, of| {
+    let (layers, not_kept) = cache::obtain(field, settings, &|done, of| {
         bar.set_length(of as u64);
         bar.set_position(done as u64);
         Ok(())
     })?;
     bar.finish_and_clear();
-    if let Some(folder) = folder
-        && let Err(error) = cache::store(&folder, &key, &layers)
-    {
+    if let Some(error) = not_kept {
         say(&format_args!("the spectra are not kept for next time: {error}"));
     }
     Ok(layers)
 }
 
-/// What layers are made for, where `shading` is asked for of `method`.
-fn settings(method: &str, shading: &Shading, shortest: f64, device: &Device) -> Result<Settings> {
-    let Coherence::Gaussian { length } = shading.coherence else {
-        return Err(Error::usage(
-            format!("--method {method} does not do --coherence repeats yet"),
-            "use --coherence gaussian:LENGTH or --method reference",
-        ));
-    };
-    Ok(Settings {
-        sigma: length / 4.0,
-        shortest_wavelength: shortest,
-        tolerance: shading.tolerance,
-        basis: shading.basis,
-        terms: shading.terms,
-        memory_limit: (device.candidate().memory as f64 * DEVICE_SHARE) as usize,
-        side_limit: device.candidate().max_side as usize,
-    })
-}
-
 /// The colour table of `field` on `device`, from the cache or baked with a progress bar.
 pub fn color_table(field: &HeightField, shading: &Shading, device: &Arc<Device>) -> Result<ColorTable> {
-    if shading.terms.is_some() {
-        return Err(Error::usage(
-            "--method table sums as many terms as its tolerance asks for",
-            "leave --terms away, or use --method spectral",
-        ));
-    }
-    check_tolerance(shading.tolerance)?;
-    let tolerance = layers_tolerance(shading.tolerance);
-    let for_layers = Shading { tolerance, basis: Basis::Phase, windows: [1, 1], ..shading.clone() };
-    let settings = settings("table", &for_layers, SHORTEST, device)?;
-    let room = settings.memory_limit as u64;
-    // What is hopeless is refused before any work: a table has at least one node.
-    Grid::new(settings.sigma, shading.tolerance, 1).check(device.candidate().max_side, room)?;
-    let folder = cache::folder();
-    let key = color_table::cache::key(field, &settings, shading);
-    if let Some(table) = folder.as_ref().and_then(|f| color_table::cache::load(f, &key, room)) {
-        warn_of_coarse_samples(field, SHORTEST);
-        return Ok(table);
-    }
-    let layers = layers(field, &for_layers, SHORTEST, device)?;
+    warn_of_coarse_samples(field, SHORTEST);
     let bar = progress_bar("colours");
-    let made = (field, layers, &settings);
-    let table = color_table::make(device, made, shading, room, &|what, done, of| {
+    let (table, not_kept) = color_table::obtain(device, field, shading, &|what, done, of| {
         bar.set_message(what);
         bar.set_length(of as u64);
         bar.set_position(done as u64);
         Ok(())
     })?;
     bar.finish_and_clear();
-    if let Some(folder) = folder
-        && let Err(error) = color_table::cache::store(&folder, &key, &table)
-    {
+    if let Some(error) = not_kept {
         say(&format_args!("the colour table is not kept for next time: {error}"));
     }
     Ok(table)

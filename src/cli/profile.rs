@@ -130,7 +130,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 fn profile(stage: &Stage, arguments: &Arguments) -> Result<Report> {
-    let shading = arguments.optics.shading(&arguments.colour)?;
+    let shading = arguments.optics.shading(&arguments.colour)?.for_pictures();
     let (mut painter, setting, cost, directions) = stage.prepare(arguments, &shading)?;
     let bar = prepare::progress_bar("frames");
     let times = measure(&mut painter, &stage.view, arguments.frames as usize, f64::INFINITY, &|done, of| {

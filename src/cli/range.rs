@@ -57,6 +57,11 @@ impl Range {
         (0..self.count).map(|i| ((self.low + i as f64 * self.step) * scale).round() / scale).collect()
     }
 
+    /// Distance from value to value.
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
     /// How many values there are, at least one.
     pub fn count(&self) -> usize {
         self.count

@@ -1,8 +1,8 @@
 //! `diffract render`: a scene into a file.
 
 use super::options::{
-    ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions, check_lights,
-    exposure, lights_of, sample_pixels,
+    ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions,
+    check_lights, sample_pixels,
 };
 use super::{prepare, write};
 use crate::error::{Error, Result};
@@ -13,16 +13,14 @@ use crate::precompute::Layers;
 use crate::render::frame::View;
 use crate::render::picture::{Painter, Picture};
 use crate::render::reference_picture::{self, displayed, reference_pixels};
-use crate::render::resources::Pigment;
+use crate::render::resources::{Optics, Pigment};
 use crate::render::shading::Shading;
-use crate::scene::{Light, Scene};
+use crate::scene::Scene;
 use crate::surface::HeightField;
 use crate::vk::device::Device;
-use crate::{input, output, units};
+use crate::{output, units};
 use clap::Args;
-use std::io::Read;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::PathBuf;
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]
@@ -40,12 +38,8 @@ pub struct Arguments {
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "1280x720")]
     size: [u32; 2],
-    /// Exposure in stops, instead of the scene's
-    #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true)]
-    exposure: Option<f64>,
-    /// A light instead of the scene's, in degrees from up and around it; up to four
-    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
-    light: Vec<Light>,
+    #[command(flatten)]
+    view: ViewOptions,
     /// Shade only so many random pixels of those that the mesh covers (--method reference only)
     #[arg(long, value_name = "N", value_parser = sample_pixels, allow_hyphen_values = true)]
     sample_pixels: Option<usize>,
@@ -65,15 +59,16 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let format = write::PictureFormat::of(&arguments.output)?;
     output::check(&arguments.output)?;
-    check_lights(&arguments.light)?;
+    check_lights(&arguments.view.light)?;
     if arguments.sample_pixels.is_some() && arguments.optics.method != Method::Reference {
         return Err(Error::usage(
             "--sample-pixels is for the reference picture only",
             "add --method reference, or leave it away",
         ));
     }
-    let shading = arguments.optics.shading(&arguments.colour)?;
-    let scene = Scene::open(&arguments.scene)?;
+    let shading = arguments.optics.shading(&arguments.colour)?.for_pictures();
+    let mut scene = Scene::open(&arguments.scene)?;
+    arguments.view.apply(&mut scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
     let picture = draw(arguments, &scene, &field, &shading)?;
     write::picture(&arguments.output, format, &picture)
@@ -88,37 +83,35 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
         ));
     }
     let device = prepare::device(&arguments.device.wish())?;
-    let pigment = scene.pigment.as_deref().map(read_pigment).transpose()?;
-    let view = View { pigment: pigment.is_some(), ..View::of(scene, lights_of(&arguments.light, scene)) };
+    let pigment = scene.pigment.as_deref().map(Pigment::read).transpose()?;
+    let view = View { pigment: pigment.is_some(), ..View::of(scene, scene.lights.clone()) };
     let pigment = pigment.unwrap_or_else(Pigment::white);
-    let (mesh, size, lights) = (&scene.mesh, arguments.size, view.lights.len());
-    let mut painter = if arguments.optics.method == Method::Table {
-        let table = prepare::color_table(field, shading, &device)?;
-        let filter = arguments.filter.filter;
-        Painter::of_table(&device, &table, filter, shading, (mesh, &pigment), size, lights)?
-    } else {
-        let layers = if reference {
-            directions_only(&device)?
-        } else {
-            prepare::layers(field, shading, SHORTEST, &device)?
-        };
-        Painter::new(&device, &layers, shading, mesh, &pigment, size, lights)?
+    let paint = |optics: Optics| {
+        let (size, lights) = (arguments.size, view.lights.len());
+        Painter::new(&device, optics, shading, &scene.mesh, &pigment, size, lights)
     };
-    let exposure = arguments.exposure.unwrap_or(scene.exposure);
+    let mut painter = match arguments.optics.method {
+        Method::Spectral => paint((&prepare::layers(field, shading, SHORTEST, &device)?).into()),
+        Method::Table => {
+            let table = prepare::color_table(field, shading, &device)?;
+            paint(Optics::Table(&table, arguments.filter.filter))
+        }
+        Method::Reference => paint((&directions_only(&device)?).into()),
+    }?;
     let picture = if reference {
         let radiance = reference_radiance(&mut painter, &view, field, shading, arguments.sample_pixels)?;
-        let display = displayed(&radiance, exposure, scene.background);
+        let display = displayed(&radiance, scene.exposure, scene.background);
         Picture { size: arguments.size, radiance, display }
     } else {
-        painter.paint(&view, exposure, scene.background)?
+        painter.paint(&view, scene.exposure, scene.background)?
     };
     drop(painter);
     prepare::finish(&device)?;
     Ok(picture)
 }
 
-/// The reference needs the frame's directions only; these layers are the smallest there are, and always the same.
-fn directions_only(device: &Arc<Device>) -> Result<Layers> {
+/// The reference needs the frame's directions only: these layers are the smallest there are, and always the same.
+fn directions_only(device: &Device) -> Result<Layers> {
     let flat = HeightField::new(1, 1, [SHORTEST / 4.0; 2], vec![0.0])?;
     let coherence = Coherence::Gaussian { length: 1.0 };
     let shading = Shading { coherence, tolerance: 1e-1, ..Shading::default() };
@@ -151,26 +144,4 @@ fn reference_radiance(
         radiance[pixel] = color.as_vec3().extend(1.0).to_array();
     }
     Ok(radiance)
-}
-
-/// Largest side of a pigment texture \[pixels\].
-const MAX_PIGMENT: u32 = 8192;
-
-fn read_pigment(path: &Path) -> Result<Pigment> {
-    const EXPECTED: &str = "a PNG or TIFF picture for the pigment";
-    let mut bytes = Vec::new();
-    let file = input::open(path, EXPECTED, input::MAX_TEXT)?;
-    let bad = |e: &dyn std::fmt::Display| {
-        Error::failed(format!("it cannot be read as a picture ({e})"), format!("give {EXPECTED}"))
-            .at(path.display())
-    };
-    file.take(input::MAX_TEXT).read_to_end(&mut bytes).map_err(|e| bad(&e))?;
-    let mut reader =
-        image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().map_err(|e| bad(&e))?;
-    let mut limits = image::Limits::default();
-    limits.max_image_width = Some(MAX_PIGMENT);
-    limits.max_image_height = Some(MAX_PIGMENT);
-    reader.limits(limits);
-    let picture = reader.decode().map_err(|e| bad(&e))?.to_rgba8();
-    Ok(Pigment { size: [picture.width(), picture.height()], texels: picture.into_raw() })
 }

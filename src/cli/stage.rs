@@ -12,7 +12,7 @@ use crate::render::color_table::Filter;
 use crate::render::frame::View;
 use crate::render::picture::{Directions, Painter, Picture};
 use crate::render::reference_picture::{covered, displayed, reference_pixels};
-use crate::render::resources::Pigment;
+use crate::render::resources::{Optics, Pigment};
 use crate::render::shading::Shading;
 use crate::scene::Scene;
 use crate::surface::HeightField;
@@ -43,7 +43,7 @@ impl Stage {
     pub fn set(arguments: &Arguments) -> Result<Self> {
         let method = arguments.optics.method;
         if method == Method::Reference {
-            return Err(Error::usage("--method reference has no frames to time", "use --method spectral"));
+            return Err(Error::usage("--method reference has no frames to time", "use --method spectral or --method table"));
         }
         arguments.optics.shading(&arguments.colour)?;
         let scene = Scene::open(&arguments.scene)?;
@@ -66,7 +66,7 @@ impl Stage {
     ) -> Result<(Painter, Setting, Cost, Vec<Directions>)> {
         let (mesh, pigment, lights) = (&self.scene.mesh, Pigment::white(), self.view.lights.len());
         if arguments.optics.method == Method::Reference {
-            return Err(Error::usage("--method reference has no frames to time", "use --method spectral"));
+            return Err(Error::usage("--method reference has no frames to time", "use --method spectral or --method table"));
         }
         let directions = |painter: &mut Painter| {
             (0..lights).map(|light| painter.directions(&self.view, light)).collect::<Result<Vec<_>>>()
@@ -74,9 +74,8 @@ impl Stage {
         if arguments.optics.method == Method::Table {
             let table = prepare::color_table(&self.field, shading, &self.device)?;
             let filter = arguments.filter.filter;
-            let scene = (mesh, &pigment);
-            let mut painter =
-                Painter::of_table(&self.device, &table, filter, shading, scene, self.size, lights)?;
+            let optics = Optics::Table(&table, filter);
+            let mut painter = Painter::new(&self.device, optics, shading, mesh, &pigment, self.size, lights)?;
             let directions = directions(&mut painter)?;
             let cost = Cost::of_table(&table.grid, filter, &directions, self.size);
             let kernel = match filter {
@@ -96,7 +95,7 @@ impl Stage {
         let mut painter = Painter::new(&self.device, &layers, shading, mesh, &pigment, self.size, lights)?;
         let directions = directions(&mut painter)?;
         let cost = Cost::of(&layers, painter.combs(), &directions);
-        let kernel = format!("{:?}", layers.interpolation.kernel).to_lowercase();
+        let kernel = layers.interpolation.name();
         let (terms, pairs) = (layers.terms, layers.pairs());
         let budget = Budget::of_layers(&layers, shading);
         let setting = Setting { method: "spectral", terms, layers: pairs, kernel, budget };

@@ -228,7 +228,7 @@ fn measured(
     references: &mut References,
 ) -> Result<Row> {
     let own = setting(arguments, flags)?;
-    let shading: Shading = own.optics.shading(&own.colour)?;
+    let shading: Shading = own.optics.shading(&own.colour)?.for_pictures();
     let (mut painter, what, cost, directions) = stage.prepare(&own, &shading)?;
     let times = measure(&mut painter, &stage.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
     let picture = painter.paint(&stage.view, stage.scene.exposure, stage.scene.background)?;
@@ -274,7 +274,7 @@ fn baseline(
         (None, None) => return Ok(None),
     };
     let own = setting(arguments, "--tolerance 1e-1")?;
-    let shading: Shading = own.optics.shading(&own.colour)?;
+    let shading: Shading = own.optics.shading(&own.colour)?.for_pictures();
     let (mut painter, _, _, directions) = stage.prepare(&own, &shading)?;
     let pixels = covered(&directions);
     let exact = references.of(stage, &shading, &directions, &pixels)?;

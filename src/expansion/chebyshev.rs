@@ -16,8 +16,8 @@ pub struct Chebyshev {
 const MAX_TERMS: usize = 512;
 
 impl Expansion for Chebyshev {
-    fn basis(&self, n: usize, t: f64) -> f64 {
-        (n as f64 * t.clamp(-1.0, 1.0).acos()).cos()
+    fn basis(&self, n: usize, t: f64) -> Complex64 {
+        (n as f64 * t.clamp(-1.0, 1.0).acos()).cos().into()
     }
 
     fn coefficients(&self, z: f64, out: &mut [Complex64]) {

@@ -1,7 +1,7 @@
 //! Separable expansions e^{izh} ≈ Σ_n c_n(z) b_n(h) with z = k·w: the one idea behind every fast path.
 //!
 //! Heights are centred on the middle of their range first, which changes only the phase of P and halves the argument:
-//! t = (h − mid)/a ∈ \[−1, 1\] with a half the range, and b_n is a function of t. Every b_n is real, so the spectra
+//! t = (h − mid)/a ∈ \[−1, 1\] with a half the range, and b_n is a function of t. Where every b_n is real, the spectra
 //! F{g·b_n} are Hermitian and half of each is enough.
 
 pub mod chebyshev;
@@ -39,6 +39,11 @@ impl Basis {
             Self::Phase => "phase",
         }
     }
+
+    /// Whether every b_n is real, so that half of each spectrum is enough.
+    pub fn is_real(self) -> bool {
+        self != Self::Optimal
+    }
 }
 
 /// Where the heights lie: t = (h − `mid`)/`half_range`.
@@ -65,8 +70,8 @@ impl HeightScale {
 
 /// A family of b_n and c_n. The precompute stores spectra of b_n; the shader reads c_n from a table over z.
 pub trait Expansion: Sync {
-    /// b_n at t ∈ \[−1, 1\]; real.
-    fn basis(&self, n: usize, t: f64) -> f64;
+    /// b_n at t ∈ \[−1, 1\].
+    fn basis(&self, n: usize, t: f64) -> Complex64;
 
     /// c_0 … c_{len−1} at z \[rad/µm\] into `out`.
     fn coefficients(&self, z: f64, out: &mut [Complex64]);
@@ -74,7 +79,8 @@ pub trait Expansion: Sync {
     /// The largest number of terms that there is.
     fn most_terms(&self) -> usize;
 
-    /// A bound on |e^{izh} − Σ_{n<terms} c_n b_n| that holds for every height in range and every |z| up to `z`.
+    /// A bound on |e^{izh} − Σ_{n<terms} c_n b_n| that holds for every height in range and every z of the
+    /// family's range up to `z`.
     fn truncation_bound(&self, z: f64, terms: usize) -> f64;
 
     /// A bound on what storing and summing with unit roundoff `roundoff` adds, for |z| up to `z`.

@@ -44,12 +44,12 @@ impl Phase {
 }
 
 impl Expansion for Phase {
-    fn basis(&self, n: usize, t: f64) -> f64 {
+    fn basis(&self, n: usize, t: f64) -> Complex64 {
         let place = (t.clamp(-1.0, 1.0) + 1.0) * 0.5 * INTERVALS as f64;
         let left = (place as usize).min(INTERVALS - 1);
         let row = &self.table[n / 2];
         let beta = row[left] + (row[left + 1] - row[left]) * (place - left as f64);
-        if n.is_multiple_of(2) { beta.re } else { beta.im }
+        if n.is_multiple_of(2) { beta.re } else { beta.im }.into()
     }
 
     fn coefficients(&self, z: f64, out: &mut [Complex64]) {

@@ -18,8 +18,8 @@ pub struct Taylor {
 }
 
 impl Expansion for Taylor {
-    fn basis(&self, n: usize, t: f64) -> f64 {
-        t.powi(n as i32)
+    fn basis(&self, n: usize, t: f64) -> Complex64 {
+        t.powi(n as i32).into()
     }
 
     fn coefficients(&self, z: f64, out: &mut [Complex64]) {

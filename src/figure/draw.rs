@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::marks;
-use super::palette::{Color, FAINT, INK, PAPER, QUIET};
+use super::palette::{Color, ColorMap, FAINT, INK, PAPER, QUIET};
 use super::panel::{Frame, Panel};
 use super::raster::{self, Raster};
 use super::svg::{Anchor, Letters, Stroke, Svg};
@@ -74,7 +74,7 @@ pub(super) fn panel(svg: &mut Svg, panel: &Panel, area: Area) -> Result<()> {
     }
     match panel.frame {
         Frame::Box { .. } => axes(svg, panel, plot),
-        Frame::Hemisphere => hemisphere(svg, plot),
+        Frame::Hemisphere => hemisphere(svg, panel, plot),
     }
     for (mark, _) in &panel.marks {
         marks::draw(svg, mark, panel, plot);
@@ -183,7 +183,7 @@ fn axes(svg: &mut Svg, panel: &Panel, plot: Area) {
 }
 
 /// Rings of polar angle and spokes of azimuth over the disc that fills `plot`.
-fn hemisphere(svg: &mut Svg, plot: Area) {
+fn hemisphere(svg: &mut Svg, panel: &Panel, plot: Area) {
     let radius = plot.size[0] / 2.0;
     let centre = [plot.at[0] + radius, plot.at[1] + radius];
     let quiet = Stroke { opacity: 0.35, ..Stroke::new(Color([0xa8, 0xb0, 0xb8]), 0.8) };
@@ -208,11 +208,14 @@ fn hemisphere(svg: &mut Svg, plot: Area) {
     svg.circle(centre, radius, None, Stroke::new(INK, 1.2));
     // Along a spoke's gap, where no label of an axis stands.
     let (sin, cos) = (75f64).to_radians().sin_cos();
+    let light =
+        panel.raster.as_ref().and_then(|r| r.scale.as_ref()).is_some_and(|s| s.map == ColorMap::Difference);
+    let (color, halo) = if light { (INK, PAPER) } else { (PAPER, INK) };
     for theta in [30.0f64, 60.0] {
         let out = radius * theta.to_radians().sin();
         let at = [centre[0] + out * cos, centre[1] - out * sin + 0.36 * TICK];
-        let text = letters(TICK - 1.0, PAPER, Anchor::Middle);
-        svg.text(at, &format!("{theta}°"), text, Some(INK));
+        let text = letters(TICK - 1.0, color, Anchor::Middle);
+        svg.text(at, &format!("{theta}°"), text, Some(halo));
     }
 }
 

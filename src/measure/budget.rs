@@ -3,7 +3,6 @@
 use crate::precompute::Layers;
 use crate::render::color_table::{bake::COMB_SHARE, grid::GRID_SHARE, nodes::NODE_SHARE};
 use crate::render::shading::Shading;
-use crate::render::tables::QUADRATURE_SHARE;
 use serde::Serialize;
 
 /// One part of the error.
@@ -11,7 +10,7 @@ use serde::Serialize;
 pub struct Part {
     /// What errs.
     pub what: &'static str,
-    /// How much, relative to each direction's own intensity (RMS over directions).
+    /// How much, relative to what the tolerance is promised for: single directions, or the colours of a picture.
     pub error: f64,
     /// How that is known.
     pub known: &'static str,
@@ -29,11 +28,9 @@ pub struct Budget {
 impl Budget {
     /// The parts of `layers` under `shading`.
     pub fn of_layers(layers: &Layers, shading: &Shading) -> Self {
-        /// Part of the tolerance that the sum over wavelengths may take; see `render/tables.rs`.
-        const QUADRATURE: f64 = 0.6;
         let known_by_rule = "by the rule for the nodes, which tests hold to it";
         let (quadrature, known) = match shading.wavelengths {
-            None => (QUADRATURE * shading.tolerance, known_by_rule),
+            None => (shading.quadrature(), known_by_rule),
             Some(_) => (f64::NAN, "not known: the wavelengths are named; --error measures the sum of all"),
         };
         let part = |what, error, known| Part { what, error, known };
@@ -41,10 +38,14 @@ impl Budget {
             parts: vec![
                 part(
                     "truncation and rounding",
-                    layers.errors.expansion,
+                    layers.errors.expansion / shading.gain(),
                     "measured against the transform of the exact phase",
                 ),
-                part("reading between texels", layers.errors.interpolation, "by the kernel's transform"),
+                part(
+                    "reading between texels",
+                    layers.errors.interpolation / shading.gain(),
+                    "by the kernel's transform",
+                ),
                 part("wavelengths of a colour", quadrature, known),
             ],
             tolerance: shading.tolerance,
@@ -62,7 +63,11 @@ impl Budget {
                     "by the window's autocorrelation, which sets their distance",
                 ),
                 part("cubics in w", NODE_SHARE, "at most; judged on the layers"),
-                part("wavelengths of a colour", QUADRATURE_SHARE * COMB_SHARE, "by the rule for the nodes"),
+                part(
+                    "wavelengths of a colour",
+                    shading.quadrature() / shading.tolerance * COMB_SHARE,
+                    "by the rule for the nodes",
+                ),
             ],
             tolerance: shading.tolerance,
         }

@@ -92,11 +92,11 @@ fn of_pair(layers: &Layers, combs: &Combs, pair: &Pair) -> (usize, usize) {
     let uvw = pair.uvw();
     let nodes = combs.nodes_at(uvw.truncate().length());
     let in_band = |q: f64| (uvw.x * q).abs() <= layers.band[0] && (uvw.y * q).abs() <= layers.band[1];
-    let per_read = layers.interpolation.kernel.samples() as usize;
+    let per_read = layers.interpolation.samples() as usize;
     nodes.iter().map(|node| f64::from(node[3])).take_while(|&q| in_band(q)).fold(
         (0, 0),
         |(count, samples), q| {
-            let pairs = layers.terms_at(2.0 * PI * q * -uvw.z).div_ceil(2);
+            let pairs = layers.pairs_at(2.0 * PI * q * -uvw.z);
             (count + 1, samples + pairs * per_read)
         },
     )

@@ -22,20 +22,54 @@ impl Peak {
     /// The peak among `responses` \[sr⁻¹\] at `angles` \[degrees\], for light of `wavelength` \[µm\] from `theta_i`
     /// \[degrees\] and order `order`. Of equal responses the first counts. Angles are the sweep's own, not interpolated.
     pub fn find(wavelength: f64, theta_i: f64, order: u32, angles: &[f64], responses: &[f64]) -> Self {
-        let best =
-            responses.iter().enumerate().fold(None, |best: Option<(usize, f64)>, (i, &f)| match best {
+        Self::find_among(wavelength, theta_i, order, angles, responses, |_| true)
+    }
+
+    /// The same among the angles that can belong to `order` of a grating of about `period` \[µm\]: at most half an order
+    /// away, so that sin α + sin θ_i lies between (m − ½) λ/d and (m + ½) λ/d on either side.
+    pub fn find_near(
+        wavelength: f64,
+        theta_i: f64,
+        order: u32,
+        angles: &[f64],
+        responses: &[f64],
+        period: f64,
+    ) -> Self {
+        let near = |angle: f64| {
+            let u = (sine(angle) + sine(theta_i)).abs();
+            (u * period / wavelength - f64::from(order)).abs() < 0.5
+        };
+        Self::find_among(wavelength, theta_i, order, angles, responses, near)
+    }
+
+    fn find_among(
+        wavelength: f64,
+        theta_i: f64,
+        order: u32,
+        angles: &[f64],
+        responses: &[f64],
+        keep: impl Fn(f64) -> bool,
+    ) -> Self {
+        let best = responses.iter().enumerate().filter(|(i, _)| keep(angles[*i])).fold(
+            None,
+            |best: Option<(usize, f64)>, (i, &f)| match best {
                 Some((_, largest)) if f <= largest => best,
                 _ => (f > 0.0).then_some((i, f)).or(best),
-            });
+            },
+        );
         let Some((place, response)) = best else {
             return Self { wavelength, angle: None, period: None, response: 0.0, clear: false };
         };
-        // Odd to the last bit, so that the mirror direction has a sum of exactly 0.
-        let sine = |angle: f64| sin_cos_degrees(angle.abs()).0 * angle.signum();
         let period = grating::period(wavelength, sine(theta_i), sine(angles[place]), order);
-        let clear = place > 0 && place + 1 < angles.len();
+        let clear =
+            place > 0 && place + 1 < angles.len() && keep(angles[place - 1]) && keep(angles[place + 1]);
         Self { wavelength, angle: Some(angles[place]), period, response, clear }
     }
+}
+
+/// Odd to the last bit, so that the mirror direction has a sum of exactly 0.
+fn sine(angle: f64) -> f64 {
+    sin_cos_degrees(angle.abs()).0 * angle.signum()
 }
 
 /// What the periods of many wavelengths say together.
@@ -80,6 +114,21 @@ mod tests {
         assert!(!Peak::find(0.5, 0.0, 1, &angles, &[6.0, 2.0, 5.0, 3.0]).clear, "at the start");
         assert!(!Peak::find(0.5, 0.0, 1, &angles, &[1.0, 2.0, 5.0, 7.0]).clear, "at the end");
         assert_eq!(Peak::find(0.5, 0.0, 1, &angles, &[1.0, 5.0, 5.0, 3.0]).angle, Some(0.0), "the first");
+    }
+
+    #[test]
+    fn an_order_s_peak_is_sought_within_half_an_order() {
+        // λ/d = 0.25 at normal incidence: orders at 14.48°, 30° and 48.59°.
+        let angles = [10.0, 14.5, 19.0, 25.0, 30.0, 35.0, 42.0, 48.6, 55.0];
+        let responses = [0.1, 1.0, 0.2, 0.3, 9.0, 0.4, 0.1, 2.0, 0.1];
+        let of = |order| Peak::find_near(0.5, 0.0, order, &angles, &responses, 2.0);
+        assert_eq!([1, 2, 3].map(|m| of(m).angle), [Some(14.5), Some(30.0), Some(48.6)]);
+        assert!([1, 2, 3].into_iter().all(|m| of(m).clear));
+        assert!(
+            !Peak::find_near(0.5, 0.0, 1, &angles[2..5], &responses[2..5], 2.0).clear,
+            "its side is the end"
+        );
+        assert_eq!(of(4).angle, None, "no angle that far");
     }
 
     #[test]

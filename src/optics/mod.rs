@@ -8,6 +8,7 @@ pub mod color;
 pub mod fine;
 pub mod geometry;
 pub mod grating;
+pub mod orders;
 pub mod quadrature;
 pub mod reference;
 pub mod spectrum;

@@ -1,6 +1,6 @@
 //! The judge of the layers: terms against the transform of e^{izh} itself, where directions can see it.
 
-use super::transform::{PaddedAxis, Spectrum, Transformer};
+use super::transform::{PaddedAxis, Pair, Spectrum, Transformer};
 use crate::error::{Error, Result};
 use crate::expansion::Expansion;
 use rustfft::num_complex::{Complex32, Complex64};
@@ -21,8 +21,14 @@ pub struct PlaneTerms {
 }
 
 /// The audited k|w|, as parts of the largest, growing: from grazing directions, where only scattering is left, to the
-/// mirror direction at the shortest wavelength.
-pub const PLANES: [f64; 9] = [0.02, 0.06, 0.14, 0.25, 0.4, 0.55, 0.7, 0.85, 0.995];
+/// mirror direction at the shortest wavelength. A family of functions errs most at the ends of its band of z, so planes
+/// stand just below the ends of two, three and four bands.
+pub const PLANES: [f64; 9] = [0.02, 0.08, 0.24, 0.33, 0.49, 0.66, 0.74, 0.87, 0.995];
+
+/// Which of `bands` equal parts of 0 … `z_max` `z` lies in.
+pub(super) fn band_of(z: f64, z_max: f64, bands: usize) -> usize {
+    ((z / z_max * bands as f64) as usize).min(bands - 1)
+}
 
 /// The layers' judge: at a few z, texels that directions can reach, with the transform of e^{izh} there.
 pub(super) struct Audit {
@@ -31,6 +37,8 @@ pub(super) struct Audit {
 
 pub(super) struct Plane {
     pub z: f64,
+    /// The band of z that it lies in.
+    band: usize,
     /// Kept column and row of each judged texel.
     texels: Vec<[usize; 2]>,
     exact: Vec<Complex64>,
@@ -50,6 +58,7 @@ impl Audit {
         heights: &[f64],
         half_range: f64,
         z_max: f64,
+        bands: usize,
         progress: impl Fn(usize) -> Result<()>,
     ) -> Result<Self> {
         let mut planes = Vec::new();
@@ -61,7 +70,7 @@ impl Audit {
             let mut texels = spread(transformer, radius, Self::SPREAD);
             texels.extend(brightest(transformer, &spectrum, radius, Self::BRIGHTEST));
             let exact = texels.iter().map(|&[c, r]| spectrum.at(c, r)).collect();
-            planes.push(Plane { z, texels, exact, terms: Vec::new() });
+            planes.push(Plane { z, band: band_of(z, z_max, bands), texels, exact, terms: Vec::new() });
         }
         planes
             .try_into()
@@ -69,32 +78,32 @@ impl Audit {
             .map_err(|_| Error::failed("the audit lost a plane", "report this as a bug of diffract"))
     }
 
-    /// Takes a pair of terms in.
-    pub fn add(&mut self, spectrum: &Spectrum) {
-        for plane in &mut self.planes {
-            let pairs = plane.texels.iter().map(|&[c, r]| spectrum.split(c, r));
+    /// Takes a pair of terms of the family of z number `band` in: by kept column and row.
+    pub fn add(&mut self, band: usize, pair: &Pair) {
+        for plane in self.planes.iter_mut().filter(|plane| plane.band == band) {
             let stored = |v: Complex64| Complex32::new(v.re as f32, v.im as f32);
+            let pairs = plane.texels.iter().map(|&[c, r]| pair.at(c, r));
             let (even, odd) = pairs.map(|[a, b]| (stored(a), stored(b))).unzip();
             plane.terms.extend([even, odd]);
         }
     }
 
-    /// The worst plane's RMS relative intensity error with `terms` terms.
-    pub fn error(&self, expansion: &dyn Expansion, terms: usize) -> f64 {
-        self.planes.iter().map(|plane| plane.error(expansion, terms)).fold(0.0, f64::max)
+    /// The worst plane's RMS relative intensity error with `terms` terms of `families`, one for each band of z.
+    pub fn error(&self, families: &[Box<dyn Expansion>], terms: usize) -> f64 {
+        self.planes.iter().map(|plane| plane.error(families, terms)).fold(0.0, f64::max)
     }
 
     /// The smallest number of terms, of `terms`, that keeps each plane within `allowed`; never fewer than a lower plane.
     pub fn terms_by_z(
         &self,
-        expansion: &dyn Expansion,
+        families: &[Box<dyn Expansion>],
         terms: usize,
         allowed: f64,
     ) -> [PlaneTerms; PLANES.len()] {
         let mut least = 1;
         std::array::from_fn(|i| {
             let plane = &self.planes[i];
-            least = (least..terms).find(|&n| plane.error(expansion, n) <= allowed).unwrap_or(terms);
+            least = (least..terms).find(|&n| plane.error(families, n) <= allowed).unwrap_or(terms);
             PlaneTerms { z: plane.z, terms: least }
         })
     }
@@ -102,9 +111,9 @@ impl Audit {
 
 impl Plane {
     /// RMS relative intensity error with the first `terms` terms, summed in f32 as the shader does.
-    fn error(&self, expansion: &dyn Expansion, terms: usize) -> f64 {
+    fn error(&self, families: &[Box<dyn Expansion>], terms: usize) -> f64 {
         let mut c = vec![Complex64::ZERO; terms];
-        expansion.coefficients(self.z, &mut c);
+        families[self.band].coefficients(self.z, &mut c);
         let c: Vec<Complex32> = c.iter().map(|c| Complex32::new(c.re as f32, c.im as f32)).collect();
         // Where nothing is seen, nothing can be wrong: such texels would only dilute the mean.
         let seen = self.exact.iter().enumerate().filter(|(_, exact)| exact.norm_sqr() >= FAINT);

@@ -3,11 +3,10 @@
 //! A file is written beside its place and renamed, so another process sees all of it or nothing; a check sum over the
 //! whole is compared when it is read, and a file that does not match is made anew.
 
-use super::audit::{PLANES, PlaneTerms};
 use super::coefficients::Coefficients;
 use super::kernel::{Interpolation, Kernel};
-use super::layers::{Errors, Layers, Settings};
-use crate::error::Result;
+use super::layers::{self, Errors, Layers, PairRule, Settings};
+use crate::error::{Error, Result};
 use crate::output;
 use crate::surface::HeightField;
 use std::fs::File;
@@ -16,13 +15,11 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// First bytes of a file; the number changes whenever the layers of the same key would change.
-const MAGIC: &[u8; 20] = b"diffract layers 0004";
+const MAGIC: &[u8; 20] = b"diffract layers 0005";
 /// Bytes of the check sum and of the key.
 const HASH: usize = blake3::OUT_LEN;
 /// Numbers of 8 bytes that describe the layers in front of the texels.
-const HEADER: usize = FIXED + 2 * PLANES.len();
-/// Numbers of it that stand in front of the audited planes.
-const FIXED: usize = 19;
+const HEADER: usize = 25;
 
 /// The folder: `$XDG_CACHE_HOME/diffract`, else `~/.cache/diffract`; `None` where the user has neither.
 pub fn folder() -> Option<PathBuf> {
@@ -45,13 +42,33 @@ pub fn key(field: &HeightField, settings: &Settings) -> blake3::Hash {
         dy,
         settings.sigma,
         settings.shortest_wavelength,
-        settings.tolerance,
+        settings.budget.interpolation,
+        settings.budget.expansion,
         terms,
         f64::from(settings.basis as u8),
     ];
     hasher.update(bytemuck::cast_slice(&numbers));
     hasher.update(bytemuck::cast_slice(field.heights()));
     hasher.finalize()
+}
+
+/// The layers of `field` under `settings`, from the cache or made and kept there; beside them, why they could not be kept.
+///
+/// # Errors
+/// As [`layers::compute`].
+pub fn obtain(
+    field: &HeightField,
+    settings: &Settings,
+    progress: &dyn Fn(usize, usize) -> Result<()>,
+) -> Result<(Layers, Option<Error>)> {
+    let folder = folder();
+    let key = key(field, settings);
+    if let Some(layers) = folder.as_ref().and_then(|f| load(f, &key, settings.memory_limit)) {
+        return Ok((layers, None));
+    }
+    let layers = layers::compute(field, settings, progress)?;
+    let kept = folder.map(|folder| store(&folder, &key, &layers));
+    Ok((layers, kept.and_then(Result::err)))
 }
 
 /// Where the layers of `key` are kept in `folder`.
@@ -129,70 +146,58 @@ fn check_sum(head: &[u8], payload: &[&[f32]]) -> [u8; HASH] {
 }
 
 fn to_numbers(l: &Layers) -> [f64; HEADER] {
-    let kernel = match l.interpolation.kernel {
-        Kernel::Bilinear => 0.0,
-        Kernel::Bspline => 1.0,
-    };
     let [sx, sy] = l.size.map(|n| n as f64);
     let [ox, oy] = l.origin.map(|n| n as f64);
+    let [kx, ky] = l.interpolation.kernels.map(|kernel| f64::from(kernel == Kernel::Cubic));
+    let [rx, ry] = l.interpolation.ratios;
+    let flag = |b: bool| f64::from(b);
     let e = &l.errors;
-    let fixed: [f64; FIXED] = [
-        sx,
-        sy,
-        ox,
-        oy,
-        l.length[0],
-        l.length[1],
-        l.band[0],
-        l.band[1],
-        l.sigma,
-        l.terms as f64,
-        l.coefficients.step,
-        l.z_max,
-        kernel,
-        l.interpolation.ratio,
-        e.expansion,
-        e.interpolation,
-        e.truncation_bound,
-        e.rounding_bound,
-        l.coefficients.columns as f64,
-    ];
-    let mut numbers = [0.0; HEADER];
-    numbers[..FIXED].copy_from_slice(&fixed);
-    for (slot, plane) in numbers[FIXED..].chunks_mut(2).zip(&l.terms_by_z) {
-        slot.copy_from_slice(&[plane.z, plane.terms as f64]);
-    }
-    numbers
+    let counts = [l.z_bands as f64, l.terms as f64, l.coefficients.columns as f64];
+    [
+        [sx, sy, ox, oy, l.length[0], l.length[1], l.band[0], l.band[1]].as_slice(),
+        &[l.sigma, l.z_max, kx, ky, rx, ry],
+        &[flag(l.half_plane), flag(l.coefficients.nearest)],
+        &counts,
+        &[l.pairs_needed.slope, l.pairs_needed.fewest],
+        &[e.expansion, e.interpolation, e.truncation_bound, e.rounding_bound],
+    ]
+    .concat()
+    .try_into()
+    .unwrap_or([0.0; HEADER])
 }
 
 fn from_numbers(n: &[f64], mut payload: Vec<f32>) -> Option<Layers> {
-    let (terms, columns) = (n[9] as usize, n[18] as usize);
-    let texels = (n[0] * n[1]) as usize * 4 * terms.div_ceil(2);
-    if payload.len() != texels.checked_add(terms.checked_mul(columns)?.checked_mul(2)?)? {
+    let &[sx, sy, ox, oy, lx, ly, bx, by, sigma, z_max, kx, ky, rx, ry, half, nearest, ref rest @ ..] = n
+    else {
+        return None;
+    };
+    let &[z_bands, terms, columns, slope, fewest, expansion, interpolation, truncation_bound, rounding_bound] =
+        rest
+    else {
+        return None;
+    };
+    let [z_bands, terms, columns] = [z_bands, terms, columns].map(|n| n as usize);
+    let layers = terms.div_ceil(2).checked_mul(z_bands)?;
+    let texels = (sx * sy) as usize * 4 * layers;
+    if payload.len() != texels.checked_add(layers.checked_mul(columns)?.checked_mul(4)?)? {
         return None;
     }
     let values = bytemuck::pod_collect_to_vec(&payload.split_off(texels));
-    let kernel = if n[12] == 0.0 { Kernel::Bilinear } else { Kernel::Bspline };
+    let kernel = |cubic: f64| if cubic == 0.0 { Kernel::Linear } else { Kernel::Cubic };
     Some(Layers {
-        size: [n[0] as usize, n[1] as usize],
-        origin: [n[2] as usize, n[3] as usize],
-        length: [n[4], n[5]],
-        band: [n[6], n[7]],
-        sigma: n[8],
+        size: [sx as usize, sy as usize],
+        origin: [ox as usize, oy as usize],
+        length: [lx, ly],
+        band: [bx, by],
+        sigma,
+        half_plane: half != 0.0,
+        z_bands,
         terms,
-        coefficients: Coefficients { step: n[10], columns, values },
-        z_max: n[11],
-        terms_by_z: std::array::from_fn(|i| PlaneTerms {
-            z: n[FIXED + 2 * i],
-            terms: n[FIXED + 2 * i + 1] as usize,
-        }),
-        interpolation: Interpolation { kernel, ratio: n[13] },
-        errors: Errors {
-            expansion: n[14],
-            interpolation: n[15],
-            truncation_bound: n[16],
-            rounding_bound: n[17],
-        },
+        coefficients: Coefficients { columns, nearest: nearest != 0.0, values },
+        z_max,
+        pairs_needed: PairRule { slope, fewest },
+        interpolation: Interpolation { kernels: [kernel(kx), kernel(ky)], ratios: [rx, ry] },
+        errors: Errors { expansion, interpolation, truncation_bound, rounding_bound },
         texels: payload,
     })
 }
@@ -200,7 +205,7 @@ fn from_numbers(n: &[f64], mut payload: Vec<f32>) -> Option<Layers> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::precompute::compute;
+    use crate::precompute::{Budget, compute};
 
     fn sample() -> (HeightField, Settings, Layers) {
         let heights = (0..256).map(|i| 0.05 * f64::from(i * 7 % 13) / 13.0).collect();
@@ -208,7 +213,7 @@ mod tests {
         let settings = Settings {
             sigma: 1.0,
             shortest_wavelength: 0.38,
-            tolerance: 1e-1,
+            budget: Budget { interpolation: 7e-2, expansion: 3.5e-2 },
             basis: crate::expansion::Basis::Taylor,
             terms: None,
             memory_limit: 1 << 28,
@@ -251,7 +256,8 @@ mod tests {
         let other = HeightField::new(16, 16, [0.1, 0.1], heights).unwrap();
         assert_ne!(key(&other, &settings), first);
         assert_ne!(key(&field, &Settings { sigma: 1.1, ..settings }), first);
-        assert_ne!(key(&field, &Settings { tolerance: 2e-1, ..settings }), first);
+        let wider = Budget { interpolation: 8e-2, ..settings.budget };
+        assert_ne!(key(&field, &Settings { budget: wider, ..settings }), first);
         assert_ne!(key(&field, &Settings { terms: Some(4), ..settings }), first);
         assert_ne!(key(&field, &Settings { shortest_wavelength: 0.4, ..settings }), first);
         assert_ne!(key(&field, &Settings { basis: crate::expansion::Basis::Optimal, ..settings }), first);

@@ -3,43 +3,55 @@
 use crate::expansion::Expansion;
 use rustfft::num_complex::Complex64;
 
-/// c_n(z) on a uniform grid of z, fine enough to be linear between its points.
+/// c_n(z) on a uniform grid of z in each band of z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coefficients {
-    /// Distance of neighbouring points \[rad/µm\]; the first stands at 0, the last at or beyond z_max.
-    pub step: f64,
-    /// Points.
+    /// Points over a band, its ends included.
     pub columns: usize,
-    /// `[term][point]`: real and imaginary part.
-    pub values: Vec<[f32; 2]>,
+    /// Whether the nearest point is good enough; else it takes linear interpolation.
+    pub nearest: bool,
+    /// Pair by pair of terms, band by band, point by point: (Re, Im) of term 2p, (Re, Im) of term 2p + 1.
+    pub values: Vec<[f32; 4]>,
 }
 
+/// Share of the tolerance that reading between the points may take.
+const SHARE: f64 = 0.03;
+/// Bounds on the number of intervals: the larger keeps a row within the 4096 texels that every Vulkan device holds.
+const INTERVALS: (f64, f64) = (64.0, 4094.0);
+
 impl Coefficients {
-    /// The table of `terms` coefficients of `expansion` up to `z_max` over heights of half range `half_range` \[µm\].
-    /// Interpolating all coefficients alike interpolates e^{izh} itself, with an error of (Δz·a)²/8.
+    /// The table of `terms` coefficients of `families`, one for each of the equal parts of 0 … `z_max`, for heights of half
+    /// range `half_range` \[µm\].
+    ///
+    /// Taking all coefficients from the nearest point moves z by up to half a step Δz, the heights' phases by half of
+    /// Δz·a at most and by Δz·a/√48 in the RMS of heights that fill half of their range; intensities err by twice that.
+    /// Interpolating all coefficients alike interpolates e^{izh} itself, with an error of (Δz·a)²/8. Neither cancels.
     pub(super) fn new(
-        expansion: &dyn Expansion,
+        families: &[Box<dyn Expansion>],
         terms: usize,
         z_max: f64,
         half_range: f64,
         tolerance: f64,
     ) -> Self {
-        /// Share of the tolerance that this interpolation may take.
-        const SHARE: f64 = 1e-3;
-        /// Bounds on the number of intervals: the larger keeps a row within the 4096 texels that every Vulkan device holds.
-        const INTERVALS: (f64, f64) = (64.0, 4094.0);
-        let intervals = (z_max * half_range / (8.0 * SHARE * tolerance).sqrt()).ceil();
-        let intervals = intervals.clamp(INTERVALS.0, INTERVALS.1);
-        let step = z_max / intervals;
-        let columns = intervals as usize + 2;
-        let mut values = vec![[0.0; 2]; columns * terms];
+        let width = z_max / families.len() as f64;
+        let allowed = SHARE * tolerance;
+        let for_nearest = (2.0 * width * half_range / (48f64.sqrt() * allowed)).ceil();
+        let for_linear = (width * half_range / (8.0 * allowed).sqrt()).ceil();
+        let nearest = for_nearest <= INTERVALS.1;
+        let intervals = if nearest { for_nearest } else { for_linear }.clamp(INTERVALS.0, INTERVALS.1);
+        let columns = intervals as usize + 1;
+        let bands = families.len();
+        let mut values = vec![[0.0f32; 4]; terms.div_ceil(2) * bands * columns];
         let mut c = vec![Complex64::ZERO; terms];
-        for column in 0..columns {
-            expansion.coefficients(column as f64 * step, &mut c);
-            for (n, c) in c.iter().enumerate() {
-                values[n * columns + column] = [c.re as f32, c.im as f32];
+        for (band, family) in families.iter().enumerate() {
+            for column in 0..columns {
+                family.coefficients(width * (band as f64 + column as f64 / intervals), &mut c);
+                for (n, c) in c.iter().enumerate() {
+                    let texel = &mut values[(n / 2 * bands + band) * columns + column];
+                    texel[n % 2 * 2..][..2].copy_from_slice(&[c.re as f32, c.im as f32]);
+                }
             }
         }
-        Self { step, columns, values }
+        Self { columns, nearest, values }
     }
 }

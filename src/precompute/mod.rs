@@ -7,4 +7,4 @@ pub mod kernel;
 pub mod layers;
 mod transform;
 
-pub use layers::{Layers, Settings, compute, compute_at};
+pub use layers::{Budget, Layers, Settings, compute, compute_at};

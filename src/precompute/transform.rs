@@ -29,7 +29,8 @@ pub struct PaddedAxis {
 
 impl PaddedAxis {
     /// The axis of a patch of `samples` samples `spacing` \[µm\] apart under a Gaussian of standard deviation `sigma`
-    /// \[µm\] padded to at least `ratio`·σ, keeping frequencies up to `band` \[µm⁻¹\]. `upward`: sample 0 of the patch
+    /// \[µm\] padded to at least `ratio`·σ, keeping frequencies up to `band` \[µm⁻¹\]; an infinite σ is one period
+    /// alone without a window, padded to at least `ratio`·T. `upward`: sample 0 of the patch
     /// has the largest coordinate, as rows of an image have. The window's centre is `centre` \[µm\] from the patch's.
     #[allow(clippy::too_many_arguments, reason = "each is a number of its own kind")]
     pub fn new(
@@ -44,7 +45,10 @@ impl PaddedAxis {
     ) -> Self {
         /// A transform this short costs nothing and still holds every kernel's guard.
         const FEWEST: usize = 8;
-        let padded = fast_size(((ratio * sigma / spacing).ceil() as usize).max(FEWEST));
+        let patch = samples as f64 * spacing;
+        let windowed = sigma.is_finite();
+        let extent = if windowed { sigma } else { patch };
+        let padded = fast_size(((ratio * extent / spacing).ceil() as usize).max(FEWEST));
         let length = padded as f64 * spacing;
         // The window's centre in samples of the patch, and how far the next sample stands above it.
         let centre = (samples as f64 - 1.0) / 2.0 + centre / spacing;
@@ -55,13 +59,16 @@ impl PaddedAxis {
             let signed = if m < padded.div_ceil(2) { m as i64 } else { m as i64 - padded as i64 };
             (signed, (signed as f64 + shift) * spacing)
         };
-        let gaussian = |x: f64| (-0.5 * (x / sigma).powi(2)).exp();
+        let window_at = |x: f64| match windowed {
+            true => (-0.5 * (x / sigma).powi(2)).exp(),
+            false => f64::from(u8::from(x.abs() < patch / 2.0)),
+        };
         // The continuous integral of g, so that a flat surface's mirror peak is 1 by definition.
-        let scale = spacing / ((2.0 * PI).sqrt() * sigma);
+        let scale = spacing / if windowed { (2.0 * PI).sqrt() * sigma } else { patch };
         let window = (0..padded)
             .map(|m| {
                 let x = place(m).1;
-                gaussian(x) / kernel.transform(x / length) * scale
+                window_at(x) / kernel.transform(x / length) * scale
             })
             .collect();
         // Position (j + shift)·spacing is column centre + shift + j = middle + j of the patch.
@@ -130,11 +137,30 @@ impl Spectrum {
 
     /// At kept (column, row), the spectra A and B of the real and imaginary parts of the transformed function: both are
     /// Hermitian, so A(f) = (Z(f) + Z*(−f))/2 and B(f) = (Z(f) − Z*(−f))/2i.
-    pub fn split(&self, column: usize, row: usize) -> [Complex64; 2] {
+    fn split(&self, column: usize, row: usize) -> [Complex64; 2] {
         let z = self.at(column, row);
         let mirrored = self.at(self.columns - 1 - column, self.rows - 1 - row).conj();
         let half_difference = (z - mirrored) * 0.5;
         [(z + mirrored) * 0.5, Complex64::new(half_difference.im, -half_difference.re)]
+    }
+}
+
+/// The spectra of two functions of the height.
+#[derive(Debug)]
+pub enum Pair {
+    /// Of real functions, which are the real and the imaginary part of the one that was transformed.
+    Real(Spectrum),
+    /// Of complex functions.
+    Complex([Spectrum; 2]),
+}
+
+impl Pair {
+    /// Both at a kept column and row.
+    pub fn at(&self, column: usize, row: usize) -> [Complex64; 2] {
+        match self {
+            Self::Real(both) => both.split(column, row),
+            Self::Complex(each) => each.each_ref().map(|spectrum| spectrum.at(column, row)),
+        }
     }
 }
 
@@ -160,6 +186,15 @@ impl<'a> Transformer<'a> {
     /// Host memory that a transform takes at its worst \[bytes\]: all rows at the kept columns, and the kept spectrum.
     pub fn memory(x: &PaddedAxis, y: &PaddedAxis) -> u64 {
         ((y.samples + y.kept()) * x.kept() * size_of::<Complex64>()) as u64
+    }
+
+    /// The spectra of window · `value`(0 or 1, sample of the patch); real functions share one transform.
+    pub fn pair(&self, real: bool, value: impl Fn(usize, usize) -> Complex64 + Sync) -> Pair {
+        if real {
+            Pair::Real(self.spectrum(|i| Complex64::new(value(0, i).re, value(1, i).re)))
+        } else {
+            Pair::Complex([0, 1].map(|n| self.spectrum(|i| value(n, i))))
+        }
     }
 
     /// The spectrum of window · `value`(sample of the patch, by row and column), relative to the window's mirror peak.
@@ -230,8 +265,8 @@ mod tests {
         for (columns, rows, shift) in [(7, 6, [0.0; 2]), (6, 5, [0.0; 2]), (6, 7, [0.33, 1.1])] {
             let heights: Vec<f64> = (0..columns * rows).map(|i| ((i * 37 % 11) as f64).sin() * 0.1).collect();
             let field = HeightField::new(columns, rows, [0.2, 0.3], heights).unwrap();
-            // Bilinear deapodisation is divided out again below: the plain window is what is compared.
-            let (sigma, kernel) = (1.0, Kernel::Bilinear);
+            // Linear deapodisation is divided out again below: the plain window is what is compared.
+            let (sigma, kernel) = (1.0, Kernel::Linear);
             let x = PaddedAxis::new(columns, 0.2, sigma, 10.0, kernel, 1.5, false, shift[0]);
             let y = PaddedAxis::new(rows, 0.3, sigma, 10.0, kernel, 1.5, true, shift[1]);
             let transformer = Transformer::new(&field, x, y);

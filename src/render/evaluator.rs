@@ -1,13 +1,11 @@
 //! Answers to single directions, by the same optics that frames shade with.
 
-use super::color_table::ColorTable;
 use super::interface::{QueryBlock, binding};
-use super::resources::{Pigment, Resources};
+use super::resources::{Optics, Pigment, Reads, Resources};
 use super::shader;
 use super::shading::Shading;
 use crate::error::Result;
 use crate::optics::geometry::Pair;
-use crate::precompute::Layers;
 use crate::vk::access::Access;
 use crate::vk::buffer::Buffer;
 use crate::vk::commands::Commands;
@@ -34,35 +32,43 @@ pub struct Query {
 
 /// Evaluates queries on the device.
 pub struct Evaluator {
-    commands: Commands,
-    pipeline: Pipeline,
-    queries: Buffer,
-    answers: Buffer,
+    asker: Asker,
     resources: Resources,
 }
 
 impl Evaluator {
-    /// Uploads `layers` and the tables for `shading`.
+    /// Uploads `optics` and the small tables for `shading`. A colour table answers in colours only.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn new(device: &Arc<Device>, layers: &Layers, shading: &Shading) -> Result<Self> {
-        let resources = Resources::new(device, layers, shading, &Pigment::white())?;
-        let pipeline = Pipeline::compute(device, shader!("eval.comp"), &resources.descriptors, 4)?;
-        Self::with(device, resources, pipeline)
+    pub fn new<'a>(device: &Arc<Device>, optics: impl Into<Optics<'a>>, shading: &Shading) -> Result<Self> {
+        let resources = Resources::new(device, optics, shading, &Pigment::white())?;
+        Ok(Self { asker: Asker::new(device, &resources)?, resources })
     }
 
-    /// An evaluator that reads `table` instead; it answers in colours only.
+    /// f·cos θ_i \[sr⁻¹\] of every query, in order: at a wavelength in the first component, as XYZ otherwise.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
+        self.asker.ask(&self.resources, queries)
+    }
+}
+
+/// Asks queries of resources that someone else holds.
+pub struct Asker {
+    commands: Commands,
+    pipeline: Pipeline,
+    queries: Buffer,
+    answers: Buffer,
+}
+
+impl Asker {
+    /// For `resources`, whose set the device must not be using, and for no others.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn of_table(device: &Arc<Device>, table: &ColorTable, shading: &Shading) -> Result<Self> {
-        let resources = Resources::of_table(device, table, shading, &Pigment::white())?;
-        let pipeline = Pipeline::compute(device, shader!("table_eval.comp"), &resources.descriptors, 4)?;
-        Self::with(device, resources, pipeline)
-    }
-
-    fn with(device: &Arc<Device>, resources: Resources, pipeline: Pipeline) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, resources: &Resources) -> Result<Self> {
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let bytes = |one: usize| (AT_ONCE * one) as u64;
         let queries = Buffer::new(
@@ -75,20 +81,26 @@ impl Evaluator {
         let answers = Buffer::new(device, "answers", bytes(16), storage, MemoryLocation::GpuToCpu)?;
         resources.descriptors.buffer(binding::QUERIES, &queries);
         resources.descriptors.buffer(binding::ANSWERS, &answers);
-        Ok(Self { commands: Commands::new(device, "evaluation")?, pipeline, queries, answers, resources })
+        let code = match resources.reads {
+            Reads::Layers => shader!("eval.comp"),
+            Reads::Table => shader!("table_eval.comp"),
+        };
+        let code = code.with(&resources.specialization);
+        let pipeline = Pipeline::compute(device, code, &resources.descriptors, 4)?;
+        Ok(Self { commands: Commands::new(device, "evaluation")?, pipeline, queries, answers })
     }
 
-    /// f·cos θ_i \[sr⁻¹\] of every query, in order: at a wavelength in the first component, as XYZ otherwise.
+    /// As [`Evaluator::cosine_weighted`].
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
+    pub fn ask(&mut self, resources: &Resources, queries: &[Query]) -> Result<Vec<DVec3>> {
         let mut all = Vec::with_capacity(queries.len());
         for part in queries.chunks(AT_ONCE) {
             let blocks: Vec<QueryBlock> = part.iter().map(block).collect();
             self.queries.write(bytemuck::cast_slice(&blocks))?;
             self.commands.run(|record| {
-                record.bind(&self.pipeline, &self.resources.descriptors);
+                record.bind(&self.pipeline, &resources.descriptors);
                 record.push(&self.pipeline, &(part.len() as u32).to_ne_bytes());
                 record.dispatch(part.len().div_ceil(GROUP) as u32);
                 record.memory(Access::ComputeWrite, Access::HostRead);

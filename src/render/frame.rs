@@ -1,7 +1,7 @@
 //! A frame: depth, shading, display. The same commands draw offscreen and to a window.
 
-use super::color_table::Filter;
 use super::interface::FrameBlock;
+use super::resources::{Reads, Resources};
 use super::target::{self, Geometry, Target};
 use super::{shader, upload};
 use crate::error::{Error, Result};
@@ -53,7 +53,7 @@ impl DeviceMesh {
 }
 
 /// What a frame shows.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// The camera.
     pub camera: Camera,
@@ -165,26 +165,19 @@ pub struct PixelPass {
 }
 
 impl PixelPass {
-    /// The pass that shades what the geometry pass found, over the layout of `descriptors`.
+    /// The pass that shades what the geometry pass found under `lights` lights, with `resources`.
     ///
     /// # Errors
     /// Where the device refuses.
-    pub fn shading(device: &Arc<Device>, descriptors: &Descriptors) -> Result<Self> {
-        Self::new(device, shader!("diffraction.frag"), descriptors, 0, &[])
-    }
-
-    /// The same from a colour table, read by `filter`, for `lights` lights.
-    ///
-    /// # Errors
-    /// Where the device refuses.
-    pub fn table(
-        device: &Arc<Device>,
-        descriptors: &Descriptors,
-        filter: Filter,
-        lights: usize,
-    ) -> Result<Self> {
-        let constants = [filter.taps(), lights.min(MAX_LIGHTS) as i32];
-        Self::new(device, shader!("table.frag"), descriptors, 0, &constants)
+    pub fn shading(device: &Arc<Device>, resources: &Resources, lights: usize) -> Result<Self> {
+        match resources.reads {
+            Reads::Layers => Self::new(device, shader!("diffraction.frag"), resources, 0),
+            Reads::Table => {
+                let lights = [lights.min(MAX_LIGHTS) as u32];
+                let constants = [&resources.specialization, lights.as_slice()].concat();
+                Self::with(device, shader!("table.frag").with(&constants), resources, 0)
+            }
+        }
     }
 
     /// The pass that finds out how fast the device reads the layers; its push constants are the number of reads
@@ -192,28 +185,19 @@ impl PixelPass {
     ///
     /// # Errors
     /// Where the device refuses.
-    pub fn probe(device: &Arc<Device>, descriptors: &Descriptors) -> Result<Self> {
-        Self::new(device, shader!("probe.frag"), descriptors, 8, &[])
+    pub fn probe(device: &Arc<Device>, resources: &Resources) -> Result<Self> {
+        Self::new(device, shader!("probe.frag"), resources, 8)
     }
 
-    fn new(
-        device: &Arc<Device>,
-        code: Code<'_>,
-        descriptors: &Descriptors,
-        push_bytes: u32,
-        constants: &[i32],
-    ) -> Result<Self> {
+    fn new(device: &Arc<Device>, code: Code<'_>, resources: &Resources, push_bytes: u32) -> Result<Self> {
+        Self::with(device, code.with(&resources.specialization), resources, push_bytes)
+    }
+
+    fn with(device: &Arc<Device>, code: Code<'_>, resources: &Resources, push_bytes: u32) -> Result<Self> {
         let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth: None };
         let vertex = shader!("display.vert");
-        let pipeline = Pipeline::graphics_with(
-            device,
-            vertex,
-            Some(code),
-            &drawing,
-            descriptors,
-            push_bytes,
-            constants,
-        )?;
+        let descriptors = &resources.descriptors;
+        let pipeline = Pipeline::graphics(device, vertex, Some(code), &drawing, descriptors, push_bytes)?;
         Ok(Self { pipeline, settings: Vec::new() })
     }
 
@@ -224,12 +208,12 @@ impl PixelPass {
     /// Where the device refuses.
     pub fn grating(
         device: &Arc<Device>,
-        descriptors: &Descriptors,
+        resources: &Resources,
         axis: [f32; 2],
         period: f32,
         strength: f32,
     ) -> Result<Self> {
-        let pass = Self::new(device, shader!("grating.frag"), descriptors, 16, &[])?;
+        let pass = Self::new(device, shader!("grating.frag"), resources, 16)?;
         let settings = bytemuck::cast_slice(&[axis[0], axis[1], period, strength]).to_vec();
         Ok(Self { settings, ..pass })
     }
@@ -238,6 +222,11 @@ impl PixelPass {
     pub fn record(&self, record: &Recorder<'_>, target: &Target, descriptors: &Descriptors, push: &[u8]) {
         let push = if push.is_empty() { &self.settings } else { push };
         record.images(&[(&target.radiance, Access::Nothing, Access::ColorAttachment)]);
+        self.go_on(record, target, descriptors, push);
+    }
+
+    /// Records another part of a pass that [`PixelPass::record`] began.
+    pub fn go_on(&self, record: &Recorder<'_>, target: &Target, descriptors: &Descriptors, push: &[u8]) {
         record.render(&[(&target.radiance, [0.0; 4])], None, |draw| {
             draw.bind(&self.pipeline, descriptors);
             if !push.is_empty() {

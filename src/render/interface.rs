@@ -1,5 +1,8 @@
 //! Blocks and bindings that Rust and the shaders share. Its twin is `shaders/interface.glsl`.
 
+use super::color_table::{Filter, Grid};
+use crate::precompute::Layers;
+use crate::precompute::kernel::Kernel;
 use crate::scene::MAX_LIGHTS;
 use crate::vk::descriptors::Binding;
 use ash::vk;
@@ -72,16 +75,31 @@ pub struct OpticsBlock {
     pub sigma: f32,
     /// R₀ of Schlick.
     pub normal_reflectance: f32,
-    /// Texture coordinate in the coefficients per unit of k|w|.
-    pub columns_per_z: f32,
-    /// Texture coordinate of k|w| = 0.
-    pub first_column: f32,
-    /// 0: bilinear, 1: cubic B-spline.
-    pub kernel: i32,
-    /// Pairs of terms.
-    pub pairs: i32,
+    /// Bands of z per unit of k|w| \[µm\].
+    pub bands_per_z: f32,
+    /// Number of the last column of the coefficients of a band; the first is 0.
+    pub last_column: f32,
+    /// Pairs of terms that k|w| needs: ⌈`pairs_per_z`·k|w| + `fewest_pairs`⌉.
+    pub pairs_per_z: f32,
+    /// See `pairs_per_z`.
+    pub fewest_pairs: f32,
     /// std140 rounds a block up to 16 bytes.
-    pub padding: [i32; 2],
+    pub padding: [f32; 2],
+}
+
+/// What the shaders are specialised for, by `constant_id`; see `shaders/spectrum.glsl`. A branch on such a constant costs
+/// nothing, where software devices run both sides of one on a uniform.
+pub fn specialization(layers: &Layers) -> [u32; 7] {
+    let cubic = layers.interpolation.kernels.map(|kernel| u32::from(kernel == Kernel::Cubic));
+    [
+        cubic[0],
+        cubic[1],
+        layers.half_plane.into(),
+        layers.z_bands as u32,
+        layers.pairs() as u32,
+        (layers.pairs_needed.slope > 0.0).into(),
+        layers.coefficients.nearest.into(),
+    ]
 }
 
 /// The `Table` block (std140).
@@ -100,6 +118,12 @@ pub struct TableBlock {
     pub pieces: f32,
     /// std140 rounds a block up to 16 bytes.
     pub padding: [f32; 3],
+}
+
+/// The same for shaders that read a colour table of `grid` by `filter`: `PAIRS` are the table's layers, for the probe. The
+/// number of lights follows where pixels are shaded.
+pub fn table_specialization(grid: &Grid, filter: Filter) -> Vec<u32> {
+    vec![0, 0, 1, 1, grid.layers() as u32, 0, 0, filter.taps() as u32]
 }
 
 /// A direction to evaluate.

@@ -2,6 +2,7 @@
 //! floor knows both sides.
 
 pub mod color_table;
+pub mod difference;
 pub mod evaluator;
 pub mod frame;
 pub mod interface;
@@ -12,11 +13,16 @@ pub mod shading;
 pub mod tables;
 pub mod target;
 mod upload;
+pub mod window;
 
 /// SPIR-V of a shader, by the name of its file.
 macro_rules! shader {
     ($name:literal) => {
-        ($name, include_bytes!(concat!(env!("OUT_DIR"), "/", $name, ".spv")).as_slice())
+        $crate::vk::pipeline::Code {
+            name: $name,
+            spirv: include_bytes!(concat!(env!("OUT_DIR"), "/", $name, ".spv")),
+            constants: &[],
+        }
     };
 }
 pub(crate) use shader;

@@ -1,19 +1,19 @@
 //! One picture, offscreen: what `diffract render` writes.
 
-use super::color_table::{ColorTable, Filter};
+use super::evaluator::{Asker, Query};
 use super::frame::{DeviceMesh, DisplayPass, GeometryPass, PixelPass, View};
-use super::resources::{Pigment, Resources};
+use super::resources::{Optics, Pigment, Reads, Resources};
 use super::shading::Shading;
 use super::tables::Combs;
 use super::target::{self, Geometry, Target};
 use crate::error::{Error, Result};
-use crate::precompute::Layers;
 use crate::scene::{MAX_LIGHTS, Mesh};
 use crate::vk::access::Access;
-use crate::vk::commands::Commands;
+use crate::vk::commands::{Commands, Recorder};
 use crate::vk::device::Device;
 use crate::vk::queries::Timestamps;
 use glam::DVec3;
+use std::ops::Range;
 use std::sync::Arc;
 
 pub mod timing;
@@ -28,7 +28,12 @@ pub struct Painter {
     target: Target,
     mesh: DeviceMesh,
     timestamps: Timestamps,
+    asker: Option<Asker>,
     resources: Resources,
+    // Rows of a strip that take a fitting time.
+    strip: u32,
+    // Whether all of radiance is of one picture, and displayed.
+    whole: bool,
     device: Arc<Device>,
 }
 
@@ -53,50 +58,20 @@ pub struct Directions {
 }
 
 impl Painter {
-    /// Uploads everything for pictures of `size` pixels under at most `lights` lights.
+    /// Uploads everything for pictures of `size` pixels under at most `lights` lights, shaded from layers or from a colour table.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn new(
+    pub fn new<'a>(
         device: &Arc<Device>,
-        layers: &Layers,
+        optics: impl Into<Optics<'a>>,
         shading: &Shading,
         mesh: &Mesh,
         pigment: &Pigment,
         size: [u32; 2],
         lights: usize,
     ) -> Result<Self> {
-        let resources = Resources::new(device, layers, shading, pigment)?;
-        let shade = PixelPass::shading(device, &resources.descriptors)?;
-        Self::with(device, resources, shade, mesh, size, lights)
-    }
-
-    /// The same from a colour table, read by `filter`.
-    ///
-    /// # Errors
-    /// Where the device has no room.
-    pub fn of_table(
-        device: &Arc<Device>,
-        table: &ColorTable,
-        filter: Filter,
-        shading: &Shading,
-        (mesh, pigment): (&Mesh, &Pigment),
-        size: [u32; 2],
-        lights: usize,
-    ) -> Result<Self> {
-        let resources = Resources::of_table(device, table, shading, pigment)?;
-        let shade = PixelPass::table(device, &resources.descriptors, filter, lights)?;
-        Self::with(device, resources, shade, mesh, size, lights)
-    }
-
-    fn with(
-        device: &Arc<Device>,
-        resources: Resources,
-        shade: PixelPass,
-        mesh: &Mesh,
-        size: [u32; 2],
-        lights: usize,
-    ) -> Result<Self> {
+        let resources = Resources::new(device, optics, shading, pigment)?;
         let geometry = Geometry::new(device, size, lights.min(MAX_LIGHTS))?;
         resources.read_from(&geometry);
         let target = Target::new(device, size)?;
@@ -105,15 +80,40 @@ impl Painter {
         Ok(Self {
             commands: Commands::new(device, "frame")?,
             find: GeometryPass::new(device, &resources.descriptors, &geometry)?,
-            shade,
+            shade: PixelPass::shading(device, &resources, lights)?,
             geometry,
             display,
             target,
             mesh: DeviceMesh::new(device, mesh)?,
             timestamps: Timestamps::new(device, 3)?,
+            asker: None,
             resources,
+            strip: 64,
+            whole: false,
             device: device.clone(),
         })
+    }
+
+    /// Other sizes and numbers of lights for the pictures from now on.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn resize(&mut self, size: [u32; 2], lights: usize) -> Result<()> {
+        let lights = lights.min(MAX_LIGHTS);
+        self.whole = false;
+        if lights != self.geometry.lights.len() && self.resources.reads == Reads::Table {
+            self.shade = PixelPass::shading(&self.device, &self.resources, lights)?;
+        }
+        if lights != self.geometry.lights.len() || size != self.target.size() {
+            self.geometry = Geometry::new(&self.device, size, lights)?;
+            self.resources.read_from(&self.geometry);
+            self.find = GeometryPass::new(&self.device, &self.resources.descriptors, &self.geometry)?;
+        }
+        if size != self.target.size() {
+            self.target = Target::new(&self.device, size)?;
+            self.display.read_from(&self.target);
+        }
+        Ok(())
     }
 
     /// Draws `view` and leaves the result on the device; milliseconds that the device took for shading and display.
@@ -121,20 +121,110 @@ impl Painter {
     /// # Errors
     /// Where the device is lost.
     pub fn draw(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<[f64; 2]> {
-        self.resources.frame.write(bytemuck::bytes_of(&view.block(self.target.size())))?;
-        let (target, resources) = (&self.target, &self.resources);
+        let size = self.target.size();
+        self.resources.frame.write(bytemuck::bytes_of(&view.block(size)))?;
+        self.submit(size, 0..size[1], exposure, background)
+    }
+
+    /// Draws `view` with `size` pixels, at most those of the pictures, in strips of some ten milliseconds each, between which
+    /// others get the device. `go_on` is asked before each strip; where it says no, the former display stays. Milliseconds
+    /// that the device took, or `None` for a picture that was given up.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn draw_while(
+        &mut self,
+        view: &View,
+        exposure: f64,
+        background: DVec3,
+        size: [u32; 2],
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<f64>> {
+        /// Long enough to keep a device busy, short enough for a hand not to feel it \[ms\].
+        const STRIP: f64 = 30.0;
+        /// Rows of a strip are a multiple of it, so that no group of neighbours is torn apart.
+        const STEP: u32 = 16;
+        self.resources.frame.write(bytemuck::bytes_of(&view.block(size)))?;
+        let (mut row, mut total) = (0, 0.0);
+        while row < size[1] {
+            if !go_on() {
+                return Ok(None);
+            }
+            let end = (row + self.strip.max(STEP)).min(size[1]);
+            let times = self.submit(size, row..end, exposure, background)?;
+            let per_row = times[0].max(1e-3) / f64::from(end - row);
+            self.strip = ((STRIP / per_row) as u32).next_multiple_of(STEP).min(1 << 16);
+            total += times[0] + times[1];
+            row = end;
+        }
+        Ok(Some(total))
+    }
+
+    /// Shows the radiance that is there at another exposure or before another background; false where there is none.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn display_again(&mut self, size: [u32; 2], exposure: f64, background: DVec3) -> Result<bool> {
+        if !self.whole {
+            return Ok(false);
+        }
+        let (target, display) = (&self.target, &self.display);
         self.commands.run(|record| {
+            record.images(&[(&target.radiance, Access::ShaderRead, Access::ColorAttachment)]);
+            record_display(&record.within(size, 0..size[1]), display, target, exposure, background);
+            Ok(())
+        })?;
+        Ok(true)
+    }
+
+    /// Draws `rows` of a picture of `size`: with the first row goes the geometry, with the last the display.
+    fn submit(
+        &mut self,
+        size: [u32; 2],
+        rows: Range<u32>,
+        exposure: f64,
+        background: DVec3,
+    ) -> Result<[f64; 2]> {
+        let (target, display, resources) = (&self.target, &self.display, &self.resources);
+        let (first, last) = (rows.start == 0, rows.end == size[1]);
+        self.whole = false;
+        self.commands.run(|record| {
+            let (all, some) = (record.within(size, 0..size[1]), record.within(size, rows));
             record.reset(&self.timestamps);
             record.timestamp(&self.timestamps, 0);
-            self.find.record(record, &self.geometry, &resources.descriptors, &self.mesh);
-            self.shade.record(record, target, &resources.descriptors, &[]);
+            if first {
+                self.find.record(&all, &self.geometry, &resources.descriptors, &self.mesh);
+                self.shade.record(&some, target, &resources.descriptors, &[]);
+            } else {
+                self.shade.go_on(&some, target, &resources.descriptors, &[]);
+            }
             record.timestamp(&self.timestamps, 1);
-            self.display.record(record, target, &target.display, exposure, background);
+            if last {
+                record_display(&all, display, target, exposure, background);
+            }
             record.timestamp(&self.timestamps, 2);
             Ok(())
         })?;
+        self.whole = last;
         let times = self.timestamps.intervals()?;
         Ok([times[0], times[1]])
+    }
+
+    /// The images of the pictures.
+    pub fn target(&self) -> &Target {
+        &self.target
+    }
+
+    /// f·cos θ_i \[sr⁻¹\] of single directions, as [`super::evaluator::Evaluator::cosine_weighted`].
+    ///
+    /// # Errors
+    /// Where the device is lost or has no room.
+    pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
+        let asker = match &mut self.asker {
+            Some(asker) => asker,
+            none => none.insert(Asker::new(&self.device, &self.resources)?),
+        };
+        asker.ask(&self.resources, queries)
     }
 
     /// Milliseconds in which the device reads `samples` bilinear samples per pixel of the layers with nothing else to do: what
@@ -144,8 +234,9 @@ impl Painter {
     /// Where the device is lost.
     pub fn probe(&mut self, samples: u32, scattered: bool) -> Result<f64> {
         let push = [samples, u32::from(scattered)];
-        let pass = PixelPass::probe(&self.device, &self.resources.descriptors)?;
+        let pass = PixelPass::probe(&self.device, &self.resources)?;
         let target = &self.target;
+        self.whole = false;
         let mut best = f64::INFINITY;
         for _ in 0..5 {
             self.commands.run(|record| {
@@ -166,7 +257,7 @@ impl Painter {
     /// # Errors
     /// Where the device refuses.
     pub fn shade_as_grating(&mut self, axis: [f32; 2], period: f32, strength: f32) -> Result<()> {
-        self.shade = PixelPass::grating(&self.device, &self.resources.descriptors, axis, period, strength)?;
+        self.shade = PixelPass::grating(&self.device, &self.resources, axis, period, strength)?;
         Ok(())
     }
 
@@ -181,8 +272,16 @@ impl Painter {
     /// Where the device is lost.
     pub fn paint(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<Picture> {
         self.draw(view, exposure, background)?;
+        self.picture()
+    }
+
+    /// Reads back what was drawn last, in the size of the pictures.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn picture(&self) -> Result<Picture> {
         let radiance = target::read_back(&self.device, &self.target.radiance, Access::ShaderRead)?;
-        let display = target::read_back(&self.device, &self.target.display, Access::ColorAttachment)?;
+        let display = target::read_back(&self.device, &self.target.display, Access::ShaderRead)?;
         Ok(Picture {
             size: self.target.size(),
             radiance: bytemuck::pod_collect_to_vec(&radiance),
@@ -212,4 +311,17 @@ impl Painter {
         };
         Ok(Directions { light: read(lights)?, view: read(&self.geometry.view)? })
     }
+}
+
+/// Records the display, which a window may be showing, and leaves it readable.
+fn record_display(
+    record: &Recorder<'_>,
+    pass: &DisplayPass,
+    target: &Target,
+    exposure: f64,
+    background: DVec3,
+) {
+    record.memory(Access::ShaderRead, Access::ColorAttachment);
+    pass.record(record, target, &target.display, exposure, background);
+    record.images(&[(&target.display, Access::ColorAttachment, Access::ShaderRead)]);
 }

@@ -1,15 +1,17 @@
 //! What the optics needs on the device: the layers as a 2D-array texture, the tables, their descriptor set.
 
-use super::color_table::{ColorTable, grid::LEVELS};
-use super::interface::{FrameBlock, OpticsBlock, TableBlock, binding, optics_bindings};
+use super::color_table::{ColorTable, Filter, grid::LEVELS};
+use super::interface::{
+    FrameBlock, OpticsBlock, TableBlock, binding, optics_bindings, specialization, table_specialization,
+};
 use super::shading::Shading;
-use super::tables::{Combs, Table, coefficient_table};
+use super::tables::{Combs, Table};
 use super::target::Geometry;
 use super::upload;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::input;
 use crate::optics::brdf::schlick;
 use crate::precompute::Layers;
-use crate::precompute::kernel::Kernel;
 use crate::scene::MAX_LIGHTS;
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::Descriptors;
@@ -18,7 +20,12 @@ use crate::vk::image::{Description, Image};
 use crate::vk::sampler::Sampler;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
+use std::io::Read;
+use std::path::Path;
 use std::sync::Arc;
+
+/// Largest side of a pigment texture \[pixels\].
+const MAX_PIGMENT: u32 = 8192;
 
 /// A pigment texture, row by row from the top.
 #[derive(Clone, Debug)]
@@ -34,6 +41,60 @@ impl Pigment {
     pub fn white() -> Self {
         Self { size: [1, 1], texels: vec![255; 4] }
     }
+
+    /// The picture in the file `path`.
+    ///
+    /// # Errors
+    /// Where it is no PNG or TIFF of a sensible size.
+    pub fn read(path: &Path) -> Result<Self> {
+        const EXPECTED: &str = "a PNG or TIFF picture for the pigment";
+        let mut bytes = Vec::new();
+        let file = input::open(path, EXPECTED, input::MAX_TEXT)?;
+        let bad = |e: &dyn std::fmt::Display| {
+            Error::failed(format!("it cannot be read as a picture ({e})"), format!("give {EXPECTED}"))
+                .at(path.display())
+        };
+        file.take(input::MAX_TEXT).read_to_end(&mut bytes).map_err(|e| bad(&e))?;
+        let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
+            .with_guessed_format()
+            .map_err(|e| bad(&e))?;
+        let mut limits = image::Limits::default();
+        limits.max_image_width = Some(MAX_PIGMENT);
+        limits.max_image_height = Some(MAX_PIGMENT);
+        reader.limits(limits);
+        let picture = reader.decode().map_err(|e| bad(&e))?.to_rgba8();
+        Ok(Self { size: [picture.width(), picture.height()], texels: picture.into_raw() })
+    }
+}
+
+/// What shaders shade from.
+#[derive(Clone, Copy)]
+pub enum Optics<'a> {
+    /// Layers, whose spectrum is summed for every pixel.
+    Layers(&'a Layers),
+    /// A colour table, and how a picture reads it.
+    Table(&'a ColorTable, Filter),
+}
+
+impl<'a> From<&'a Layers> for Optics<'a> {
+    fn from(layers: &'a Layers) -> Self {
+        Self::Layers(layers)
+    }
+}
+
+impl<'a> From<&'a ColorTable> for Optics<'a> {
+    fn from(table: &'a ColorTable) -> Self {
+        Self::Table(table, Filter::default())
+    }
+}
+
+/// Which of them is on the device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reads {
+    /// Layers.
+    Layers,
+    /// A colour table.
+    Table,
 }
 
 /// Everything of set 0, on the device.
@@ -44,6 +105,10 @@ pub struct Resources {
     pub frame: Buffer,
     /// Wavelength combs, for counting what a frame does.
     pub combs: Combs,
+    /// What the shaders of the optics are specialised for.
+    pub specialization: Vec<u32>,
+    /// What the shaders read.
+    pub reads: Reads,
     // Held for the descriptor set; fields go in order, so it goes first.
     _images: Vec<Image>,
     edge: Sampler,
@@ -52,26 +117,51 @@ pub struct Resources {
 }
 
 impl Resources {
-    /// Uploads `layers`, the tables that `shading` asks for, and `pigment`.
+    /// Uploads `optics`, the small tables that `shading` asks for, and `pigment`.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn new(device: &Arc<Device>, layers: &Layers, shading: &Shading, pigment: &Pigment) -> Result<Self> {
-        let combs = Combs::new(&shading.illuminant, layers.sigma, shading.tolerance, shading.wavelengths);
+    pub fn new<'a>(
+        device: &Arc<Device>,
+        optics: impl Into<Optics<'a>>,
+        shading: &Shading,
+        pigment: &Pigment,
+    ) -> Result<Self> {
+        match optics.into() {
+            Optics::Layers(layers) => Self::of_layers(device, layers, shading, pigment),
+            Optics::Table(table, filter) => Self::of_table(device, table, filter, shading, pigment),
+        }
+    }
+
+    fn of_layers(
+        device: &Arc<Device>,
+        layers: &Layers,
+        shading: &Shading,
+        pigment: &Pigment,
+    ) -> Result<Self> {
+        let combs = Combs::new(&shading.illuminant, layers.sigma, shading.quadrature(), shading.wavelengths);
         let float = vk::Format::R32G32B32A32_SFLOAT;
         let table = |name, table: &Table| {
             texture(device, name, float, table.size, None, bytemuck::cast_slice(&table.values))
         };
-        let pairs = layers.pairs() as u32;
+        let count = layers.count() as u32;
         let pigment_size = pigment.size.map(|n| n as usize);
         let images = vec![
-            texture(device, "layers", float, layers.size, Some(pairs), bytemuck::cast_slice(&layers.texels))?,
-            coefficients(device, layers)?,
+            texture(device, "layers", float, layers.size, Some(count), bytemuck::cast_slice(&layers.texels))?,
+            texture(
+                device,
+                "coefficients",
+                float,
+                [layers.coefficients.columns, 1],
+                Some(count),
+                bytemuck::cast_slice(&layers.coefficients.values),
+            )?,
             table("nodes", &combs.nodes)?,
             texture(device, "pigment", vk::Format::R8G8B8A8_SRGB, pigment_size, None, &pigment.texels)?,
         ];
         let edge = Sampler::linear(device, "table sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         let repeat = Sampler::linear(device, "pigment sampler", vk::SamplerAddressMode::REPEAT)?;
+        let specialization = specialization(layers).to_vec();
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let optics = optics_block(layers, shading.ior);
@@ -102,6 +192,8 @@ impl Resources {
             descriptors,
             frame,
             combs,
+            specialization,
+            reads: Reads::Layers,
             _images: images,
             edge,
             _samplers: vec![repeat],
@@ -109,14 +201,11 @@ impl Resources {
         })
     }
 
-    /// Uploads a colour table and `pigment`; the layers that it was made from are not needed. What only they need is bound
-    /// to something else that is there.
-    ///
-    /// # Errors
-    /// Where the device has no room.
-    pub fn of_table(
+    /// The layers that a table was made from are not needed. What only they need is bound to something else that is there.
+    fn of_table(
         device: &Arc<Device>,
         table: &ColorTable,
+        filter: Filter,
         shading: &Shading,
         pigment: &Pigment,
     ) -> Result<Self> {
@@ -142,7 +231,6 @@ impl Resources {
         let optics = OpticsBlock {
             texture_size: [grid.side as f32; 2],
             origin: [grid.side as f32 / 2.0; 2],
-            pairs: grid.layers() as i32,
             sigma: table.sigma as f32,
             normal_reflectance: schlick(shading.ior, 1.0) as f32,
             ..OpticsBlock::default()
@@ -175,9 +263,17 @@ impl Resources {
         for number in [binding::COEFFICIENTS, binding::LAYERS, binding::NODES].into_iter().chain(geometry) {
             descriptors.image(number, &images[0], &edge);
         }
-        let combs = Combs::none();
-        let samplers = vec![repeat, levels];
-        Ok(Self { descriptors, frame, combs, _images: images, edge, _samplers: samplers, _buffers: buffers })
+        Ok(Self {
+            descriptors,
+            frame,
+            combs: Combs::none(),
+            specialization: table_specialization(grid, filter),
+            reads: Reads::Table,
+            _images: images,
+            edge,
+            _samplers: vec![repeat, levels],
+            _buffers: buffers,
+        })
     }
 }
 
@@ -200,7 +296,6 @@ const OWN_WIDTH: f32 = -0.792_481_25;
 
 /// The `Optics` block of `layers`.
 pub fn optics_block(layers: &Layers, ior: f64) -> OpticsBlock {
-    let columns = layers.coefficients.columns as f64;
     let pair = |v: [f64; 2]| v.map(|x| x as f32);
     OpticsBlock {
         texture_size: layers.size.map(|n| n as f32),
@@ -209,14 +304,11 @@ pub fn optics_block(layers: &Layers, ior: f64) -> OpticsBlock {
         band: pair(layers.band),
         sigma: layers.sigma as f32,
         normal_reflectance: schlick(ior, 1.0) as f32,
-        columns_per_z: (1.0 / (layers.coefficients.step * columns)) as f32,
-        first_column: (0.5 / columns) as f32,
-        kernel: match layers.interpolation.kernel {
-            Kernel::Bilinear => 0,
-            Kernel::Bspline => 1,
-        },
-        pairs: layers.pairs() as i32,
-        padding: [0; 2],
+        bands_per_z: (layers.z_bands as f64 / layers.z_max) as f32,
+        last_column: (layers.coefficients.columns - 1) as f32,
+        pairs_per_z: layers.pairs_needed.slope as f32,
+        fewest_pairs: layers.pairs_needed.fewest as f32,
+        padding: [0.0; 2],
     }
 }
 
@@ -235,11 +327,4 @@ fn texture(
     let image = Image::new(device, &Description { name, format, size, layers, array, usage })?;
     upload::image(device, &image, layers, data)?;
     Ok(image)
-}
-
-/// The coefficients, a layer for each pair of terms: neighbouring rows of one image could mix where a filter rounds.
-fn coefficients(device: &Arc<Device>, layers: &Layers) -> Result<Image> {
-    let Table { size: [columns, rows], values } = coefficient_table(layers);
-    let data = bytemuck::cast_slice(&values);
-    texture(device, "coefficients", vk::Format::R32G32B32A32_SFLOAT, [columns, 1], Some(rows as u32), data)
 }

@@ -1,8 +1,27 @@
 //! What is asked of the optics, whichever way it is computed.
 
+use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
+use crate::precompute::kernel::SPECKLE;
+use crate::precompute::{Budget, Settings};
+use crate::vk::selection::Candidate;
+
+/// What a tolerance is promised for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Purpose {
+    /// Single directions, each relative to its own value, at single wavelengths too (RMS over directions).
+    #[default]
+    Directions,
+    /// The colours of a picture: relative L2 of linear RGB over the covered pixels, and RMS of each pixel's own error.
+    Picture,
+}
+
+/// A picture's colours average the errors of many wavelengths; what remains coherent in the brightest pixels, which decide
+/// the L2 error, is an intensity error of twice the amplitude error, where single dark directions err [`SPECKLE`] times as
+/// much as it.
+const PICTURE_GAIN: f64 = SPECKLE / 2.0;
 
 /// Settings of the optics, validated.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,12 +36,49 @@ pub struct Shading {
     pub illuminant: Illuminant,
     /// Relative error that the user accepts.
     pub tolerance: f64,
+    /// What the tolerance is promised for.
+    pub purpose: Purpose,
     /// Which expansion the layers hold.
     pub basis: Basis,
     /// Terms of the expansion, where the user names them.
     pub terms: Option<usize>,
     /// Wavelengths of the colour integral, where the user names them.
     pub wavelengths: Option<usize>,
+}
+
+impl Shading {
+    /// The same for the colours of a picture.
+    pub fn for_pictures(self) -> Self {
+        Self { purpose: Purpose::Picture, ..self }
+    }
+
+    /// How much more a single wavelength of a single direction may err than what the tolerance is promised for.
+    pub fn gain(&self) -> f64 {
+        match self.purpose {
+            Purpose::Directions => 1.0,
+            Purpose::Picture => PICTURE_GAIN,
+        }
+    }
+
+    /// What the layers may err by. Shares of the tolerance add up as squares; reading between texels costs the most to
+    /// lower and gets the largest.
+    pub fn budget(&self) -> Budget {
+        const EXPANSION: f64 = 0.35;
+        let interpolation = match self.purpose {
+            Purpose::Directions => 0.7,
+            Purpose::Picture => 0.9,
+        };
+        Budget {
+            interpolation: self.gain() * interpolation * self.tolerance,
+            expansion: self.gain() * EXPANSION * self.tolerance,
+        }
+    }
+
+    /// What the sum over wavelengths may err by, relative to the colour.
+    pub fn quadrature(&self) -> f64 {
+        const SHARE: f64 = 0.6;
+        SHARE * self.tolerance
+    }
 }
 
 impl Default for Shading {
@@ -33,9 +89,51 @@ impl Default for Shading {
             ior: 1.5,
             illuminant: Illuminant::D65,
             tolerance: 1e-2,
+            purpose: Purpose::Directions,
             basis: Basis::default(),
             terms: None,
             wavelengths: None,
         }
+    }
+}
+
+/// Share of the device's memory that the layers may take; pictures and the rest need some.
+const DEVICE_SHARE: f64 = 0.75;
+
+impl Shading {
+    /// What layers have to be made for, for wavelengths from `shortest` \[µm\] on `device`.
+    ///
+    /// # Errors
+    /// For settings that layers cannot do.
+    pub fn layer_settings(&self, shortest: f64, device: &Candidate) -> Result<Settings> {
+        let Coherence::Gaussian { length } = self.coherence else {
+            return Err(Error::usage(
+                "pictures by --method spectral do not do --coherence repeats",
+                "use --coherence gaussian:LENGTH or --method reference",
+            ));
+        };
+        self.windowed_settings(length / 4.0, shortest, device)
+    }
+
+    /// The same through a Gaussian of standard deviation `sigma` \[µm\], or, where that is infinite, of one period alone.
+    ///
+    /// # Errors
+    /// For what layers cannot do.
+    pub fn windowed_settings(&self, sigma: f64, shortest: f64, device: &Candidate) -> Result<Settings> {
+        if self.windows != [1, 1] {
+            return Err(Error::usage(
+                "--method spectral does one window only",
+                "leave --windows away, or use --method table or --method reference",
+            ));
+        }
+        Ok(Settings {
+            sigma,
+            shortest_wavelength: shortest,
+            budget: self.budget(),
+            basis: self.basis,
+            terms: self.terms,
+            memory_limit: (device.memory as f64 * DEVICE_SHARE) as usize,
+            side_limit: device.max_side as usize,
+        })
     }
 }

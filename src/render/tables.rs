@@ -1,9 +1,8 @@
 //! The small tables that the shaders read beside the layers, computed in f64.
 
 use super::interface::UV_BINS;
-use crate::optics::quadrature::{Ladder, Nodes, Rule};
+use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
 use crate::optics::spectrum::Illuminant;
-use crate::precompute::Layers;
 
 /// A table of four floats an entry, row by row: a texture.
 #[derive(Clone, Debug)]
@@ -13,27 +12,6 @@ pub struct Table {
     /// All entries.
     pub values: Vec<[f32; 4]>,
 }
-
-/// The coefficients of `layers` as the shaders read them, a texture layer of one row each: Re, Im of c_2p and of c_2p+1
-/// along z; after the last, the pairs that z needs, in the first float.
-pub fn coefficient_table(layers: &Layers) -> Table {
-    let (columns, pairs) = (layers.coefficients.columns, layers.pairs());
-    let mut values = vec![[0.0; 4]; columns * (pairs + 1)];
-    for (term, row) in layers.coefficients.values.chunks(columns).enumerate() {
-        let half = 2 * (term % 2);
-        for (slot, c) in values[term / 2 * columns..].iter_mut().zip(row) {
-            slot[half..half + 2].copy_from_slice(c);
-        }
-    }
-    for (column, slot) in values[pairs * columns..].iter_mut().enumerate() {
-        slot[0] = layers.terms_at(column as f64 * layers.coefficients.step).div_ceil(2) as f32;
-    }
-    Table { size: [columns, pairs + 1], values }
-}
-
-/// Share of the tolerance that goes to the sum over wavelengths; with those of the layers (0.7 for reading between texels,
-/// 0.35 for the expansion) the squares add up to one.
-pub const QUADRATURE_SHARE: f64 = 0.6;
 
 /// Wavelength combs as the shaders read them.
 #[derive(Clone, Debug)]
@@ -45,13 +23,13 @@ pub struct Combs {
 }
 
 impl Combs {
-    /// Combs by [`Rule`] for `tolerance`, or one of `wavelengths` nodes for every direction.
+    /// Combs by [`Rule`] for a relative error of the colour of `tolerance`, or one of `wavelengths` nodes for every direction.
     pub fn new(illuminant: &Illuminant, sigma: f64, tolerance: f64, wavelengths: Option<usize>) -> Self {
         if let Some(count) = wavelengths {
-            let only = [Nodes::catmull_rom(illuminant, count)];
+            let only = [Nodes::catmull_rom(illuminant, count).into()];
             return Self { bins: vec![[0, count as i32]; UV_BINS], nodes: table(&only) };
         }
-        let rule = Rule::gaussian(sigma, QUADRATURE_SHARE * tolerance);
+        let rule = Rule::gaussian(illuminant, sigma, tolerance);
         let levels = Ladder::new(illuminant, &rule).levels;
         let bins = (0..UV_BINS)
             .map(|bin| {
@@ -77,7 +55,7 @@ impl Combs {
     }
 }
 
-fn table(combs: &[Nodes]) -> Table {
+fn table(combs: &[Comb]) -> Table {
     let columns = combs.iter().map(|c| c.weights.len()).max().unwrap_or(1);
     let mut values = vec![[0.0; 4]; columns * combs.len()];
     for (row, comb) in values.chunks_mut(columns).zip(combs) {
@@ -86,9 +64,6 @@ fn table(combs: &[Nodes]) -> Table {
     Table { size: [columns, combs.len()], values }
 }
 
-fn rows(nodes: &Nodes) -> Vec<[f32; 4]> {
-    let row = |(j, w): (usize, &glam::DVec3)| {
-        [w.x as f32, w.y as f32, w.z as f32, (nodes.first + j as f64 * nodes.step) as f32]
-    };
-    nodes.weights.iter().enumerate().map(row).collect()
+fn rows(comb: &Comb) -> impl Iterator<Item = [f32; 4]> {
+    comb.weights.iter().zip(&comb.wavenumbers).map(|(w, &q)| [w.x as f32, w.y as f32, w.z as f32, q as f32])
 }

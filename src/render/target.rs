@@ -62,8 +62,8 @@ impl Geometry {
 pub struct Target {
     /// Linear radiance; alpha 1 where covered.
     pub radiance: Image,
-    /// Displayed picture, where it is drawn offscreen.
-    pub display: Image,
+    /// Displayed picture. A window that shows it holds it too.
+    pub display: Arc<Image>,
 }
 
 impl Target {
@@ -78,7 +78,7 @@ impl Target {
         };
         Ok(Self {
             radiance: make("radiance", RADIANCE, attachment | vk::ImageUsageFlags::SAMPLED)?,
-            display: make("display", DISPLAY, attachment)?,
+            display: Arc::new(make("display", DISPLAY, attachment | vk::ImageUsageFlags::SAMPLED)?),
         })
     }
 

@@ -100,4 +100,28 @@ impl HeightField {
     pub fn range(&self) -> (f64, f64) {
         self.heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), &h| (lo.min(h), hi.max(h)))
     }
+
+    /// The same endless surface with its origin moved by whole samples, `columns` along +x and `rows` along +y: what stood
+    /// there is in the middle now.
+    #[must_use]
+    pub fn moved(&self, columns: usize, rows: usize) -> Self {
+        let row = |r: usize| self.row((r + self.rows - rows % self.rows) % self.rows);
+        let cell = |r: usize, c: usize| row(r)[(c + columns) % self.columns];
+        let heights = (0..self.rows).flat_map(|r| (0..self.columns).map(move |c| cell(r, c))).collect();
+        Self { heights, ..*self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_moved_field_has_in_its_middle_what_stood_right_of_and_above_it() {
+        let field = HeightField::new(5, 3, [1.0, 1.0], (0..15).map(f64::from).collect()).unwrap();
+        assert_eq!(field.row(1)[2], 7.0, "the middle");
+        let moved = field.moved(1, 1);
+        assert_eq!(moved.row(1)[2], field.row(0)[3], "x + 1 is a column on, y + 1 is a row up");
+        assert_eq!(moved.moved(4, 2), field);
+    }
 }

@@ -24,6 +24,8 @@ pub enum Access {
     VertexRead,
     /// Read by the host after the work is done.
     HostRead,
+    /// Shown in a window.
+    Present,
 }
 
 impl Access {
@@ -56,6 +58,8 @@ impl Access {
                 L::UNDEFINED,
             ),
             Self::HostRead => (S::HOST, A::HOST_READ, L::GENERAL),
+            // A semaphore, signalled when all is done, stands between this and the display.
+            Self::Present => (S::NONE, A::NONE, L::PRESENT_SRC_KHR),
         }
     }
 

@@ -8,8 +8,10 @@ use super::failure;
 use super::image::Image;
 use super::pipeline::Pipeline;
 use super::queries::Timestamps;
+use super::semaphore::Semaphore;
 use crate::error::{Error, Result};
 use ash::vk;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// How long the host waits for one submission before it gives the device up \[ns\]: ten minutes, as a software device may
@@ -21,6 +23,8 @@ pub struct Commands {
     raw: vk::CommandBuffer,
     pool: vk::CommandPool,
     fence: vk::Fence,
+    // Whether there is a submission that was not waited for.
+    pending: bool,
     device: Arc<Device>,
 }
 
@@ -34,6 +38,7 @@ impl Commands {
             raw: vk::CommandBuffer::null(),
             pool: vk::CommandPool::null(),
             fence: vk::Fence::null(),
+            pending: false,
             device: device.clone(),
         };
         let failed = |c| failure("make a command buffer", c);
@@ -59,6 +64,22 @@ impl Commands {
     /// # Errors
     /// What `record` returns, or where the device is lost.
     pub fn run(&mut self, record: impl FnOnce(&Recorder<'_>) -> Result<()>) -> Result<()> {
+        self.start(record, None, None)?;
+        self.wait()
+    }
+
+    /// Waits for the last submission, records with `record` and submits: drawing into attachments waits for `after`, and
+    /// `done` is signalled in the end. What the commands use must live until [`Commands::wait`].
+    ///
+    /// # Errors
+    /// What `record` returns, or where the device is lost.
+    pub fn start(
+        &mut self,
+        record: impl FnOnce(&Recorder<'_>) -> Result<()>,
+        after: Option<&Semaphore>,
+        done: Option<&Semaphore>,
+    ) -> Result<()> {
+        self.wait()?;
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         let device = self.device.raw();
         // SAFETY: the last submission was waited for, so the pool's buffer is idle and may be reset and recorded anew.
@@ -68,14 +89,42 @@ impl Commands {
                 .and_then(|()| device.begin_command_buffer(self.raw, &begin))
                 .map_err(|c| failure("record commands", c))?;
         }
-        record(&Recorder { raw: self.raw, device })?;
+        record(&Recorder { raw: self.raw, device, part: None })?;
         // SAFETY: recording was begun above on this thread.
         unsafe { device.end_command_buffer(self.raw) }.map_err(|c| failure("record commands", c))?;
-        self.device.submit(&[vk::CommandBufferSubmitInfo::default().command_buffer(self.raw)], self.fence)?;
-        // SAFETY: the fence was just submitted; it is reset only after it was waited for.
+        let at = |semaphore: &Semaphore, stage| {
+            vk::SemaphoreSubmitInfo::default().semaphore(semaphore.raw()).stage_mask(stage)
+        };
+        let attachments = vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT;
+        let waits: Vec<_> = after.map(|s| at(s, attachments)).into_iter().collect();
+        let signals: Vec<_> =
+            done.map(|s| at(s, vk::PipelineStageFlags2::ALL_COMMANDS)).into_iter().collect();
+        let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(self.raw)];
+        let work = vk::SubmitInfo2::default()
+            .command_buffer_infos(&buffers)
+            .wait_semaphore_infos(&waits)
+            .signal_semaphore_infos(&signals);
+        self.device.submit(work, self.fence)?;
+        self.pending = true;
+        Ok(())
+    }
+
+    /// Waits until the last submission is done.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn wait(&mut self) -> Result<()> {
+        if !self.pending {
+            return Ok(());
+        }
+        let device = self.device.raw();
+        // SAFETY: the fence was submitted; it is reset only after it was waited for.
         unsafe {
             match device.wait_for_fences(&[self.fence], true, PATIENCE) {
-                Ok(()) => device.reset_fences(&[self.fence]).map_err(|c| failure("reset a fence", c)),
+                Ok(()) => {
+                    self.pending = false;
+                    device.reset_fences(&[self.fence]).map_err(|c| failure("reset a fence", c))
+                }
                 Err(vk::Result::TIMEOUT) => Err(Error::failed(
                     "the Vulkan device did not finish within ten minutes",
                     "ask for a smaller --size or a larger --tolerance",
@@ -88,8 +137,9 @@ impl Commands {
 
 impl Drop for Commands {
     fn drop(&mut self) {
-        // SAFETY: `run` waits for each submission; the device is idled for the case that a wait failed. Null handles are
-        // allowed, and the pool frees its buffer.
+        // A device that is lost has nothing left to wait for.
+        let _ = self.wait();
+        // SAFETY: the last submission is done. Null handles are allowed, and the pool frees its buffer.
         unsafe {
             self.device.raw().destroy_fence(self.fence, None);
             self.device.raw().destroy_command_pool(self.pool, None);
@@ -101,9 +151,21 @@ impl Drop for Commands {
 pub struct Recorder<'a> {
     raw: vk::CommandBuffer,
     device: &'a ash::Device,
+    part: Option<([u32; 2], Range<u32>)>,
 }
 
 impl Recorder<'_> {
+    /// The same recording, whose rendering is limited to a picture of `size` in the corner of its attachments, and of that
+    /// to `rows`; nothing else is cleared.
+    pub fn within(&self, size: [u32; 2], rows: Range<u32>) -> Self {
+        Self { part: Some((size, rows)), ..*self }
+    }
+
+    /// The command buffer.
+    pub fn raw(&self) -> vk::CommandBuffer {
+        self.raw
+    }
+
     /// Makes `images` ready for their next use.
     pub fn images(&self, changes: &[(&Image, Access, Access)]) {
         let barriers: Vec<_> = changes
@@ -219,8 +281,11 @@ impl Recorder<'_> {
             .collect();
         let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 } };
         let depth = depth.map(|image| attachment(image, Access::DepthAttachment, far));
-        let extent = vk::Extent2D { width: size[0], height: size[1] };
-        let area = vk::Rect2D::default().extent(extent);
+        let (size, rows) = self.part.clone().unwrap_or((size, 0..size[1]));
+        let area = vk::Rect2D {
+            offset: vk::Offset2D { x: 0, y: rows.start as i32 },
+            extent: vk::Extent2D { width: size[0], height: rows.end - rows.start },
+        };
         let mut info =
             vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&attachments);
         if let Some(depth) = &depth {

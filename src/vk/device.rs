@@ -3,12 +3,14 @@
 use super::failure;
 use super::instance::Instance;
 use super::selection::{self, Candidate, Wish};
+use super::surface::Surface;
 use crate::error::{Error, Result};
-use ash::{ext, vk};
+use ash::{ext, khr, vk};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{
     Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc,
 };
+use std::ffi::c_char;
 use std::sync::{Arc, Mutex};
 
 /// A Vulkan device with its queue and its memory.
@@ -31,7 +33,31 @@ impl Device {
     /// # Errors
     /// As [`selection::choose`], and where the driver refuses.
     pub fn open(instance: Arc<Instance>, wish: &Wish) -> Result<Arc<Self>> {
+        let candidates = selection::candidates(&instance)?;
+        Self::open_one_of(candidates, instance, wish, &[])
+    }
+
+    /// Opens the device that `wish` means among those that can present to `surface`.
+    ///
+    /// # Errors
+    /// As [`Device::open`].
+    pub fn open_for(surface: &Surface, wish: &Wish) -> Result<Arc<Self>> {
+        let instance = surface.instance().clone();
         let mut candidates = selection::candidates(&instance)?;
+        for candidate in &mut candidates {
+            if !surface.is_shown_by(candidate) {
+                candidate.missing.push("a way to show windows on this display");
+            }
+        }
+        Self::open_one_of(candidates, instance, wish, &[khr::swapchain::NAME.as_ptr()])
+    }
+
+    fn open_one_of(
+        mut candidates: Vec<Candidate>,
+        instance: Arc<Instance>,
+        wish: &Wish,
+        extensions: &[*const c_char],
+    ) -> Result<Arc<Self>> {
         let (index, reason) = selection::choose(&candidates, wish)?;
         let candidate = candidates.swap_remove(index);
         let queue_family = candidate.queue_family.unwrap_or(0); // `choose` takes none without
@@ -43,7 +69,10 @@ impl Device {
             .dynamic_rendering(true)
             .synchronization2(true)
             .maintenance4(true); // SPIR-V 1.6 work group sizes; fragment stages that leave a vertex output unread
-        let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut v13);
+        let info = vk::DeviceCreateInfo::default()
+            .queue_create_infos(&queues)
+            .enabled_extension_names(extensions)
+            .push_next(&mut v13);
         // SAFETY: `candidate.raw` belongs to the live instance; `info` and what it points to outlive the calls; queue 0
         // of the family was just asked for.
         let (raw, queue) = unsafe {
@@ -103,16 +132,29 @@ impl Device {
         self.queue_family
     }
 
-    /// Submits recorded command buffers; `fence` is signalled when they are done.
+    /// Submits recorded work; `fence` is signalled when it is done.
     ///
     /// # Errors
     /// Where the device is lost or out of memory.
-    pub fn submit(&self, commands: &[vk::CommandBufferSubmitInfo<'_>], fence: vk::Fence) -> Result<()> {
-        let submits = [vk::SubmitInfo2::default().command_buffer_infos(commands)];
+    pub fn submit(&self, work: vk::SubmitInfo2<'_>, fence: vk::Fence) -> Result<()> {
+        // SAFETY: the queue is locked; the caller's command buffers and semaphores are live and of this device.
+        self.with_queue(|queue| unsafe { self.raw.queue_submit2(queue, &[work], fence) })?
+            .map_err(|c| failure("submit work", c))
+    }
+
+    /// Gives `use_it` the queue while nobody else uses it.
+    ///
+    /// # Errors
+    /// Where a thread failed while it used the queue.
+    pub fn with_queue<T>(&self, use_it: impl FnOnce(vk::Queue) -> T) -> Result<T> {
         let queue = self.queue.lock().map_err(|_| poisoned())?;
-        // SAFETY: the lock gives the external synchronization that a queue needs; the caller's command buffers are
-        // recorded and belong to this device.
-        unsafe { self.raw.queue_submit2(*queue, &submits, fence) }.map_err(|c| failure("submit work", c))
+        Ok(use_it(*queue))
+    }
+
+    /// Bytes of memory that this program's resources take.
+    pub fn memory_in_use(&self) -> u64 {
+        let report = |a: &Allocator| a.generate_report().total_allocated_bytes;
+        self.allocator.lock().ok().and_then(|guard| guard.as_ref().map(report)).unwrap_or(0)
     }
 
     /// Waits until the queue has nothing left to do.
@@ -120,6 +162,13 @@ impl Device {
         let Ok(queue) = self.queue.lock() else { return };
         // SAFETY: the lock gives the external synchronization that a queue needs. A lost device is idle, too.
         let _ = unsafe { self.raw.queue_wait_idle(*queue) };
+    }
+
+    /// Whether the device is lost for good.
+    pub fn is_lost(&self) -> bool {
+        // SAFETY: the queue is locked.
+        let idle = self.with_queue(|queue| unsafe { self.raw.queue_wait_idle(queue) });
+        matches!(idle, Ok(Err(vk::Result::ERROR_DEVICE_LOST)))
     }
 
     /// Takes memory for a resource called `name`.

@@ -34,10 +34,53 @@ pub struct Image {
     size: [u32; 2],
     layers: u32,
     levels: u32,
+    // Whether the handle goes with this value; a swapchain keeps its own.
+    owned: bool,
     device: Arc<Device>,
 }
 
 impl Image {
+    /// An image of one layer that someone else owns, with a view of this program's. `raw` must outlive it.
+    ///
+    /// # Errors
+    /// Where the device refuses a view.
+    pub fn borrowed(
+        device: &Arc<Device>,
+        name: &str,
+        raw: vk::Image,
+        format: vk::Format,
+        size: [u32; 2],
+    ) -> Result<Self> {
+        let mut image = Self {
+            view: vk::ImageView::null(),
+            raw,
+            allocation: None,
+            format,
+            size,
+            layers: 1,
+            levels: 1,
+            owned: false,
+            device: device.clone(),
+        };
+        image.look(name, vk::ImageViewType::TYPE_2D)?;
+        Ok(image)
+    }
+
+    /// Makes the view of all layers, and gives names.
+    fn look(&mut self, name: &str, kind: vk::ImageViewType) -> Result<()> {
+        let view = vk::ImageViewCreateInfo::default()
+            .image(self.raw)
+            .view_type(kind)
+            .format(self.format)
+            .subresource_range(self.range());
+        // SAFETY: the image is bound, and the view covers just its layers.
+        self.view = unsafe { self.device.raw().create_image_view(&view, None) }
+            .map_err(|c| failure(&format!("make a view of the {name}"), c))?;
+        self.device.name(self.raw, name);
+        self.device.name(self.view, &format!("{name} view"));
+        Ok(())
+    }
+
     /// Makes an image of one mip level.
     ///
     /// # Errors
@@ -89,6 +132,7 @@ impl Image {
             size,
             layers,
             levels,
+            owned: true,
             device: device.clone(),
         };
         let allocation = device.allocate(name, requirements, MemoryLocation::GpuOnly, false)?;
@@ -96,16 +140,8 @@ impl Image {
         let bound = unsafe { device.raw().bind_image_memory(raw, allocation.memory(), allocation.offset()) };
         image.allocation = Some(allocation);
         bound.map_err(|c| failure(&format!("bind the {name}"), c))?;
-        let view = vk::ImageViewCreateInfo::default()
-            .image(raw)
-            .view_type(if array { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D })
-            .format(format)
-            .subresource_range(image.range());
-        // SAFETY: the image is bound, and the view covers just its layers.
-        image.view = unsafe { device.raw().create_image_view(&view, None) }
-            .map_err(|c| failure(&format!("make a view of the {name}"), c))?;
-        device.name(raw, name);
-        device.name(image.view, &format!("{name} view"));
+        image
+            .look(name, if array { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D })?;
         Ok(image)
     }
 
@@ -157,7 +193,9 @@ impl Drop for Image {
         // view is allowed.
         unsafe {
             self.device.raw().destroy_image_view(self.view, None);
-            self.device.raw().destroy_image(self.raw, None);
+            if self.owned {
+                self.device.raw().destroy_image(self.raw, None);
+            }
         }
         if let Some(allocation) = self.allocation.take() {
             self.device.free(allocation);

@@ -3,8 +3,9 @@
 use super::failure;
 use crate::error::{Error, Result};
 use ash::{ext, vk};
-use std::ffi::{CStr, c_void};
+use std::ffi::{CStr, c_char, c_void};
 use std::sync::Mutex;
+use winit::raw_window_handle::RawDisplayHandle;
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
@@ -48,28 +49,45 @@ impl Instance {
     /// # Errors
     /// No Vulkan library, none of version 1.3, or validation asked for and not installed; each says what to install.
     pub fn new(validation: bool) -> Result<Self> {
+        Self::with_extensions(validation, &[])
+    }
+
+    /// The same for windows on the display of `handle`.
+    ///
+    /// # Errors
+    /// As [`Instance::new`], and where this Vulkan knows no windows of that kind.
+    pub fn for_windows(validation: bool, handle: RawDisplayHandle) -> Result<Self> {
+        let names = ash_window::enumerate_required_extensions(handle)
+            .map_err(|c| failure("name what windows of this kind need", c))?;
+        Self::with_extensions(validation, names)
+    }
+
+    fn with_extensions(validation: bool, more: &[*const c_char]) -> Result<Self> {
         // SAFETY: loading runs the system's Vulkan loader, which is what the user asked for; the entry outlives all use.
         let entry = unsafe { ash::Entry::load() }
             .map_err(|e| Error::failed(format!("there is no Vulkan on this machine ({e})"), INSTALL))?;
         let application =
             vk::ApplicationInfo::default().application_name(c"diffract").api_version(API_VERSION);
         let layers = [VALIDATION_LAYER.as_ptr()];
-        let extensions = [ext::debug_utils::NAME.as_ptr()];
+        let mut extensions = more.to_vec();
         let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
         let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
         let mut info = vk::InstanceCreateInfo::default().application_info(&application);
         if validation {
             require_validation(&entry)?;
-            info = info
-                .enabled_layer_names(&layers)
-                .enabled_extension_names(&extensions)
-                .push_next(&mut features);
+            extensions.push(ext::debug_utils::NAME.as_ptr());
+            info = info.enabled_layer_names(&layers).push_next(&mut features);
         }
+        info = info.enabled_extension_names(&extensions);
         // SAFETY: `info` and all it points to live until the call returns.
         let raw = unsafe { entry.create_instance(&info, None) }.map_err(|code| match code {
             vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
                 Error::failed("there is no Vulkan driver of version 1.3 on this machine", INSTALL)
             }
+            vk::Result::ERROR_EXTENSION_NOT_PRESENT => Error::failed(
+                "this machine's Vulkan cannot show windows on this display",
+                "draw into a file with `diffract render` instead",
+            ),
             code => failure("start", code),
         })?;
         let messages = Box::<Messages>::default();
@@ -101,6 +119,11 @@ impl Instance {
     /// The ash instance.
     pub fn raw(&self) -> &ash::Instance {
         &self.raw
+    }
+
+    /// The loaded Vulkan.
+    pub fn entry(&self) -> &ash::Entry {
+        &self.entry
     }
 
     /// What validation has said so far; empty without validation.

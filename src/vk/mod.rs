@@ -15,6 +15,9 @@ pub mod pipeline;
 pub mod queries;
 pub mod sampler;
 pub mod selection;
+pub mod semaphore;
+pub mod surface;
+pub mod swapchain;
 
 use crate::error::Error;
 use ash::vk;

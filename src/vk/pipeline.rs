@@ -10,11 +10,13 @@ use std::sync::Arc;
 /// A shader module, needed only while pipelines are made.
 struct Module<'a> {
     raw: vk::ShaderModule,
+    entries: Vec<vk::SpecializationMapEntry>,
+    constants: &'a [u32],
     device: &'a Device,
 }
 
 impl<'a> Module<'a> {
-    fn new(device: &'a Device, name: &str, spirv: &[u8]) -> Result<Self> {
+    fn new(device: &'a Device, Code { name, spirv, constants }: Code<'a>) -> Result<Self> {
         let words = ash::util::read_spv(&mut std::io::Cursor::new(spirv)).map_err(|e| {
             Error::failed(format!("the shader {name} is damaged ({e})"), "build diffract again")
         })?;
@@ -23,11 +25,32 @@ impl<'a> Module<'a> {
         let raw = unsafe { device.raw().create_shader_module(&info, None) }
             .map_err(|c| failure(&format!("load the shader {name}"), c))?;
         device.name(raw, name);
-        Ok(Self { raw, device })
+        let entry = |index: usize| vk::SpecializationMapEntry {
+            constant_id: index as u32,
+            offset: (index * size_of::<u32>()) as u32,
+            size: size_of::<u32>(),
+        };
+        let entries = (0..constants.len()).map(entry).collect();
+        Ok(Self { raw, entries, constants, device })
     }
 
-    fn stage(&self, stage: vk::ShaderStageFlags) -> vk::PipelineShaderStageCreateInfo<'static> {
-        vk::PipelineShaderStageCreateInfo::default().stage(stage).module(self.raw).name(c"main")
+    /// The values of the stage's constants.
+    fn specialization(&self) -> vk::SpecializationInfo<'_> {
+        vk::SpecializationInfo::default()
+            .map_entries(&self.entries)
+            .data(bytemuck::cast_slice(self.constants))
+    }
+
+    fn stage<'b>(
+        &self,
+        stage: vk::ShaderStageFlags,
+        specialization: &'b vk::SpecializationInfo<'_>,
+    ) -> vk::PipelineShaderStageCreateInfo<'b> {
+        vk::PipelineShaderStageCreateInfo::default()
+            .stage(stage)
+            .module(self.raw)
+            .name(c"main")
+            .specialization_info(specialization)
     }
 }
 
@@ -51,23 +74,22 @@ pub struct Drawing<'a> {
     pub depth: Option<(vk::CompareOp, bool)>,
 }
 
-/// Code of a stage: its file's name and its SPIR-V.
-pub type Code<'a> = (&'a str, &'a [u8]);
-
-/// Where each of `constants` stands: number i at its i-th place.
-fn entries(constants: &[i32]) -> Vec<vk::SpecializationMapEntry> {
-    let size = size_of::<i32>();
-    let at = |i: usize| {
-        vk::SpecializationMapEntry::default().constant_id(i as u32).offset((i * size) as u32).size(size)
-    };
-    (0..constants.len()).map(at).collect()
+/// Code of a stage.
+#[derive(Clone, Copy, Debug)]
+pub struct Code<'a> {
+    /// Its file's name.
+    pub name: &'a str,
+    /// Its SPIR-V.
+    pub spirv: &'a [u8],
+    /// Values of its specialisation constants, from `constant_id` 0 on; those that the stage does not have are ignored.
+    pub constants: &'a [u32],
 }
 
-fn specialization<'a>(
-    constants: &'a [i32],
-    entries: &'a [vk::SpecializationMapEntry],
-) -> vk::SpecializationInfo<'a> {
-    vk::SpecializationInfo::default().map_entries(entries).data(bytemuck::cast_slice(constants))
+impl<'a> Code<'a> {
+    /// The same stage with `constants`.
+    pub fn with(self, constants: &'a [u32]) -> Self {
+        Self { constants, ..self }
+    }
 }
 
 /// A pipeline and its layout.
@@ -112,31 +134,16 @@ impl Pipeline {
         descriptors: &Descriptors,
         push_bytes: u32,
     ) -> Result<Self> {
-        Self::compute_with(device, code, descriptors, push_bytes, &[])
-    }
-
-    /// A compute pipeline whose specialization constants 0, 1, … are `constants`.
-    ///
-    /// # Errors
-    /// Where the device refuses.
-    pub fn compute_with(
-        device: &Arc<Device>,
-        code: Code<'_>,
-        descriptors: &Descriptors,
-        push_bytes: u32,
-        constants: &[i32],
-    ) -> Result<Self> {
-        let entries = entries(constants);
-        let special = specialization(constants, &entries);
         let mut own = Self::empty(device, descriptors, vk::PipelineBindPoint::COMPUTE, push_bytes)?;
-        let module = Module::new(device, code.0, code.1)?;
+        let module = Module::new(device, code)?;
+        let constants = module.specialization();
         let info = vk::ComputePipelineCreateInfo::default()
-            .stage(module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&special))
+            .stage(module.stage(vk::ShaderStageFlags::COMPUTE, &constants))
             .layout(own.layout);
         // SAFETY: module and layout are live and agree with the shader's declarations.
         own.raw = unsafe { device.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) }
-            .map_err(|(_, c)| failure(&format!("make the pipeline of {}", code.0), c))?[0];
-        own.named(code.0);
+            .map_err(|(_, c)| failure(&format!("make the pipeline of {}", code.name), c))?[0];
+        own.named(code.name);
         Ok(own)
     }
 
@@ -152,32 +159,15 @@ impl Pipeline {
         descriptors: &Descriptors,
         push_bytes: u32,
     ) -> Result<Self> {
-        Self::graphics_with(device, vertex, fragment, drawing, descriptors, push_bytes, &[])
-    }
-
-    /// As [`Self::graphics`], with `constants` as specialization constants 0, 1, … of the fragment stage.
-    ///
-    /// # Errors
-    /// Where the device refuses.
-    pub fn graphics_with(
-        device: &Arc<Device>,
-        vertex: Code<'_>,
-        fragment: Option<Code<'_>>,
-        drawing: &Drawing<'_>,
-        descriptors: &Descriptors,
-        push_bytes: u32,
-        constants: &[i32],
-    ) -> Result<Self> {
-        let entries = entries(constants);
-        let special = specialization(constants, &entries);
         let mut own = Self::empty(device, descriptors, vk::PipelineBindPoint::GRAPHICS, push_bytes)?;
-        let vertex_module = Module::new(device, vertex.0, vertex.1)?;
-        let fragment_module = fragment.map(|code| Module::new(device, code.0, code.1)).transpose()?;
-        let mut stages = vec![vertex_module.stage(vk::ShaderStageFlags::VERTEX)];
+        let vertex_module = Module::new(device, vertex)?;
+        let fragment_module = fragment.map(|code| Module::new(device, code)).transpose()?;
+        let vertex_constants = vertex_module.specialization();
+        let fragment_constants = fragment_module.as_ref().map(Module::specialization);
+        let mut stages = vec![vertex_module.stage(vk::ShaderStageFlags::VERTEX, &vertex_constants)];
+        let fragment_stage = fragment_module.iter().zip(&fragment_constants);
         stages.extend(
-            fragment_module
-                .iter()
-                .map(|m| m.stage(vk::ShaderStageFlags::FRAGMENT).specialization_info(&special)),
+            fragment_stage.map(|(module, constants)| module.stage(vk::ShaderStageFlags::FRAGMENT, constants)),
         );
 
         let bindings = [vk::VertexInputBindingDescription::default().stride(drawing.vertex_stride)];
@@ -228,8 +218,8 @@ impl Pipeline {
             .push_next(&mut rendering);
         // SAFETY: modules, layout and every state structure are live through the call and agree with the shaders.
         own.raw = unsafe { device.raw().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) }
-            .map_err(|(_, c)| failure(&format!("make the pipeline of {}", vertex.0), c))?[0];
-        own.named(fragment.map_or(vertex.0, |code| code.0));
+            .map_err(|(_, c)| failure(&format!("make the pipeline of {}", vertex.name), c))?[0];
+        own.named(fragment.map_or(vertex.name, |code| code.name));
         Ok(own)
     }
 

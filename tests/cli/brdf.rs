@@ -39,9 +39,11 @@ fn stands(at: [f64; 2], expected: [f64; 2]) -> bool {
     (at[0] - expected[0]).hypot(at[1] - expected[1]) < 3.0 / SIDE as f64
 }
 
-/// ‖a − b‖/‖b‖ over all cells.
+/// ‖a − b‖/‖b‖ over all colours; alpha, equal by the contract, would only dilute it.
 fn deviation(a: &Map, b: &Map) -> f64 {
-    let pairs = || a.iter().flatten().zip(b.iter().flatten());
+    let colours = |map: &Map| map.iter().flat_map(|p| [p[0], p[1], p[2]]).collect::<Vec<f32>>();
+    let (a, b) = (colours(a), colours(b));
+    let pairs = || a.iter().zip(&b);
     let square = |x: f32| f64::from(x).powi(2);
     (pairs().map(|(a, b)| square(a - b)).sum::<f64>() / pairs().map(|(_, b)| square(*b)).sum::<f64>()).sqrt()
 }
@@ -154,10 +156,119 @@ fn a_png_is_the_exr_as_displayed_at_the_exposure() {
 fn a_map_has_to_be_square_and_of_a_known_format() {
     let sandbox = Sandbox::new();
     for more in
-        [&["-o", "m.png", "--size", "64x32"][..], &["-o", "m.gif"], &["-o", "m.png", "--size", "8192x8192"]]
+        [&["-o", "m.png", "--size", "64x32"][..], &["-o", "m.gif"], &["-o", "m.png", "--size", "16385x16385"]]
     {
         sandbox.run2(&["brdf", "flat", "--light", "30,0"], more).refused(2);
     }
     let lights = ["--light", "1,1"].repeat(5);
     sandbox.run2(&["brdf", "flat", "-o", "m.png"], &lights).refused(2);
+}
+
+/// ∫ f cos θ_r dω_r over the pixels of a map that `keep` takes: cos θ dω is the area on the disc of direction cosines.
+fn energy(map: &Map, keep: impl Fn([f64; 2]) -> bool) -> f64 {
+    let kept = map.iter().enumerate().filter(|(index, _)| keep(place(*index)));
+    kept.map(|(_, p)| f64::from(p[0])).sum::<f64>() * (2.0 / SIDE as f64).powi(2)
+}
+
+#[test]
+fn the_energy_of_a_map_is_that_of_the_closed_forms() {
+    let sandbox = Sandbox::new();
+    let ask = |surface: &str| map(&sandbox, surface, "0,0", &["--wavelength", "550nm"]);
+    // Schlick's reflectance at normal incidence; over the mirror's spot, 0.04 wide, G/w² and R hardly change.
+    let flat = energy(&ask("flat"), |_| true);
+    assert!((flat / 0.04 - 1.0).abs() < 5e-3, "{flat}");
+    // The orders of a sinusoid of d = 2 µm: R G/w² J_m²(k|w|a), with u = mλ/d.
+    let spacing = 0.55 / 2.0;
+    let closed = |m: i32, amplitude: f64| {
+        let u = f64::from(m) * spacing;
+        let cos = (1.0 - u * u).sqrt();
+        let w = 1.0 + cos;
+        // (1 + ω_i·ω_r)²/(cos θ_i cos θ_r w²) is 1/cos θ_r at normal incidence; cos θ_h = |(u,v,w)|/2.
+        let reflectance = 0.04 + 0.96 * (1.0 - (u * u + w * w).sqrt() / 2.0).powi(5);
+        reflectance / cos * bessel(m, std::f64::consts::TAU / 0.55 * w * amplitude).powi(2)
+    };
+    let sinusoid = ask("sinusoid");
+    let deviation = |amplitude: f64| {
+        let order = |m: i32| {
+            let near = |[s_x, _]: [f64; 2]| (s_x + f64::from(m) * spacing).abs() < spacing / 2.0;
+            (energy(&sinusoid, near) - closed(m, amplitude)).abs() / 0.04
+        };
+        (-3..=3).map(order).fold(0.0, f64::max)
+    };
+    assert!(deviation(0.1) < 5e-3, "{}", deviation(0.1));
+    assert!(deviation(0.103) > 1e-2, "an amplitude three hundredths off: {}", deviation(0.103));
+}
+
+/// J_m(x) = ∫ cos(mτ − x sin τ) dτ/2π, by the trapezoid rule, which is exact for a periodic function this smooth.
+fn bessel(m: i32, x: f64) -> f64 {
+    let term = |i: i32| {
+        let t = f64::from(i) * std::f64::consts::TAU / 64.0;
+        (f64::from(m) * t - x * t.sin()).cos()
+    };
+    (0..64).map(term).sum::<f64>() / 64.0
+}
+
+#[test]
+fn a_figure_says_angles_scale_and_settings_and_is_drawn_beside_the_map() {
+    let sandbox = Sandbox::new();
+    let ask = |more: &[&str]| {
+        let start = ["brdf", "blaze", "--light", "30,0", "--light", "50,120,2", "--plot", "m.svg"];
+        assert_eq!(sandbox.run2(&start, &[&WINDOW[..], more].concat()).done(), "");
+        String::from_utf8(sandbox.read("m.svg")).unwrap()
+    };
+    let one = ask(&["--wavelength", "550nm", "-o", "m.exr"]);
+    for words in [
+        "BRDF [sr⁻¹]",
+        "550 nm",
+        "60°",
+        "330°",
+        "sin θ = 0.2",
+        "gaussian 8 µm",
+        "intensity 2",
+        "blaze",
+        "Albedo",
+    ] {
+        assert!(one.contains(words), "{words}");
+    }
+    assert!(sandbox.path("m.exr").exists(), "the map itself is written, too");
+    let colour = ask(&["--exposure", "1"]);
+    assert!(colour.contains("Colour at +1 EV") && colour.contains("luminance"), "colour and its values");
+    assert_eq!(colour.matches("<image").count(), 3, "two maps and a colour bar");
+}
+
+#[test]
+fn compare_tells_methods_apart_from_equal_ones() {
+    let sandbox = Sandbox::new();
+    let deviation = |pair: &str| -> f64 {
+        let start = ["brdf", "blaze", "--light", "30,0", "--wavelength", "550nm", "--plot", "m.png"];
+        let outcome = sandbox.run2(&start, &[&["--compare", pair], &WINDOW[..]].concat());
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        let line = outcome.stderr.lines().last().unwrap_or_default().to_owned();
+        line.rsplit(' ').next().unwrap().parse().unwrap()
+    };
+    assert_eq!(deviation("spectral,spectral"), 0.0);
+    assert!((1e-9..1e-2).contains(&deviation("spectral,optimal")));
+    assert!((1e-9..1e-2).contains(&deviation("spectral,reference")));
+    assert!(deviation("gaussian:8um,gaussian:9um") > 1e-2);
+    let alone = ["brdf", "flat", "--light", "30,0", "-o", "m.png", "--compare", "spectral,reference"];
+    sandbox.run(alone).refused(2);
+    sandbox.run(["brdf", "flat", "--light", "30,0"]).refused(2);
+}
+
+#[test]
+fn repeats_agree_with_the_reference_and_another_number_of_copies_does_not() {
+    let sandbox = Sandbox::new();
+    let ask = |copies: &str, more: &[&str]| -> Map {
+        let start =
+            ["brdf", "bumps", "--light", "30,0", "-o", "m.exr", "--size", "64x64", "--coherence", copies];
+        let own = ["--pixel-size", "180nm", "--wavelength", "760nm"];
+        let outcome = sandbox.run2(&start, &[&own[..], more].concat());
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        let picture = image::open(sandbox.path("m.exr")).unwrap().to_rgba32f();
+        picture.pixels().map(|p| p.0).collect()
+    };
+    let reference = ask("repeats:2x1", &["--method", "reference"]);
+    assert!(reference.iter().any(|p| p[0] > 0.1), "there is something to see");
+    assert!(deviation(&ask("repeats:2x1", &[]), &reference) < 1e-2);
+    assert!(deviation(&ask("repeats:4x1", &[]), &reference) > 0.1);
 }

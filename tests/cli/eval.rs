@@ -107,3 +107,34 @@ fn tables_from_spreadsheets_are_read() {
     let csv = eval(&sandbox, &["--queries", "q.csv", "--method", "reference"]);
     assert_eq!(answers(&csv, 1).len(), 1);
 }
+
+#[test]
+fn colours_through_repeats_agree_with_the_reference_by_a_comb_and_at_the_orders() {
+    let sandbox = Sandbox::new();
+    // In the plane, out of it, near and in the mirror direction.
+    sandbox.write(
+        "q.csv",
+        "theta_i,phi_i,theta_r,phi_r\n30,0,20,180\n60,0,20,0\n60,0,20,40\n30,0,29,180\n30,0,30,180\n",
+    );
+    let ask = |copies: &str, more: &[&str]| -> Vec<Vec<f64>> {
+        let start = ["eval", "blaze", "--queries", "q.csv", "--coherence", copies];
+        let outcome = sandbox.run2(&start, more);
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        let row = |line: &str| line.split(',').skip(4).map(|cell| cell.parse().unwrap()).collect();
+        outcome.stdout.lines().skip(1).map(row).collect()
+    };
+    // RMS over directions, each relative to its own colour.
+    let deviation = |a: &[Vec<f64>], b: &[Vec<f64>]| {
+        let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|x| x * x).sum::<f64>();
+        let one = |(a, b): (&Vec<f64>, &Vec<f64>)| {
+            norm(&mut a.iter().zip(b).map(|(a, b)| a - b)) / norm(&mut b.iter().copied())
+        };
+        (a.iter().zip(b).map(one).sum::<f64>() / b.len() as f64).sqrt()
+    };
+    for copies in ["repeats:4x1", "repeats:300x1"] {
+        let reference = ask(copies, &["--method", "reference"]);
+        let device = deviation(&ask(copies, &[]), &reference);
+        assert!(device < 1e-2, "{copies}: {device:e}");
+        assert!(deviation(&ask("repeats:5x1", &[]), &reference) > 5e-2, "{copies}: another number");
+    }
+}

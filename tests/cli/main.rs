@@ -7,6 +7,7 @@
 mod brdf;
 mod cache;
 mod devices;
+mod display;
 mod eval;
 mod hostile_files;
 mod hostile_options;
@@ -18,3 +19,4 @@ mod surface;
 mod table;
 mod trade;
 mod usage;
+mod view;

@@ -132,3 +132,56 @@ fn a_named_table_holds_what_stdout_would() {
     assert_eq!(sandbox.read("p.csv"), printed.as_bytes());
     assert_eq!(rows(&printed)[0][1], -30.0);
 }
+
+#[test]
+fn several_orders_say_the_same_period_each_from_its_own_angles() {
+    let sandbox = Sandbox::new();
+    let more = ["--wavelengths", "400:700:50", "--order", "3,1,2", "--period", "2.4um", "--json", "p.json"];
+    let outcome = peaks(&sandbox, "blaze", "-75", "0:60:0.02", &more);
+    assert_eq!((outcome.code, outcome.stderr.lines().count()), (Some(0), 3), "{outcome:?}");
+    let mut lines = outcome.stdout.lines();
+    assert_eq!(lines.next(), Some("wavelength,angle,period,response,order"));
+    let mut seen = [0; 4];
+    for line in lines {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        assert!((cells[2] / PERIOD - 1.0).abs() < 3e-3, "{line}");
+        seen[cells[4] as usize] += 1;
+    }
+    assert_eq!(seen, [0, 7, 7, 7]);
+    let json: serde_json::Value = serde_json::from_slice(&sandbox.read("p.json")).unwrap();
+    assert_eq!([0, 1, 2].map(|i| json[i]["order"].as_i64()), [Some(1), Some(2), Some(3)]);
+    let line = peaks(&sandbox, "blaze", "-75", "0:60:1", &["--order", "1,2"]).refused(2);
+    assert!(line.contains("--period"), "{line}");
+}
+
+#[test]
+fn windows_are_told_one_by_one_and_their_average_differs_from_each() {
+    let sandbox = Sandbox::new();
+    let surface = ["--coherence", "gaussian:20um", "--pixel-size", "120nm", "--basis", "optimal"];
+    let more =
+        [&surface[..], &["--wavelengths", "500:600:20", "--windows", "2x1", "--json", "p.json"]].concat();
+    let outcome = peaks(&sandbox, "elaphe", "-75", "20:40:0.05", &more);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    let said: Vec<&str> = outcome.stderr.lines().filter(|line| line.contains("period")).collect();
+    assert!(
+        said.len() == 3 && said[0].contains("window 1 of 2") && said[2].contains("all windows"),
+        "{said:?}"
+    );
+    let json: serde_json::Value = serde_json::from_slice(&sandbox.read("p.json")).unwrap();
+    let mean = |value: &serde_json::Value| value["period_nm"]["mean"].as_f64().unwrap();
+    let (one, other, all) = (mean(&json["windows"][0]), mean(&json["windows"][1]), mean(&json));
+    assert!(one != other && all != one && all != other, "{one} {other} {all}");
+}
+
+#[test]
+fn the_figure_has_the_peaks_and_the_grating_equation() {
+    let sandbox = Sandbox::new();
+    let more = ["--wavelengths", "400:700:50", "--coherence", "gaussian:20um", "--plot", "p.svg"];
+    table(peaks(&sandbox, "blaze", "-75", "38:57:0.5", &more));
+    let svg = String::from_utf8(sandbox.read("p.svg")).unwrap();
+    for words in
+        ["wavelength [nm]", "largest response", "grating equation", "standard deviation", "BRDF [sr⁻¹]"]
+    {
+        assert!(svg.contains(words), "{words}");
+    }
+}

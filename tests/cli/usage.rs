@@ -3,7 +3,8 @@
 use crate::sandbox::Sandbox;
 
 /// Every command and what its help has to mention.
-pub const COMMANDS: [(&[&str], &str); 10] = [
+pub const COMMANDS: [(&[&str], &str); 11] = [
+    (&["view"], "--fps"),
     (&["render"], "--exposure"),
     (&["eval"], "--queries"),
     (&["brdf"], "--light"),

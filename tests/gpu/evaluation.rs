@@ -64,7 +64,7 @@ pub fn layers(field: &HeightField, shading: &Shading) -> Layers {
     let settings = Settings {
         sigma: shading.coherence.sigma().unwrap(),
         shortest_wavelength: 0.38,
-        tolerance: shading.tolerance,
+        budget: shading.budget(),
         basis: shading.basis,
         terms: shading.terms,
         memory_limit: 1 << 30,

@@ -4,7 +4,7 @@ use crate::device::with_device;
 use ash::vk;
 use bytemuck::Zeroable;
 use diffract::expansion::Basis;
-use diffract::precompute::{Settings, compute};
+use diffract::precompute::{Budget, Settings, compute};
 use diffract::render::interface::{FrameBlock, OpticsBlock, UV_BINS, binding};
 use diffract::render::resources::{Pigment, Resources};
 use diffract::render::shading::Shading;
@@ -13,7 +13,7 @@ use diffract::surface::HeightField;
 use diffract::vk::access::Access;
 use diffract::vk::buffer::Buffer;
 use diffract::vk::commands::Commands;
-use diffract::vk::pipeline::Pipeline;
+use diffract::vk::pipeline::{Code, Pipeline};
 use gpu_allocator::MemoryLocation;
 
 #[test]
@@ -47,11 +47,11 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             band: [107.0, 108.0],
             sigma: 109.0,
             normal_reflectance: 110.0,
-            columns_per_z: 111.0,
-            first_column: 112.0,
-            kernel: 113,
-            pairs: 114,
-            padding: [0; 2],
+            bands_per_z: 111.0,
+            last_column: 112.0,
+            pairs_per_z: 113.0,
+            fewest_pairs: 114.0,
+            padding: [0.0; 2],
         };
         expected.extend([
             [101.0, 102.0, 103.0, 104.0],
@@ -64,7 +64,7 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
         let settings = Settings {
             sigma: 1.0,
             shortest_wavelength: 0.38,
-            tolerance: 0.1,
+            budget: Budget { interpolation: 0.07, expansion: 0.035 },
             basis: Basis::Taylor,
             terms: Some(1),
             memory_limit: 1 << 28,
@@ -81,8 +81,13 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
         let answers = Buffer::new(device, "probe answers", bytes, storage, MemoryLocation::GpuToCpu).unwrap();
         resources.descriptors.buffer(binding::ANSWERS, &answers);
         let code = include_bytes!(concat!(env!("OUT_DIR"), "/interface_probe.comp.spv")).as_slice();
-        let pipeline =
-            Pipeline::compute(device, ("interface_probe.comp", code), &resources.descriptors, 0).unwrap();
+        let pipeline = Pipeline::compute(
+            device,
+            Code { name: "interface_probe.comp", spirv: code, constants: &[] },
+            &resources.descriptors,
+            0,
+        )
+        .unwrap();
         let mut commands = Commands::new(device, "probe").unwrap();
         commands
             .run(|record| {

@@ -11,3 +11,4 @@ mod measure;
 mod picture;
 mod promise;
 mod table;
+mod viewer;

@@ -3,17 +3,16 @@
 use crate::device::with_device;
 use crate::evaluation::{FLOOR, patch, queries, shading, uniforms};
 use crate::measure::channel;
-use diffract::expansion::Basis;
 use diffract::measure::cost::Cost;
 use diffract::optics::reference::Reference;
 use diffract::precompute::{Settings, compute};
-use diffract::render::color_table::bake::layers_tolerance;
+use diffract::render::color_table::bake::layer_settings;
 use diffract::render::color_table::{self, ColorTable, Filter, cache};
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::frame::View;
 use diffract::render::picture::Painter;
 use diffract::render::reference_picture::reference_picture;
-use diffract::render::resources::Pigment;
+use diffract::render::resources::{Optics, Pigment};
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
 use diffract::surface::HeightField;
@@ -22,22 +21,14 @@ use diffract::vk::device::Device;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-fn settings(shading: &Shading) -> Settings {
-    Settings {
-        sigma: shading.coherence.sigma().unwrap(),
-        shortest_wavelength: 0.38,
-        tolerance: layers_tolerance(shading.tolerance),
-        basis: Basis::Phase,
-        terms: None,
-        memory_limit: 1 << 30,
-        side_limit: 16_384,
-    }
+fn settings(device: &Device, shading: &Shading) -> Settings {
+    layer_settings(shading, device.candidate()).unwrap()
 }
 
 fn table(device: &Arc<Device>, field: &HeightField, shading: &Shading) -> ColorTable {
-    let settings = settings(shading);
+    let settings = settings(device, shading);
     let layers = compute(field, &settings, &|_, _| Ok(())).unwrap();
-    color_table::make(device, (field, layers, &settings), shading, 1 << 32, &|_, _, _| Ok(())).unwrap()
+    color_table::make(device, (field, layers, &settings), shading, &|_, _, _| Ok(())).unwrap()
 }
 
 /// Directions of colours over both hemispheres.
@@ -70,7 +61,7 @@ fn meets_its_tolerance(kind: Kind, side: f64, length: f64, seed: u64, tolerances
             let shading = shading(length, tolerance);
             let table = table(device, &field, &shading);
             let grid = table.grid;
-            let mut evaluator = Evaluator::of_table(device, &table, &shading).unwrap();
+            let mut evaluator = Evaluator::new(device, &table, &shading).unwrap();
             let found = evaluator.cosine_weighted(&queries).unwrap();
             let [whole, median, p99] = errors(&found, &exact);
             eprintln!(
@@ -86,7 +77,7 @@ fn meets_its_tolerance(kind: Kind, side: f64, length: f64, seed: u64, tolerances
             let higher =
                 HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights).unwrap();
             let other = self::table(device, &higher, &shading);
-            let mut evaluator = Evaluator::of_table(device, &other, &shading).unwrap();
+            let mut evaluator = Evaluator::new(device, &other, &shading).unwrap();
             let wrong = errors(&evaluator.cosine_weighted(&queries).unwrap(), &exact);
             assert!(wrong[1] > 2.0 * median, "{wrong:?}");
         }
@@ -120,7 +111,7 @@ fn windows_are_averaged_as_the_reference_averages_them() {
     };
     with_device(|device| {
         let table = table(device, &field, &shading);
-        let mut evaluator = Evaluator::of_table(device, &table, &shading).unwrap();
+        let mut evaluator = Evaluator::new(device, &table, &shading).unwrap();
         let found = evaluator.cosine_weighted(&queries).unwrap();
         let [whole, median, p99] = errors(&found, &exact([3, 2]));
         eprintln!("windows: {whole:.2e}, median {median:.2e}, p99 {p99:.2e}");
@@ -140,10 +131,9 @@ fn paint(
     view: &View,
     size: [u32; 2],
 ) -> Vec<[f32; 4]> {
-    let pigment = Pigment::white();
-    let mesh = (&scene.mesh, &pigment);
+    let (optics, lights) = (Optics::Table(table, filter), view.lights.len());
     let mut painter =
-        Painter::of_table(device, table, filter, shading, mesh, size, view.lights.len()).unwrap();
+        Painter::new(device, optics, shading, &scene.mesh, &Pigment::white(), size, lights).unwrap();
     painter.paint(view, 0.0, DVec3::ZERO).unwrap().radiance
 }
 
@@ -155,9 +145,8 @@ fn a_picture_of_points_is_the_reference_picture_within_its_tolerance() {
     let shading = shading(8.0, 2e-2);
     with_device(|device| {
         let table = table(device, &field, &shading);
-        let pigment = Pigment::white();
-        let mesh = (&scene.mesh, &pigment);
-        let mut painter = Painter::of_table(device, &table, Filter::Point, &shading, mesh, SIZE, 1).unwrap();
+        let mut painter =
+            Painter::new(device, &table, &shading, &scene.mesh, &Pigment::white(), SIZE, 1).unwrap();
         let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
         let directions = vec![painter.directions(&view, 0).unwrap()];
         // Three samples a pixel, and as many for every light.
@@ -264,8 +253,8 @@ fn filtered_highlights_neither_alias_nor_shimmer() {
 fn a_table_comes_back_from_the_disk_as_it_went_and_is_refused_where_it_does_not_fit() {
     let field = patch(Kind::Bumps, 4.0);
     let shading = shading(4.0, 1e-1);
-    let settings = settings(&shading);
     with_device(|device| {
+        let settings = settings(device, &shading);
         let first = table(device, &field, &shading);
         let folder = tempfile::tempdir().unwrap();
         let key = cache::key(&field, &settings, &shading);
@@ -273,7 +262,8 @@ fn a_table_comes_back_from_the_disk_as_it_went_and_is_refused_where_it_does_not_
         assert!(cache::load(folder.path(), &key, 1 << 32) == Some(first));
         let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
         let made = |memory, progress: &dyn Fn(&'static str, usize, usize) -> diffract::error::Result<()>| {
-            color_table::make(device, (&field, layers.clone(), &settings), &shading, memory, progress)
+            let settings = Settings { memory_limit: memory, ..settings };
+            color_table::make(device, (&field, layers.clone(), &settings), &shading, progress)
         };
         let refused = made(1 << 16, &|_, _, _| Ok(())).unwrap_err().to_string();
         assert!(refused.contains("GiB") && refused.contains("--method spectral"), "{refused}");

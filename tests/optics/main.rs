@@ -7,6 +7,7 @@
 mod closed_forms;
 mod coherence;
 mod colour;
+mod efficiency;
 mod facets;
 mod invariants;
 mod plain;

@@ -4,16 +4,19 @@ use super::grid::Grid;
 use super::nodes::NODES;
 use super::pyramid::Planes;
 use crate::error::Result;
-use crate::precompute::Layers;
+use crate::expansion::Basis;
+use crate::optics::spectrum::SHORTEST;
+use crate::precompute::{Layers, Settings};
 use crate::render::interface::{UV_BINS, binding};
 use crate::render::resources::{Pigment, Resources};
 use crate::render::shader;
-use crate::render::shading::Shading;
+use crate::render::shading::{Purpose, Shading};
 use crate::vk::access::Access;
 use crate::vk::buffer::Buffer;
 use crate::vk::commands::Commands;
 use crate::vk::device::Device;
 use crate::vk::pipeline::Pipeline;
+use crate::vk::selection::Candidate;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
 use gpu_allocator::MemoryLocation;
@@ -101,14 +104,9 @@ pub fn bake(
     let sums = Buffer::new(device, "sums", (TILE * numbers * 4) as u64, storage, MemoryLocation::GpuToCpu)?;
     resources.descriptors.buffer(binding::QUERIES, &list);
     resources.descriptors.buffer(binding::ANSWERS, &sums);
-    let constants = [grid.values() as i32];
-    let pipeline = Pipeline::compute_with(
-        device,
-        shader!("bake.comp"),
-        &resources.descriptors,
-        size_of::<Tile>() as u32,
-        &constants,
-    )?;
+    let constants = [resources.specialization.as_slice(), &[grid.values() as u32]].concat();
+    let code = shader!("bake.comp").with(&constants);
+    let pipeline = Pipeline::compute(device, code, &resources.descriptors, size_of::<Tile>() as u32)?;
     let mut commands = Commands::new(device, "bake")?;
     for bin in 0..UV_BINS {
         let [comb, wavelengths] = combs.bins[bin];
@@ -165,7 +163,17 @@ fn scatter(sums: &[f32], words: &[u32], grid: &Grid, share: f32, planes: &mut Pl
 /// six to eight times.
 const LAYERS_SHARE: f64 = 3.0;
 
-/// The tolerance to make layers for, where a table of `tolerance` is baked from them.
-pub fn layers_tolerance(tolerance: f64) -> f64 {
-    (LAYERS_SHARE * tolerance).min(1.0)
+/// What the layers are made for that a table under `shading` is baked from, on `device`.
+///
+/// # Errors
+/// For settings that layers cannot do.
+pub fn layer_settings(shading: &Shading, device: &Candidate) -> Result<Settings> {
+    let for_layers = Shading {
+        tolerance: (LAYERS_SHARE * shading.tolerance).min(1.0),
+        purpose: Purpose::Directions,
+        basis: Basis::Phase,
+        windows: [1, 1],
+        ..shading.clone()
+    };
+    for_layers.layer_settings(SHORTEST, device)
 }

@@ -110,6 +110,7 @@ fn check_sum(head: &[u8], levels: &[Vec<u16>]) -> [u8; HASH] {
 mod tests {
     use super::*;
     use crate::expansion::Basis;
+    use crate::precompute::Budget;
     use crate::optics::spectrum::Illuminant;
 
     #[test]
@@ -144,7 +145,7 @@ mod tests {
         let settings = Settings {
             sigma: 1.0,
             shortest_wavelength: 0.38,
-            tolerance: 1e-1,
+            budget: Budget { interpolation: 7e-2, expansion: 3.5e-2 },
             basis: Basis::Taylor,
             terms: None,
             memory_limit: 1 << 28,

@@ -17,7 +17,8 @@ pub use grid::Grid;
 
 use super::shading::Shading;
 use crate::error::{Error, Result};
-use crate::precompute::{Layers, Settings, compute_at};
+use crate::optics::coherence::Coherence;
+use crate::precompute::{self, Layers, Settings, compute_at};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use glam::DVec2;
@@ -26,11 +27,11 @@ use std::sync::Arc;
 /// How a picture reads a table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
-    /// What all of the pixel sees: the average over its footprint in (u, v).
-    #[default]
-    Pixel,
     /// What the pixel's centre sees, as the other methods show it.
+    #[default]
     Point,
+    /// What all of the pixel sees: the average over its footprint in (u, v).
+    Pixel,
 }
 
 impl Filter {
@@ -89,27 +90,70 @@ pub fn check_tolerance(tolerance: f64) -> Result<()> {
     ))
 }
 
-/// Bakes the table of `field` under `shading`: `layers`, made for `settings`, are those of the window at the patch's centre;
-/// the other windows' are made as they are needed. `progress(what, done, of)` is called as work goes on; an error from it
-/// ends the work.
+/// The table of `field` under `shading`, from the cache or baked and kept there; beside it, why it could not be kept.
+/// `progress(what, done, of)` is called as work goes on; an error from it ends the work.
 ///
 /// # Errors
-/// Where the tolerance is below [`LEAST_TOLERANCE`], where table or layers do not fit into `memory` \[bytes\] of the device or into this machine, where the surface takes more
-/// pieces in w than a table has, where the device is lost, and what `progress` returns.
+/// For settings that a table cannot do; where the tolerance is below [`LEAST_TOLERANCE`], where table or layers do not fit
+/// into the device or into this machine, where the surface takes more pieces in w than a table has, where the device is
+/// lost, and what `progress` returns.
+pub fn obtain(
+    device: &Arc<Device>,
+    field: &HeightField,
+    shading: &Shading,
+    progress: &Progress<'_>,
+) -> Result<(ColorTable, Option<Error>)> {
+    if shading.terms.is_some() {
+        return Err(Error::usage(
+            "--method table sums as many terms as its tolerance asks for",
+            "leave --terms away, or use --method spectral",
+        ));
+    }
+    if let Coherence::Repeats(_) = shading.coherence {
+        return Err(Error::usage(
+            "--method table does not do --coherence repeats",
+            "use --coherence gaussian:LENGTH or --method reference; eval, brdf and peaks do it by --method spectral, too",
+        ));
+    }
+    check_tolerance(shading.tolerance)?;
+    let settings = bake::layer_settings(shading, device.candidate())?;
+    let room = settings.memory_limit as u64;
+    // What is hopeless is refused before any work: a table has at least one piece.
+    Grid::new(settings.sigma, shading.tolerance, 1).check(device.candidate().max_side, room)?;
+    let folder = precompute::cache::folder();
+    let key = cache::key(field, &settings, shading);
+    if let Some(table) = folder.as_ref().and_then(|f| cache::load(f, &key, room)) {
+        return Ok((table, None));
+    }
+    // The layers' file may serve another illuminant, too.
+    let (layers, _) =
+        precompute::cache::obtain(field, &settings, &|done, of| progress("spectra", done, of))?;
+    let table = make(device, (field, layers, &settings), shading, progress)?;
+    let kept = folder.map(|folder| cache::store(&folder, &key, &table));
+    Ok((table, kept.and_then(Result::err)))
+}
+
+/// Called with what is done, how much of it, and of how much.
+pub type Progress<'a> = dyn Fn(&'static str, usize, usize) -> Result<()> + 'a;
+
+/// Bakes the table of `field` under `shading`: `layers`, made for `settings`, are those of the window at the patch's centre;
+/// the other windows' are made as they are needed.
+///
+/// # Errors
+/// As [`obtain`].
 pub fn make(
     device: &Arc<Device>,
     (field, layers, settings): (&HeightField, Layers, &Settings),
     shading: &Shading,
-    memory: u64,
-    progress: &dyn Fn(&'static str, usize, usize) -> Result<()>,
+    progress: &Progress<'_>,
 ) -> Result<ColorTable> {
-    check_tolerance(shading.tolerance)?;
     let pieces = nodes::needed(&layers, shading.tolerance)?;
     let grid = Grid::new(settings.sigma, shading.tolerance, pieces);
-    grid.check(device.candidate().max_side, memory)?;
+    grid.check(device.candidate().max_side, settings.memory_limit as u64)?;
     let mut planes = pyramid::planes(&grid);
     let [n, m] = shading.windows;
-    let share = 1.0 / (n * m) as f32;
+    let steps = (n * m) as usize;
+    let share = 1.0 / steps as f32;
     let patch = field.patch_size();
     let mut first = Some(layers);
     for window in 0..n * m {
@@ -119,7 +163,6 @@ pub fn make(
             Some(layers) => layers,
             None => compute_at(field, settings, shift, &|done, of| progress("spectra", done, of))?,
         };
-        let steps = (n * m) as usize;
         bake::bake(device, &layers, shading, &grid, share, &mut planes, &|done, of| {
             progress("colours", window as usize * of + done, steps * of)
         })?;

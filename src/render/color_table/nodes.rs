@@ -54,7 +54,7 @@ pub fn at(share: f64, pieces: usize) -> (usize, [f64; NODES]) {
     (piece * NODES, std::array::from_fn(|m| (0..NODES).map(|n| weight(n, m) * t[n]).sum()))
 }
 
-/// The fewest pieces that interpolate colours from `layers` in w to the share of `tolerance`, RMS over directions and each
+/// The fewest pieces that interpolate colours from `layers`, of [`Basis::Phase`](crate::expansion::Basis::Phase), in w to the share of `tolerance`, RMS over directions and each
 /// relative to its own.
 ///
 /// # Errors
@@ -124,22 +124,16 @@ impl<'a> Judge<'a> {
 
     /// |P|² at texel `index` and k|w| = `z`.
     fn power(&self, (index, turned): (usize, bool), z: f64) -> f64 {
-        let table = &self.layers.coefficients;
-        let column = (z / table.step).min(table.columns as f64 - 1.001);
-        let (left, t) = (column as usize, column.fract());
+        let x = 2.0 * z / self.layers.z_max - 1.0;
         let plane = self.layers.size[0] * self.layers.size[1] * 4;
-        let sum: Complex64 = (0..self.layers.terms)
-            .map(|n| {
-                let c = |i: usize| {
-                    let [re, im] = table.values[n * table.columns + i];
-                    Complex64::new(re.into(), im.into())
-                };
-                let texel = &self.layers.texels[n / 2 * plane + index * 4 + n % 2 * 2..][..2];
-                let sign = if turned { -1.0 } else { 1.0 };
-                (c(left) * (1.0 - t) + c(left + 1) * t)
-                    * Complex64::new(texel[0].into(), sign * f64::from(texel[1]))
-            })
-            .sum();
+        let sign = if turned { -1.0 } else { 1.0 };
+        let (mut before, mut own) = (x, 1.0); // T_{−1} = T_1
+        let mut sum = Complex64::ZERO;
+        for pair in self.layers.texels.chunks(plane) {
+            let [a, b, c, d] = std::array::from_fn(|i| f64::from(pair[index * 4 + i]));
+            sum += own * (Complex64::new(a, sign * b) + Complex64::I * Complex64::new(c, sign * d));
+            (before, own) = (own, 2.0 * x * own - before);
+        }
         sum.norm_sqr()
     }
 

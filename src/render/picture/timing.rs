@@ -67,7 +67,7 @@ impl Painter {
             record.timestamp(stamps, 1);
             self.shade.record(record, target, &resources.descriptors, &[]);
             record.timestamp(stamps, 2);
-            self.display.record(record, target, &target.display, exposure, background);
+            super::record_display(record, &self.display, target, exposure, background);
             record.timestamp(stamps, 3);
             times.record = milliseconds(begin);
             Ok(())

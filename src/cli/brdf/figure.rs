@@ -1,0 +1,149 @@
+//! Maps as labelled figures.
+
+use super::Arguments;
+use super::map::Map;
+use super::variant::Variant;
+use crate::cli::options::OpticsOptions;
+use crate::cli::words;
+use crate::figure::{Axis, ColorScale, Figure, Mark, Panel, Raster, Shape, number, palette};
+use crate::optics::color;
+use crate::optics::geometry::direction;
+use crate::surface::HeightField;
+use glam::DVec3;
+
+/// Pixels on a side beyond which a figure shows no more.
+const FINEST: u32 = 1000;
+/// Decades of the colour scale: from the mirror's spot to where its foothills are.
+const DECADES: f64 = 6.0;
+/// Relative to the peak: what is darker counts as this bright where differences are relative.
+const FLOOR: f64 = 1e-6;
+/// Width and height of a map \[px\].
+const PANEL: [f64; 2] = [540.0, 470.0];
+
+/// Words about the surface, the lights and what is shown.
+fn settings(arguments: &Arguments, field: &HeightField) -> String {
+    let name = arguments.surface_name.as_deref().or(arguments.surface.surface.as_deref()).unwrap_or("elaphe");
+    let shown = match arguments.wavelength {
+        Some(wavelength) => format!("{} nm", (wavelength * 1e4).round() / 10.0),
+        None => format!("colour under {}", arguments.colour.illuminant),
+    };
+    format!(
+        "Hemisphere of view directions from above, x to the right, y up; rings of polar angle every 15°. {}; light \
+         from {}; {shown}; {size}×{size} directions.",
+        words::surface(name, field),
+        words::lights(&arguments.light),
+        size = arguments.size
+    )
+}
+
+/// A map in false colour.
+fn panel(arguments: &Arguments, map: &Map, title: &str, values: &[f64], scale: ColorScale) -> Panel {
+    let panel = Panel::hemisphere(Raster::values(map.side as usize, values, scale));
+    decorated(arguments, panel.titled(title))
+}
+
+/// With a scale bar, and rings where mirrors send the lights.
+fn decorated(arguments: &Arguments, panel: Panel) -> Panel {
+    let mirrors = arguments.light.iter().map(|light| {
+        let toward = direction(light.theta, light.phi);
+        [-toward.x, -toward.y]
+    });
+    let rings =
+        Mark::Points { points: mirrors.collect(), color: palette::SKY, shape: Shape::Ring, radius: 7.0 };
+    panel.with_scale_bar(0.2, "Δ sin θ = 0.2").named("mirror direction", rings)
+}
+
+/// A map as a display shows it.
+fn colored(arguments: &Arguments, map: &Map) -> Panel {
+    let pixel = |[r, g, b, inside]: &[f32; 4]| {
+        let [r, g, b] = color::display(DVec3::new((*r).into(), (*g).into(), (*b).into()), arguments.exposure);
+        [r, g, b, if *inside > 0.0 { 255 } else { 0 }]
+    };
+    let pixels = map.pixels.iter().map(pixel).collect();
+    let exposure = match arguments.exposure {
+        0.0 => String::new(),
+        stops => format!(" at {stops:+} EV"),
+    };
+    let panel = Panel::hemisphere(Raster::colors(map.side as usize, pixels));
+    decorated(arguments, panel.titled(format!("Colour{exposure}")))
+}
+
+/// What the values of `map` are called.
+fn quantity(arguments: &Arguments) -> &'static str {
+    if arguments.wavelength.is_some() { "BRDF [sr⁻¹]" } else { "luminance of the BRDF [sr⁻¹]" }
+}
+
+/// One map: in colour and in luminance, or at its wavelength.
+pub fn of_map(arguments: &Arguments, field: &HeightField, map: &Map) -> Figure {
+    let albedo = map.albedo();
+    let map = map.reduced(FINEST);
+    let values = map.values();
+    let scale = ColorScale::decades(quantity(arguments), DECADES, &values);
+    let mut panels = Vec::new();
+    let title = match arguments.wavelength {
+        Some(wavelength) => format!("{} nm", (wavelength * 1e4).round() / 10.0),
+        None => {
+            panels.push(colored(arguments, &map));
+            "Luminance".to_owned()
+        }
+    };
+    panels.push(panel(arguments, &map, &title, &values, scale));
+    let caption = format!(
+        "{} {} Albedo of the map, ∫\u{a0}f\u{a0}cos\u{a0}θ\u{a0}dω: {albedo:.4}.",
+        settings(arguments, field),
+        words::sentence(&words::optics(&arguments.optics))
+    );
+    Figure::new("").row(panels).panel_size(PANEL[0], PANEL[1]).caption(caption)
+}
+
+/// Two maps and their difference.
+pub fn of_two(
+    arguments: &Arguments,
+    field: &HeightField,
+    variants: &[Variant; 2],
+    optics: &[OpticsOptions; 2],
+    maps: &[Map; 2],
+) -> Figure {
+    let albedos = maps.each_ref().map(Map::albedo);
+    let deviation = deviation(&maps[0].values(), &maps[1].values());
+    let maps = maps.each_ref().map(|map| map.reduced(FINEST));
+    let values = maps.each_ref().map(Map::values);
+    let both: Vec<f64> = values.iter().flatten().copied().collect();
+    let scale = ColorScale::decades(quantity(arguments), DECADES, &both);
+    let floor = FLOOR * scale.axis.high;
+    let relative: Vec<f64> =
+        values[0].iter().zip(&values[1]).map(|(a, b)| (a - b) / b.abs().max(floor)).collect();
+    let mut panels: Vec<Panel> =
+        (0..2).map(|i| panel(arguments, &maps[i], &variants[i].name, &values[i], scale.clone())).collect();
+    let difference = ColorScale::differences("(A − B)/B", spread(&relative));
+    panels.push(panel(arguments, &maps[0], "Relative difference", &relative, difference));
+    let caption = format!(
+        "{} A: {}. B: {}. Difference of the maps, ‖A\u{a0}−\u{a0}B‖/‖B‖: {}. Relative differences hold B for at \
+         least {} of the peak; colours end where 98 % of the directions do. Albedo of A {:.4}, of B {:.4}.",
+        settings(arguments, field),
+        words::optics(&optics[0]),
+        words::optics(&optics[1]),
+        number(deviation, deviation / 30.0),
+        number(FLOOR, FLOOR),
+        albedos[0],
+        albedos[1]
+    );
+    Figure::new("").row(panels).panel_size(PANEL[0], PANEL[1]).caption(caption)
+}
+
+/// ‖a − b‖/‖b‖ over the disc.
+pub fn deviation(a: &[f64], b: &[f64]) -> f64 {
+    let inside = || a.iter().zip(b).filter(|(a, b)| !a.is_nan() && !b.is_nan());
+    let of = |f: &dyn Fn(f64, f64) -> f64| inside().map(|(a, b)| f(*a, *b).powi(2)).sum::<f64>();
+    let (difference, own) = (of(&|a, b| a - b), of(&|_, b| b));
+    if own > 0.0 { (difference / own).sqrt() } else { 0.0 }
+}
+
+/// What 98 % of `values` are within.
+fn spread(values: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = values.iter().filter(|x| !x.is_nan()).map(|x| x.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let place = (sizes.len() as f64 * 0.98) as usize;
+    let found = sizes.get(place.min(sizes.len().saturating_sub(1))).copied().unwrap_or(0.0);
+    Axis::linear("", 0.0, found).high
+}

@@ -1,0 +1,157 @@
+//! `diffract brdf`: the hemisphere of one light direction, as a picture.
+
+mod figure;
+mod map;
+mod variant;
+
+use super::options::{ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, check_lights, exposure};
+use super::{answers, say, write};
+use crate::error::{Error, Result};
+use crate::figure::Format;
+use crate::optics::color;
+use crate::output;
+use crate::render::picture::Picture;
+use crate::scene::Light;
+use crate::surface::HeightField;
+use crate::units;
+use clap::Args;
+use glam::DVec3;
+use map::Map;
+use std::path::{Path, PathBuf};
+use variant::Variant;
+
+/// Longest side of a map \[pixels\]: that of the images of today's devices, and thirteen gigabytes to make.
+const MAX_SIDE: u32 = 16_384;
+
+/// Arguments of `brdf`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "The map looks down on the surface: the disc is the hemisphere of view directions, x to the right, y up, the normal in
+the middle, the horizon at the rim. A mirror's spot stands opposite the light. Values are the BRDF [1/sr], without a
+cosine, as linear sRGB; several lights are summed, each times its intensity. --plot draws a figure with angles, a colour
+bar and the settings: in colour and luminance, or at one wavelength in false colour.
+
+Examples:
+  diffract brdf blaze --light 30,0 -o blaze.png
+  diffract brdf blaze --light 30,0 --wavelength 550nm --plot orders.svg
+  diffract brdf blaze --light 30,0 --wavelength 550nm --size 96x96 --compare spectral,reference --plot check.png
+  diffract brdf elaphe --light 60,90 --wavelength 550nm --exposure 4 -o green.png
+  diffract brdf elaphe --light 30,0 --size 256x256 -o elaphe.exr        EXR: linear and signed, before exposure"
+)]
+pub struct Arguments {
+    /// Height field: a file or a built-in name
+    surface_name: Option<String>,
+    /// Where the map goes: .png as displayed, .exr linear and signed
+    #[arg(short, long, value_name = "FILE", required_unless_present = "plot")]
+    output: Option<PathBuf>,
+    /// A labelled figure of the map: .svg or .png
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Draw the figure of two ways and their difference: methods, bases or coherences, joined by + where both are meant
+    #[arg(
+        long, value_name = "A,B", value_parser = Variant::pair, allow_hyphen_values = true, requires = "plot",
+        conflicts_with = "output"
+    )]
+    compare: Option<[Variant; 2]>,
+    /// Where the light stands, in degrees from the normal and from +x toward +y; up to four
+    #[arg(
+        long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true,
+        required = true
+    )]
+    light: Vec<Light>,
+    /// Width and height in pixels, equal
+    #[arg(long, value_name = "NxN", value_parser = side, allow_hyphen_values = true, default_value = "512x512")]
+    size: u32,
+    /// One wavelength, as in 550nm, in grey instead of the colour
+    #[arg(long, value_name = "LENGTH", value_parser = wavelength, allow_hyphen_values = true)]
+    wavelength: Option<f64>,
+    /// Exposure of a PNG in stops
+    #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true, default_value = "0")]
+    exposure: f64,
+    #[command(flatten)]
+    surface: SurfaceOptions,
+    #[command(flatten)]
+    optics: OpticsOptions,
+    #[command(flatten)]
+    colour: ColourOptions,
+    #[command(flatten)]
+    device: DeviceOptions,
+}
+
+/// A square size.
+fn side(text: &str) -> Result<u32> {
+    match units::size(text)? {
+        [x, y] if x == y && x <= MAX_SIDE => Ok(x),
+        _ => Err(Error::usage(
+            format!("'{text}' is no size of a map"),
+            format!("give NxN, as in 512x512, of at most {MAX_SIDE}x{MAX_SIDE}"),
+        )),
+    }
+}
+
+fn wavelength(text: &str) -> Result<f64> {
+    let (low, high) = answers::WAVELENGTHS;
+    units::length(text).and_then(|length| {
+        let refused = || Error::usage(format!("'{text}' is out of range"), "give 10nm to 100um");
+        (low..=high).contains(&length).then_some(length).ok_or_else(refused)
+    })
+}
+
+/// Evaluates and writes.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let format = arguments.output.as_deref().map(write::PictureFormat::of).transpose()?;
+    arguments.plot.as_deref().map(Format::of).transpose()?;
+    for path in [&arguments.output, &arguments.plot].into_iter().flatten() {
+        output::check(path)?;
+    }
+    check_lights(&arguments.light)?;
+    let ways = match &arguments.compare {
+        Some(variants) => variants.iter().map(|v| v.of(&arguments.optics)).collect::<Result<Vec<_>>>()?,
+        None => vec![arguments.optics.clone()],
+    };
+    if arguments.wavelength.is_some() {
+        ways.iter().try_for_each(|optics| answers::check_single_wavelengths(optics.method))?;
+    }
+    let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
+    if let (Some(variants), Some(plot)) = (&arguments.compare, &arguments.plot) {
+        return compare(arguments, &field, variants, plot);
+    }
+    let map = Map::of(arguments, &arguments.optics, &field)?;
+    if let Some(plot) = &arguments.plot {
+        figure::of_map(arguments, &field, &map).save(plot)?;
+    }
+    let (Some(path), Some(format)) = (&arguments.output, format) else { return Ok(()) };
+    let display = map.pixels.iter().map(|pixel| displayed(*pixel, arguments.exposure)).collect();
+    let picture = Picture { size: [arguments.size; 2], radiance: map.pixels, display };
+    write::picture(path, format, &picture)
+}
+
+/// Two maps, their difference in a figure and in a line.
+fn compare(arguments: &Arguments, field: &HeightField, variants: &[Variant; 2], plot: &Path) -> Result<()> {
+    let [a, b] = variants.each_ref().map(|variant| variant.of(&arguments.optics));
+    let optics = [a?, b?];
+    let maps = [Map::of(arguments, &optics[0], field)?, Map::of(arguments, &optics[1], field)?];
+    figure::of_two(arguments, field, variants, &optics, &maps).save(plot)?;
+    let deviation = figure::deviation(&maps[0].values(), &maps[1].values());
+    say(&format_args!("{} differs from {} by {deviation:.2e}", variants[0].name, variants[1].name));
+    Ok(())
+}
+
+/// As a display shows it; black outside the disc.
+fn displayed([r, g, b, _]: [f32; 4], exposure: f64) -> [u8; 4] {
+    let [r, g, b] = color::display(DVec3::new(r.into(), g.into(), b.into()), exposure);
+    [r, g, b, 255]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_square_and_wavelengths_lengths() {
+        assert_eq!(side("256x256").unwrap(), 256);
+        assert!(side("256x255").is_err() && side("16385x16385").is_err() && side("0x0").is_err());
+        assert!((wavelength("550nm").unwrap() - 0.55).abs() < 1e-12);
+        assert!(wavelength("550").is_err() && wavelength("1nm").is_err() && wavelength("1mm").is_err());
+    }
+}

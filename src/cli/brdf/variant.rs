@@ -1,0 +1,86 @@
+//! The two ways of `--compare`.
+
+use crate::cli::options::{self, Method, OpticsOptions};
+use crate::error::{Error, Result};
+use crate::expansion::Basis;
+use clap::ValueEnum;
+
+/// What of the optics differs from the other options.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    /// As it was written.
+    pub name: String,
+    words: Vec<String>,
+}
+
+impl Variant {
+    /// `A,B`: two variants.
+    pub fn pair(text: &str) -> Result<[Self; 2]> {
+        match text.split(',').collect::<Vec<_>>()[..] {
+            [a, b] => Ok([Self::parse(a)?, Self::parse(b)?]),
+            _ => Err(Error::usage(
+                format!("`{text}` are not two things to compare"),
+                "give A,B, as in spectral,reference",
+            )),
+        }
+    }
+
+    /// Words joined by `+`: methods, bases, coherences.
+    fn parse(text: &str) -> Result<Self> {
+        let words: Vec<String> = text.split('+').map(|word| word.trim().to_owned()).collect();
+        let known = |word: &String| method(word).is_some() || basis(word).is_some() || word.contains(':');
+        if let Some(word) = words.iter().find(|word| !known(word)) {
+            return Err(Error::usage(
+                format!("`{word}` is nothing to compare"),
+                "give methods, bases or coherences, joined by + where both are meant, as in spectral+repeats:26x1",
+            ));
+        }
+        for word in words.iter().filter(|word| word.contains(':')) {
+            options::coherence(word)?;
+        }
+        Ok(Self { name: text.trim().to_owned(), words })
+    }
+
+    /// `options` with what this variant says.
+    pub fn of(&self, options: &OpticsOptions) -> Result<OpticsOptions> {
+        let mut own = options.clone();
+        for word in &self.words {
+            match (method(word), basis(word)) {
+                (Some(method), _) => own.method = method,
+                (_, Some(basis)) => own.basis = basis,
+                _ => own.coherence = options::coherence(word)?,
+            }
+        }
+        Ok(own)
+    }
+}
+
+fn method(word: &str) -> Option<Method> {
+    Method::from_str(word, false).ok()
+}
+
+fn basis(word: &str) -> Option<Basis> {
+    Basis::ALL.into_iter().find(|basis| basis.name() == word)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_variants_are_words_of_the_optics() {
+        let [a, b] = Variant::pair("spectral+repeats:3x2, reference").unwrap();
+        assert_eq!((a.name.as_str(), b.name.as_str()), ("spectral+repeats:3x2", "reference"));
+        for bad in [
+            "",
+            "spectral",
+            "a,b",
+            "spectral,",
+            "taylor,laser:3um",
+            "taylor,reference,optimal",
+            "spectral,repeats:0x1",
+        ] {
+            assert!(Variant::pair(bad).is_err(), "{bad}");
+        }
+    }
+}

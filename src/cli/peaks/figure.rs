@@ -1,0 +1,130 @@
+//! Peaks as a labelled figure: wavelength against angle, and the period that each wavelength says.
+
+use super::report::Found;
+use super::sweep::Sweep;
+use super::{Arguments, Axis as Plane};
+use crate::cli::words;
+use crate::figure::{Axis, ColorScale, Figure, Mark, Panel, Raster, Scale, Shape, palette};
+use crate::optics::geometry::sin_cos_degrees;
+use crate::optics::grating;
+use crate::surface::HeightField;
+
+/// Pixels beyond which a figure shows no more.
+const FINEST: [usize; 2] = [1200, 800];
+/// Decades of the colour scale.
+const DECADES: f64 = 5.0;
+
+/// The figure of a sweep and what was found in it.
+pub fn figure(arguments: &Arguments, field: &HeightField, sweep: &Sweep, found: &[Found]) -> Figure {
+    Figure::new("")
+        .row(vec![map(arguments, sweep, found), periods(arguments, found)])
+        .panel_size(680.0, 470.0)
+        .caption(caption(arguments, field, found))
+}
+
+/// The response in false colour, the peaks, and where the grating equation has them.
+fn map(arguments: &Arguments, sweep: &Sweep, found: &[Found]) -> Panel {
+    let half = |step: f64| step / 2.0;
+    let ends = |values: &[f64], half: f64| (values[0] - half, values[values.len() - 1] + half);
+    let (left, right) = ends(&sweep.angles, half(arguments.angles.step()));
+    let nanometres: Vec<f64> = sweep.wavelengths.iter().map(|x| x * 1e3).collect();
+    let (low, high) = ends(&nanometres, half(arguments.wavelengths.step()));
+    let plane = match arguments.axis {
+        Plane::X => "+x",
+        Plane::Y => "+y",
+    };
+    let x = Axis::linear(format!("view angle toward {plane} [°]"), left, right);
+    let mut panel =
+        Panel::new(x, Axis::linear("wavelength [nm]", low, high)).titled("Response").over(raster(sweep));
+    for (i, of) in found.iter().enumerate() {
+        let at: Vec<[f64; 2]> =
+            of.peaks.iter().map(|p| [p.angle.unwrap_or(f64::NAN), p.wavelength * 1e3]).collect();
+        let line = Mark::Line { points: at, color: palette::SKY, width: 2.6, dashed: false };
+        panel = if i == 0 { panel.named("largest response", line) } else { panel.mark(line) };
+    }
+    let mut named = false;
+    for of in found {
+        let Some(period) = arguments.period.or(of.statistics.mean) else { continue };
+        for side in [1, -1] {
+            let points = law(arguments.theta_i, side * of.order as i32, period, &sweep.wavelengths);
+            let line = Mark::Line { points, color: palette::GREEN, width: 1.4, dashed: true };
+            let name = match arguments.period {
+                Some(given) => format!("grating equation, d = {:.1} nm as given", given * 1e3),
+                None => "grating equation with the mean period".to_owned(),
+            };
+            panel = if named { panel.mark(line) } else { panel.named(name, line) };
+            named = true;
+        }
+    }
+    panel
+}
+
+/// Where the grating equation sends each wavelength \[degrees, nm\]; not a number where the order does not propagate.
+fn law(theta_i: f64, order: i32, period: f64, wavelengths: &[f64]) -> Vec<[f64; 2]> {
+    let light = sin_cos_degrees(theta_i).0;
+    let angle = |wavelength: f64| {
+        grating::sin_view(wavelength, light, period, order).map_or(f64::NAN, |s| s.asin().to_degrees())
+    };
+    wavelengths.iter().map(|&wavelength| [angle(wavelength), wavelength * 1e3]).collect()
+}
+
+/// The responses, the largest wavelength on top. Where they are finer than a figure, the largest of each block stays: a
+/// peak can be a single cell wide.
+fn raster(sweep: &Sweep) -> Raster {
+    let size = [sweep.angles.len(), sweep.wavelengths.len()];
+    let shown = [size[0].min(FINEST[0]), size[1].min(FINEST[1])];
+    let mut values = vec![0.0f64; shown[0] * shown[1]];
+    for (row, responses) in sweep.responses.chunks(size[0]).enumerate() {
+        let from_top = shown[1] - 1 - row * shown[1] / size[1];
+        for (column, f) in responses.iter().enumerate() {
+            let cell = &mut values[from_top * shown[0] + column * shown[0] / size[0]];
+            *cell = cell.max(*f);
+        }
+    }
+    let scale = ColorScale::decades("BRDF [sr⁻¹]", DECADES, &values);
+    Raster::values(shown[0], &values, scale)
+}
+
+/// The period that each wavelength says, with the mean and the standard deviation.
+fn periods(arguments: &Arguments, found: &[Found]) -> Panel {
+    let nanometres = |of: &Found| -> Vec<[f64; 2]> {
+        of.peaks.iter().filter_map(|p| p.period.map(|d| [p.wavelength * 1e3, d * 1e3])).collect()
+    };
+    let points: Vec<_> = found.iter().map(nanometres).collect();
+    let all = || points.iter().flatten();
+    let given = arguments.period.map(|d| d * 1e3);
+    let x = Axis::fit("wavelength [nm]", Scale::Linear, all().map(|p| p[0]));
+    let y = Axis::fit("period [nm]", Scale::Linear, all().map(|p| p[1]).chain(given));
+    let mut panel = Panel::new(x.clone(), y).titled("Period that each wavelength says");
+    for ((of, at), color) in found.iter().zip(points).zip(palette::SERIES) {
+        let name = format!("order {}", of.order);
+        if let (Some(mean), Some(deviation)) = (of.statistics.mean, of.statistics.deviation) {
+            let (mean, deviation) = (mean * 1e3, deviation * 1e3);
+            let edge = |x: f64| [x, mean - deviation, mean + deviation];
+            if found.len() == 1 {
+                panel = panel.mark(Mark::Band { points: vec![edge(x.low), edge(x.high)], color });
+            }
+            panel = panel.mark(Mark::dashed(vec![[x.low, mean], [x.high, mean]], color));
+        }
+        let dots = Mark::Points { points: at, color, shape: Shape::Disc, radius: 2.2 };
+        panel = panel.named(name, dots);
+    }
+    match given {
+        Some(d) => panel.named("given", Mark::line(vec![[x.low, d], [x.high, d]], palette::INK)),
+        None => panel,
+    }
+}
+
+fn caption(arguments: &Arguments, field: &HeightField, found: &[Found]) -> String {
+    let name = arguments.surface_name.as_deref().or(arguments.surface.surface.as_deref()).unwrap_or("elaphe");
+    let lines: Vec<String> = found.iter().map(|of| format!("Order {}: {}.", of.order, of.line())).collect();
+    format!(
+        "{}; light from θ = {}° in the plane of N and {}. {} Right: dashed lines are the means, a band the standard \
+         deviation.\n{}",
+        words::surface(name, field),
+        arguments.theta_i,
+        arguments.axis.name(),
+        words::sentence(&words::optics(&arguments.optics)),
+        lines.join(" ")
+    )
+}

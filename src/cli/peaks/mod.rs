@@ -1,0 +1,231 @@
+//! `diffract peaks`: where each wavelength goes, against the grating equation.
+
+mod figure;
+mod report;
+mod sweep;
+
+use super::options::{self, DeviceOptions, OpticsOptions, SurfaceOptions};
+use super::range::Range;
+use super::{answers, say, write};
+use crate::error::{Error, Result};
+use crate::figure::Format;
+use crate::output;
+use clap::{Args, ValueEnum};
+use report::{Found, Report};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use sweep::Sweep;
+
+/// Most evaluations: a software device makes them in minutes.
+const MAX_EVALUATIONS: usize = 50_000_000;
+/// Evaluations by the direct sum from which on a word of warning is due: minutes on a patch of 65 µm.
+const MANY_SUMS: usize = 20_000;
+/// Largest order that can be named.
+const MAX_ORDER: u32 = 1000;
+/// Most orders in one search.
+const MAX_ORDERS: usize = 6;
+/// Periods that diffract light \[µm\].
+const PERIODS: (f64, f64) = (0.01, 1e4);
+/// Where the light can stand \[degrees\]: in the horizon it reflects nothing.
+const THETA_I: (f64, f64) = (-89.99, 89.99);
+/// Fewest angles that can have a maximum inside.
+const FEWEST_ANGLES: usize = 3;
+
+/// Arguments of `peaks`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Angles are in degrees from the normal toward the axis, for the light and for the viewer, so the mirror
+direction stands at minus theta-i. The answer is CSV: wavelength [nm], angle of the largest BRDF in the range [degrees],
+period d = m wavelength/|sin angle + sin theta-i| [nm], response [1/sr]. Cells stay empty where nothing is reflected or,
+in the mirror direction, every period fits. One order has the whole range of angles; of several, each has what is at most
+half an order away from where --period sends it, and a column `order`. With --windows the period of each window alone is
+told beside that of their average.
+
+Examples:
+  diffract peaks blaze --theta-i -75 --angles 38:57:0.01
+  diffract peaks blaze --theta-i -75 --angles 0:60:0.05 --order 1,2,3 --period 2.5um --plot orders.png
+  diffract peaks elaphe --theta-i 75 --angles -40:-10:0.01 --wavelengths 400:700:5 -o fingers.csv --json fingers.json"
+)]
+pub struct Arguments {
+    /// Height field: a file or a built-in name
+    surface_name: Option<String>,
+    /// Where the light stands, in degrees from the normal toward the axis
+    #[arg(long, value_name = "DEG", value_parser = theta_i, allow_hyphen_values = true)]
+    theta_i: f64,
+    /// Wavelengths in nm
+    #[arg(
+        long, value_name = "LO:HI:STEP", value_parser = wavelengths, allow_hyphen_values = true,
+        default_value = "380:780:1"
+    )]
+    wavelengths: Range,
+    /// View angles to search, in degrees from the normal toward the axis
+    #[arg(long, value_name = "LO:HI:STEP", value_parser = angles, allow_hyphen_values = true)]
+    angles: Range,
+    /// The axis of the plane of incidence
+    #[arg(long, value_enum, default_value_t)]
+    axis: Axis,
+    /// Order of diffraction that the peak is taken for; several, as in 1,2,3, need --period
+    #[arg(long, value_name = "M[,M...]", value_parser = orders, allow_hyphen_values = true, default_value = "1")]
+    order: Orders,
+    /// Period that is expected, as in 2.5um: its grating equation is drawn, and several orders are told apart by it
+    #[arg(long, value_name = "LENGTH", value_parser = period, allow_hyphen_values = true)]
+    period: Option<f64>,
+    /// Where the table goes, instead of stdout
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Write mean and standard deviation as JSON too
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// A labelled figure of responses, peaks and the grating equation: .svg or .png
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    #[command(flatten)]
+    surface: SurfaceOptions,
+    #[command(flatten)]
+    optics: OpticsOptions,
+    #[command(flatten)]
+    device: DeviceOptions,
+}
+
+/// An axis of the tangent frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Axis {
+    /// To the right in a height image
+    #[default]
+    X,
+    /// Up in a height image
+    Y,
+}
+
+impl Axis {
+    /// Azimuth \[degrees\].
+    fn azimuth(self) -> f64 {
+        match self {
+            Self::X => 0.0,
+            Self::Y => 90.0,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::X => "x",
+            Self::Y => "y",
+        }
+    }
+}
+
+fn theta_i(text: &str) -> Result<f64> {
+    options::real(text, THETA_I, "angle of the light")
+}
+
+fn wavelengths(text: &str) -> Result<Range> {
+    const NM_PER_UM: f64 = 1e3;
+    let (low, high) = answers::WAVELENGTHS;
+    Range::parse(text, (low * NM_PER_UM, high * NM_PER_UM), "wavelengths in nm")
+}
+
+fn angles(text: &str) -> Result<Range> {
+    let range = Range::parse(text, (-90.0, 90.0), "angles in degrees")?;
+    if range.count() < FEWEST_ANGLES {
+        return Err(Error::usage(
+            format!("`{text}` are {} angles, and a peak has two sides", range.count()),
+            "give a smaller step or a wider range",
+        ));
+    }
+    Ok(range)
+}
+
+/// Orders of diffraction, each once.
+#[derive(Clone, Debug)]
+struct Orders(Vec<u32>);
+
+fn orders(text: &str) -> Result<Orders> {
+    let one = |word: &str| {
+        word.trim().parse().ok().filter(|m| (1..=MAX_ORDER).contains(m)).ok_or_else(|| {
+            Error::usage(
+                format!("`{text}` is no order of diffraction"),
+                format!("give a whole number from 1 to {MAX_ORDER}, or several as in 1,2,3; the side is in the angles"),
+            )
+        })
+    };
+    let mut orders = text.split(',').map(one).collect::<Result<Vec<u32>>>()?;
+    orders.sort_unstable();
+    orders.dedup();
+    if orders.len() > MAX_ORDERS {
+        return Err(Error::usage(
+            format!("{} orders are too many", orders.len()),
+            format!("give at most {MAX_ORDERS}"),
+        ));
+    }
+    Ok(Orders(orders))
+}
+
+fn period(text: &str) -> Result<f64> {
+    options::length_within(text, PERIODS, "period")
+}
+
+/// Searches and reports.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.plot.as_deref().map(Format::of).transpose()?;
+    for path in [&arguments.output, &arguments.json, &arguments.plot].into_iter().flatten() {
+        output::check(path)?;
+    }
+    answers::check_single_wavelengths(arguments.optics.method)?;
+    if arguments.order.0.len() > 1 && arguments.period.is_none() {
+        return Err(Error::usage(
+            "several orders cannot be told apart without a period",
+            "add --period, as in --period 2.5um, or name one order",
+        ));
+    }
+    let evaluations = arguments.wavelengths.count().saturating_mul(arguments.angles.count());
+    if evaluations > MAX_EVALUATIONS {
+        return Err(Error::usage(
+            format!("{evaluations} evaluations are more than the {MAX_EVALUATIONS} that are made at once"),
+            "give a larger step to --angles or --wavelengths",
+        ));
+    }
+    let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
+    let mut windows: Vec<Vec<Found>> = Vec::new();
+    let sweep = Sweep::of(arguments, &field, |one| windows.push(find(arguments, one)))?;
+    let found = find(arguments, &sweep);
+    write::text(arguments.output.as_deref(), &report::table(&found))?;
+    tell(&found, &windows);
+    if let Some(path) = &arguments.plot {
+        figure::figure(arguments, &field, &sweep, &found).save(path)?;
+    }
+    arguments.json.as_deref().map_or(Ok(()), |path| json(arguments, path, &found, &windows))
+}
+
+/// The peaks of every order that is asked for.
+fn find(arguments: &Arguments, sweep: &Sweep) -> Vec<Found> {
+    let orders = &arguments.order.0;
+    // One order has the whole range, as it always had.
+    let apart = arguments.period.filter(|_| orders.len() > 1);
+    orders.iter().map(|&m| Found::new(m, sweep.peaks(arguments.theta_i, m, apart))).collect()
+}
+
+/// The periods, a line each on stderr.
+fn tell(found: &[Found], windows: &[Vec<Found>]) {
+    for (i, of) in found.iter().enumerate() {
+        let which = if found.len() > 1 { format!("order {}: ", of.order) } else { String::new() };
+        for (window, alone) in windows.iter().enumerate() {
+            say(&format_args!("{which}window {} of {}: {}", window + 1, windows.len(), alone[i].line()));
+        }
+        let average = if windows.is_empty() { "" } else { "all windows: " };
+        say(&format_args!("{which}{average}{}", of.line()));
+    }
+}
+
+/// One report for one order, a list of them for several.
+fn json(arguments: &Arguments, path: &Path, found: &[Found], windows: &[Vec<Found>]) -> Result<()> {
+    let report = |(i, of): (usize, &Found)| {
+        let alone: Vec<&Found> = windows.iter().map(|window| &window[i]).collect();
+        Report::new(arguments.theta_i, arguments.axis, of, &alone)
+    };
+    let reports: Vec<Report> = found.iter().enumerate().map(report).collect();
+    match &reports[..] {
+        [only] => write::json(path, only),
+        all => write::json(path, &all),
+    }
+}

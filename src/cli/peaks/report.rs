@@ -1,0 +1,122 @@
+//! What the peaks say, as CSV, as a line and as JSON.
+
+use super::Axis;
+use crate::measure::peaks::{Peak, Statistics};
+use serde::Serialize;
+use std::fmt::Write;
+
+/// The peaks of one order.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// m.
+    pub order: u32,
+    /// One for each wavelength.
+    pub peaks: Vec<Peak>,
+    /// Over all of them.
+    pub statistics: Statistics,
+}
+
+impl Found {
+    /// `peaks` of `order`.
+    pub fn new(order: u32, peaks: Vec<Peak>) -> Self {
+        let statistics = Statistics::of(&peaks);
+        Self { order, peaks, statistics }
+    }
+
+    /// The period in a line.
+    pub fn line(&self) -> String {
+        let nm = |d: Option<f64>| d.map(nanometres);
+        let period = match (nm(self.statistics.mean), nm(self.statistics.deviation)) {
+            (Some(mean), Some(deviation)) => {
+                format!("period {mean:.3} nm, standard deviation {deviation:.3} nm")
+            }
+            (Some(mean), None) => format!("period {mean:.3} nm"),
+            (None, _) => "no period".to_owned(),
+        };
+        let (clear, all) = (self.statistics.clear, self.peaks.len());
+        format!("{period}; {clear} of {all} wavelengths have a clear peak in the range")
+    }
+}
+
+/// The CSV; with several orders, another column says which.
+pub fn table(found: &[Found]) -> String {
+    let cell = |value: Option<f64>| value.map(|x| x.to_string()).unwrap_or_default();
+    let several = found.len() > 1;
+    let mut text = format!("wavelength,angle,period,response{}\n", if several { ",order" } else { "" });
+    for of in found {
+        for peak in &of.peaks {
+            let (angle, period) = (cell(peak.angle), cell(peak.period.map(nanometres)));
+            let order = if several { format!(",{}", of.order) } else { String::new() };
+            // Writing to a string cannot fail.
+            let _ =
+                writeln!(text, "{},{angle},{period},{:e}{order}", nanometres(peak.wavelength), peak.response);
+        }
+    }
+    text
+}
+
+/// nm from µm, without the last bits that the change of units adds.
+fn nanometres(micrometres: f64) -> f64 {
+    (micrometres * 1e12).round() / 1e9
+}
+
+/// What is said about all wavelengths, as JSON has it.
+#[derive(Serialize)]
+pub struct Report {
+    theta_i: f64,
+    axis: Axis,
+    order: u32,
+    /// Wavelengths that were asked for.
+    wavelengths: usize,
+    /// Those that have a period.
+    with_period: usize,
+    /// Those whose maximum lies inside the range of angles.
+    clear: usize,
+    /// Over those that have a period.
+    period_nm: Summary,
+    /// The same through each window alone, where several are averaged.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    windows: Vec<Window>,
+}
+
+/// `None` where there are too few wavelengths \[nm\].
+#[derive(Serialize)]
+struct Summary {
+    mean: Option<f64>,
+    standard_deviation: Option<f64>,
+}
+
+/// What one window says.
+#[derive(Serialize)]
+struct Window {
+    clear: usize,
+    period_nm: Summary,
+}
+
+impl Summary {
+    fn of(statistics: &Statistics) -> Self {
+        Self {
+            mean: statistics.mean.map(|d| d * 1e3),
+            standard_deviation: statistics.deviation.map(|d| d * 1e3),
+        }
+    }
+}
+
+impl Report {
+    /// Of one order, and of the same order through each window alone.
+    pub fn new(theta_i: f64, axis: Axis, found: &Found, windows: &[&Found]) -> Self {
+        let statistics = &found.statistics;
+        let window =
+            |of: &&Found| Window { clear: of.statistics.clear, period_nm: Summary::of(&of.statistics) };
+        Self {
+            theta_i,
+            axis,
+            order: found.order,
+            wavelengths: found.peaks.len(),
+            with_period: statistics.count,
+            clear: statistics.clear,
+            period_nm: Summary::of(statistics),
+            windows: windows.iter().map(window).collect(),
+        }
+    }
+}

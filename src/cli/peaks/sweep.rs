@@ -1,0 +1,95 @@
+//! The response over wavelengths and view angles, and the peaks in it.
+
+use super::{Arguments, MANY_SUMS};
+use crate::cli::answers::{self, Answers};
+use crate::cli::options::Method;
+use crate::cli::say;
+use crate::error::Result;
+use crate::measure::peaks::Peak;
+use crate::memory;
+use crate::optics::geometry::{Pair, direction};
+use crate::render::evaluator::Query;
+use crate::surface::HeightField;
+
+/// The response at every wavelength and angle.
+pub struct Sweep {
+    /// Wavelengths \[µm\], growing.
+    pub wavelengths: Vec<f64>,
+    /// View angles \[degrees\], growing.
+    pub angles: Vec<f64>,
+    /// The BRDF \[sr⁻¹\], wavelength by wavelength.
+    pub responses: Vec<f64>,
+}
+
+impl Sweep {
+    /// Averaged over the windows that `arguments` ask for, of the `field`; `each` is shown the sweep of every window.
+    pub fn of(arguments: &Arguments, field: &HeightField, mut each: impl FnMut(&Self)) -> Result<Self> {
+        let [n, m] = arguments.optics.windows;
+        if [n, m] == [1, 1] {
+            return Self::through_one(arguments, field);
+        }
+        let mut mean: Option<Self> = None;
+        for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
+            // A window elsewhere on the endless surface is this window on the surface moved: by whole samples, which are
+            // far smaller than a window.
+            let samples = |part: u32, of: u32, all: usize| {
+                (f64::from(part) / f64::from(of) * all as f64).round() as usize
+            };
+            let moved = field.moved(samples(i, n, field.columns()), samples(j, m, field.rows()));
+            let sweep = Self::through_one(arguments, &moved)?;
+            each(&sweep);
+            match &mut mean {
+                None => mean = Some(sweep),
+                Some(sum) => sum.responses.iter_mut().zip(&sweep.responses).for_each(|(sum, f)| *sum += f),
+            }
+        }
+        let mut mean = match mean {
+            Some(mean) => mean,
+            None => return Self::through_one(arguments, field),
+        };
+        let count = f64::from(n) * f64::from(m);
+        mean.responses.iter_mut().for_each(|f| *f /= count);
+        Ok(mean)
+    }
+
+    fn through_one(arguments: &Arguments, field: &HeightField) -> Result<Self> {
+        let optics = &arguments.optics;
+        let mut shading = optics.monochrome();
+        shading.windows = [1, 1];
+        let wavelengths: Vec<f64> = arguments.wavelengths.values().iter().map(|nm| nm / 1e3).collect();
+        let angles = arguments.angles.values();
+        let evaluations = wavelengths.len() * angles.len();
+        // This sweep and the mean.
+        memory::ensure_room(evaluations as u64 * 2 * size_of::<f64>() as u64, "the sweep")?;
+        if optics.method == Method::Reference && evaluations > MANY_SUMS {
+            say(&format_args!("{evaluations} direct sums take their time; --method spectral is faster"));
+        }
+        let mut answers =
+            Answers::prepare(optics.method, &arguments.device.wish(), field, &shading, wavelengths[0])?;
+        answers.announce(evaluations);
+        let azimuth = arguments.axis.azimuth();
+        let light = direction(arguments.theta_i, azimuth);
+        let pairs: Vec<Pair> = angles.iter().map(|&a| Pair::new(light, direction(a, azimuth))).collect();
+        let mut responses = Vec::with_capacity(evaluations);
+        // Whole wavelengths at a time, as many as make a submission worth it.
+        for part in wavelengths.chunks((answers::AT_ONCE / angles.len()).max(1)) {
+            let of_one = |&wavelength: &f64| {
+                pairs.iter().map(move |&pair| Query { pair, wavelength: Some(wavelength) })
+            };
+            let queries: Vec<Query> = part.iter().flat_map(of_one).collect();
+            responses.extend(answers.brdf(&queries)?.iter().map(|f| f.x));
+        }
+        answers.finish()?;
+        Ok(Self { wavelengths, angles, responses })
+    }
+
+    /// The peak of each wavelength for `order`: in all the range, or, with a `period` \[µm\], within half an order.
+    pub fn peaks(&self, theta_i: f64, order: u32, period: Option<f64>) -> Vec<Peak> {
+        let sweeps = self.wavelengths.iter().zip(self.responses.chunks(self.angles.len()));
+        let peak = |(&wavelength, responses): (&f64, &[f64])| match period {
+            None => Peak::find(wavelength, theta_i, order, &self.angles, responses),
+            Some(d) => Peak::find_near(wavelength, theta_i, order, &self.angles, responses, d),
+        };
+        sweeps.map(peak).collect()
+    }
+}

@@ -1,0 +1,114 @@
+//! `diffract view`: a scene in a window.
+
+use super::options::{
+    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions, real,
+};
+use super::{check_validation, validation};
+use crate::error::{Error, Result};
+use crate::optics::coherence::Coherence;
+use crate::scene::Scene;
+use crate::surface::synth::Kind;
+use crate::units;
+use crate::viewer::{self, Start};
+use ash::vk;
+use clap::{Args, ValueEnum};
+
+/// Arguments of `view`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  diffract view
+  diffract view disc --surface blaze
+  diffract view mesh.obj --surface scan.png --pixel-size 97.66nm --height 434.7nm
+
+Left drag orbits, right drag moves the light, the wheel zooms. F1 lists all keys.
+S saves the picture with the `diffract render` that draws the same.")]
+pub struct Arguments {
+    /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
+    #[arg(default_value = "snake")]
+    scene: String,
+    /// Width and height of the window in pixels
+    #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "1280x800")]
+    size: [u32; 2],
+    /// Frames a second to keep up while something moves, by leaving work out
+    #[arg(long, value_name = "N", value_parser = fps, allow_hyphen_values = true, default_value = "15")]
+    fps: f64,
+    /// How frames are presented; immediate and mailbox do not wait for the display
+    #[arg(long, value_enum, default_value_t)]
+    present: Present,
+    #[command(flatten)]
+    view: ViewOptions,
+    #[command(flatten)]
+    surface: SurfaceOptions,
+    #[command(flatten)]
+    optics: OpticsOptions,
+    #[command(flatten)]
+    colour: ColourOptions,
+    #[command(flatten)]
+    device: DeviceOptions,
+}
+
+/// How frames are presented.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Present {
+    /// One after another, at the display's pace
+    #[default]
+    Fifo,
+    /// The newest at the display's pace
+    Mailbox,
+    /// At once
+    Immediate,
+}
+
+fn fps(text: &str) -> Result<f64> {
+    real(text, (0.1, 1000.0), "number of frames a second")
+}
+
+/// Opens the window.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    if arguments.optics.method == Method::Reference {
+        return Err(Error::usage(
+            "--method reference is too slow for a window",
+            "use --method spectral; E in the window measures its error against the reference",
+        ));
+    }
+    let shading = arguments.optics.shading(&arguments.colour)?.for_pictures();
+    let Coherence::Gaussian { length } = shading.coherence else {
+        return Err(Error::usage(
+            "a window does not do --coherence repeats yet",
+            "use --coherence gaussian:LENGTH, or `diffract eval --method reference`",
+        ));
+    };
+    if shading.windows != [1, 1] {
+        return Err(Error::usage("a window does one coherence window only", "leave --windows away"));
+    }
+    let plain = Scene::open(&arguments.scene)?;
+    let mut scene = plain.clone();
+    arguments.view.apply(&mut scene)?;
+    let surface = arguments.surface.source(None, Some(&scene), "elaphe")?;
+    if Kind::from_name(&surface.name).is_none() {
+        surface.load()?; // a file that is none is told before a window opens
+    }
+    let messages = viewer::run(Start {
+        name: arguments.scene.clone(),
+        scene,
+        plain,
+        surface,
+        basis: shading.basis,
+        tolerance: shading.tolerance,
+        terms: shading.terms,
+        wavelengths: shading.wavelengths,
+        coherence: length,
+        ior: shading.ior,
+        illuminant: arguments.colour.illuminant.clone(),
+        size: arguments.size,
+        fps: arguments.fps,
+        present: match arguments.present {
+            Present::Fifo => vk::PresentModeKHR::FIFO,
+            Present::Mailbox => vk::PresentModeKHR::MAILBOX,
+            Present::Immediate => vk::PresentModeKHR::IMMEDIATE,
+        },
+        wish: arguments.device.wish(),
+        validation: validation(),
+    })?;
+    check_validation(&messages)
+}

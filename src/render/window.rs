@@ -1,0 +1,92 @@
+//! The pass that puts displayed pictures into a window.
+
+use super::shader;
+use crate::error::Result;
+use crate::vk::commands::Recorder;
+use crate::vk::descriptors::{Binding, Descriptors};
+use crate::vk::device::Device;
+use crate::vk::image::Image;
+use crate::vk::pipeline::{Drawing, Pipeline};
+use crate::vk::sampler::Sampler;
+use ash::vk;
+use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
+
+/// Where the pictures lie in the window, in pixels; the push constants of `window.frag`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Place {
+    /// What the picture takes of the window, from the upper left corner.
+    pub area: [f32; 2],
+    /// Pixels that were drawn of the left picture.
+    pub left: [f32; 2],
+    /// Pixels that were drawn of the right picture.
+    pub right: [f32; 2],
+    /// Column where the right picture begins; `area[0]` for the left one alone.
+    pub split: f32,
+}
+
+/// The pipeline over window images of one format.
+pub struct WindowPass {
+    pipeline: Pipeline,
+    sampler: Sampler,
+    device: Arc<Device>,
+}
+
+/// The pictures that one frame shows; kept until the device is done with the frame.
+pub struct Pictures {
+    descriptors: Descriptors,
+    images: Option<[Arc<Image>; 2]>,
+}
+
+impl WindowPass {
+    /// A pass into images of `format`.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Self> {
+        let layout = bindings(device)?;
+        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[format], depth: None };
+        let (vertex, fragment) = (shader!("display.vert"), Some(shader!("window.frag")));
+        let push = size_of::<Place>() as u32;
+        let pipeline = Pipeline::graphics(device, vertex, fragment, &drawing, &layout, push)?;
+        let sampler = Sampler::linear(device, "window sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
+        Ok(Self { pipeline, sampler, device: device.clone() })
+    }
+
+    /// Room for the pictures of one frame in flight.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn pictures(&self) -> Result<Pictures> {
+        Ok(Pictures { descriptors: bindings(&self.device)?, images: None })
+    }
+
+    /// Points `pictures` at two images. The device must be done with its frame.
+    pub fn show(&self, pictures: &mut Pictures, left: &Arc<Image>, right: &Arc<Image>) {
+        let same = |[a, b]: &[Arc<Image>; 2]| Arc::ptr_eq(a, left) && Arc::ptr_eq(b, right);
+        if pictures.images.as_ref().is_some_and(same) {
+            return;
+        }
+        pictures.descriptors.image(0, left, &self.sampler);
+        pictures.descriptors.image(1, right, &self.sampler);
+        pictures.images = Some([left.clone(), right.clone()]);
+    }
+
+    /// Draws `pictures` while rendering to the window is open.
+    pub fn draw(&self, draw: &Recorder<'_>, pictures: &Pictures, place: &Place) {
+        draw.bind(&self.pipeline, &pictures.descriptors);
+        draw.push(&self.pipeline, bytemuck::bytes_of(place));
+        draw.draw(3);
+    }
+}
+
+/// A set with two images for the fragment stage.
+pub(super) fn bindings(device: &Arc<Device>) -> Result<Descriptors> {
+    let binding = |number| Binding {
+        number,
+        kind: vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
+        stages: vk::ShaderStageFlags::FRAGMENT,
+    };
+    Descriptors::new(device, "two pictures", &[binding(0), binding(1)])
+}

@@ -1,0 +1,62 @@
+//! The hemisphere of one light, small and live.
+
+use crate::error::Result;
+use crate::optics::color;
+use crate::optics::geometry::{Pair, direction};
+use crate::render::evaluator::Query;
+use crate::render::picture::Painter;
+use crate::scene::Light;
+use glam::DVec3;
+
+/// Points along a side.
+pub const SIDE: usize = 72;
+
+/// The BRDF of a flat piece of the surface toward every direction, seen from above, as `diffract brdf` maps it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inset {
+    /// The light.
+    pub light: Light,
+    /// sRGB of each point from the upper left, `None` below the horizon.
+    pub points: Vec<Option<[u8; 3]>>,
+}
+
+/// ω_r of point `index`; `None` outside the disc.
+fn view(index: usize) -> Option<DVec3> {
+    let centre = |i: usize| 2.0 * (i as f64 + 0.5) / SIDE as f64 - 1.0;
+    let (x, y) = (centre(index % SIDE), -centre(index / SIDE));
+    let z = 1.0 - x * x - y * y;
+    (z > 0.0).then(|| DVec3::new(x, y, z.sqrt()))
+}
+
+/// The hemisphere that `light` makes, with the layers of `painter`. Exposed so that its brightest percent is white.
+///
+/// # Errors
+/// Where the device is lost.
+pub fn hemisphere(painter: &mut Painter, light: Light) -> Result<Inset> {
+    let toward = direction(light.theta.min(89.9), light.phi);
+    let views: Vec<Option<DVec3>> = (0..SIDE * SIDE).map(view).collect();
+    let query = |&view: &DVec3| Query { pair: Pair::new(toward, view), wavelength: None };
+    let queries: Vec<Query> = views.iter().flatten().map(query).collect();
+    let rgb: Vec<DVec3> =
+        painter.cosine_weighted(&queries)?.into_iter().map(color::xyz_to_linear_srgb).collect();
+    let mut brightness: Vec<f64> = rgb.iter().map(|c| c.max_element()).collect();
+    brightness.sort_by(f64::total_cmp);
+    let white = brightness.get(brightness.len() * 97 / 100).copied().unwrap_or(1.0).max(1e-12);
+    let mut colors = rgb.into_iter().map(|c| color::display(c / white, 0.0));
+    let points = views.iter().map(|v| v.and_then(|_| colors.next())).collect();
+    Ok(Inset { light, points })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_are_views_with_y_up_and_corners_are_none() {
+        assert_eq!(view(0), None);
+        let top = view(SIDE / 2).unwrap();
+        assert!(top.y > 0.9 && (top.length() - 1.0).abs() < 1e-12);
+        let right = view(SIDE * (SIDE / 2) + SIDE - 1).unwrap();
+        assert!(right.x > 0.9 && right.z > 0.0);
+    }
+}

@@ -1,0 +1,174 @@
+//! What panel, hand and threads share: the settings, and what there is to tell.
+
+use super::compare::{self, Compare};
+use super::graph::History;
+use super::judge::Verdict;
+use super::pace::{Pace, Rung};
+use super::settings::{Optics, Settings};
+use super::studio::{Exhibit, Stage};
+use super::worker::{Prepared, Role};
+use std::sync::Arc;
+
+/// What the window asks the program to do beside drawing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Wants {
+    /// Save the picture; with `true` as EXR too.
+    pub save: Option<bool>,
+    /// Measure the error.
+    pub measure: bool,
+    /// Back to how it began.
+    pub reset: bool,
+    /// Close the window.
+    pub close: bool,
+    /// Open a dropped file, or a scene by name.
+    pub open: Option<String>,
+    /// Turn to the point under this pixel.
+    pub focus: Option<[f32; 2]>,
+}
+
+/// A line for the user.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Message {
+    /// The text.
+    pub text: String,
+    /// Whether something went wrong.
+    pub bad: bool,
+}
+
+/// The state behind the window.
+pub struct Model {
+    /// What the user has set.
+    pub settings: Settings,
+    /// How it began.
+    pub original: Settings,
+    /// The settings of the optics that are shown; the user's may still be in the making.
+    pub applied: Settings,
+    /// The setting to compare with.
+    pub other: Optics,
+    /// What stands right of the split.
+    pub compare: Compare,
+    /// Where the split is, part of the picture's width.
+    pub split: f32,
+    /// Mesh and pigment.
+    pub stage: Arc<Stage>,
+    /// The user's setting, ready.
+    pub own: Option<Arc<Prepared>>,
+    /// The setting to compare with, ready.
+    pub judge: Option<Arc<Prepared>>,
+    /// For moving pictures, ready.
+    pub coarse: Option<Arc<Prepared>>,
+    /// Steps done and steps in all of each role in the making.
+    pub progress: [Option<(usize, usize)>; 3],
+    /// What is shown.
+    pub exhibit: Option<Exhibit>,
+    /// Frame times.
+    pub history: History,
+    /// What to leave out while moving.
+    pub pace: Pace,
+    /// Frames a second that the user wants while moving.
+    pub fps: f64,
+    /// The last measured error, for as long as it belongs to what is shown.
+    pub verdict: Option<Verdict>,
+    /// Something to say.
+    pub message: Option<Message>,
+    /// Whether the panel is there.
+    pub panel: bool,
+    /// Whether the list of keys is there.
+    pub help: bool,
+    /// Whether frames are drawn without end.
+    pub continuous: bool,
+    /// Whether the hemisphere is there.
+    pub inset: bool,
+    /// Whether something moves.
+    pub moving: bool,
+    /// Pixels of the picture.
+    pub size: [u32; 2],
+    /// The device's name.
+    pub device: String,
+    /// Bytes of memory that the device's resources take.
+    pub memory: u64,
+    /// How frames are presented.
+    pub present: &'static str,
+    /// What is asked for.
+    pub wants: Wants,
+}
+
+impl Model {
+    /// The state at the start.
+    pub fn new(settings: Settings, stage: Arc<Stage>, fps: f64, device: String) -> Self {
+        Self {
+            original: settings.clone(),
+            applied: settings.clone(),
+            other: compare::strict(&settings.optics),
+            settings,
+            compare: Compare::Alone,
+            split: 0.5,
+            stage,
+            own: None,
+            judge: None,
+            coarse: None,
+            progress: [None; 3],
+            exhibit: None,
+            history: History::default(),
+            pace: Pace::new(fps),
+            fps,
+            verdict: None,
+            message: None,
+            panel: true,
+            help: false,
+            continuous: false,
+            inset: true,
+            moving: false,
+            size: [0, 0],
+            device,
+            memory: 0,
+            present: "",
+            wants: Wants::default(),
+        }
+    }
+
+    /// The settings of the picture that is shown: optics that are ready, and everything else at once.
+    pub fn shown(&self) -> Settings {
+        let (now, done) = (&self.settings, &self.applied);
+        Settings {
+            scene: done.scene.clone(),
+            lights: now.lights.clone(),
+            exposure: now.exposure,
+            base_color: now.base_color,
+            camera: now.camera,
+            ..done.clone()
+        }
+    }
+
+    /// How much a frame does now.
+    pub fn rung(&self) -> Rung {
+        if !self.moving {
+            // The first picture of all comes at once, if coarsely.
+            return if self.exhibit.is_some() { Rung::Whole } else { Rung::Quarter };
+        }
+        self.pace.moving(self.coarse.is_some() && self.compare == Compare::Alone)
+    }
+
+    /// A line for the user.
+    pub fn say(&mut self, text: impl Into<String>) {
+        self.message = Some(Message { text: text.into(), bad: false });
+    }
+
+    /// A line for the user about what went wrong.
+    pub fn complain(&mut self, error: &crate::error::Error) {
+        self.message = Some(Message { text: error.to_string(), bad: true });
+    }
+
+    /// What is being made, in words, and how far it is.
+    pub fn making(&self) -> Option<(&'static str, f32)> {
+        let named = [
+            (Role::Own, "computing spectra"),
+            (Role::Other, "computing spectra to compare with"),
+            (Role::Coarse, "computing spectra for moving"),
+        ];
+        named.into_iter().find_map(|(role, name)| {
+            let (done, of) = self.progress[role as usize]?;
+            Some((name, done as f32 / of.max(1) as f32))
+        })
+    }
+}

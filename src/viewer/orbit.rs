@@ -1,0 +1,161 @@
+//! From the hand to camera and light: pure geometry, no window.
+
+use crate::scene::{Camera, Light, Mesh};
+use glam::{Vec2, Vec3};
+
+/// What a drag moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drag {
+    /// The camera around its target.
+    Orbit,
+    /// The camera and its target sideways.
+    Pan,
+    /// The first light over the hemisphere.
+    Light,
+}
+
+/// Half a turn for a drag across the height of the picture.
+const TURN: f32 = std::f32::consts::PI;
+/// The eye and the light stay this far from the poles \[rad\]: a hand that drags across a pole loses its bearings there.
+const POLE: f32 = 0.01;
+/// A step of the wheel brings the camera closer by this factor.
+const ZOOM: f32 = 0.88;
+
+/// `camera` after a drag by `pixels` (x right, y down) in a picture `height` pixels high.
+pub fn dragged(camera: Camera, drag: Drag, pixels: Vec2, height: f32) -> Camera {
+    let part = pixels / height.max(1.0);
+    match drag {
+        Drag::Orbit => Camera {
+            phi: (camera.phi - part.x * TURN).rem_euclid(2.0 * std::f32::consts::PI),
+            theta: (camera.theta - part.y * TURN).clamp(POLE, std::f32::consts::PI - POLE),
+            ..camera
+        },
+        Drag::Pan => {
+            // What is at the target's distance stays under the pointer.
+            let across = 2.0 * camera.distance * (camera.field_of_view / 2.0).tan();
+            let forward = (camera.target - camera.eye()).normalize_or(Vec3::Y);
+            let right = forward.cross(Vec3::Z).normalize_or(Vec3::X);
+            let up = right.cross(forward);
+            Camera { target: camera.target + across * (up * part.y - right * part.x), ..camera }
+        }
+        Drag::Light => camera,
+    }
+}
+
+/// `light` after a drag by `pixels` in a picture `height` pixels high, seen by `camera`: the light follows the hand, right
+/// to the right and up away from the viewer, as a lamp on the far side of the hemisphere would.
+pub fn light_dragged(light: Light, camera: Camera, pixels: Vec2, height: f32) -> Light {
+    let part = pixels / height.max(1.0);
+    let (theta, phi) = ((light.theta as f32).to_radians(), (light.phi as f32).to_radians());
+    // On the disc that is the hemisphere seen from above, radius θ: no pole to get stuck at.
+    let place = Vec2::from_angle(phi) * theta;
+    let away = Vec2::from_angle(camera.phi + std::f32::consts::PI);
+    let right = Vec2::new(away.y, -away.x);
+    let moved = place + (right * part.x - away * part.y) * TURN;
+    let length = moved.length();
+    let theta = f64::from(length.to_degrees()).clamp(0.0, 89.0);
+    let phi = if length > 1e-4 { f64::from(moved.to_angle().to_degrees()) } else { light.phi };
+    // A tenth of a degree is finer than a hand, and short to write on a command line.
+    let tenth = |x: f64| (x * 10.0).round() / 10.0;
+    Light { theta: tenth(theta), phi: tenth(phi), ..light }
+}
+
+/// `camera` after `steps` of the wheel, forward positive, around a scene of `radius`.
+pub fn zoomed(camera: Camera, steps: f32, radius: f32) -> Camera {
+    let distance = camera.distance * ZOOM.powf(steps.clamp(-20.0, 20.0));
+    Camera { distance: distance.clamp(radius * 0.02, radius * 50.0), ..camera }
+}
+
+/// The point of `mesh` under pixel `at` of a picture of `size`, if any.
+pub fn hit(camera: &Camera, mesh: &Mesh, at: Vec2, size: [u32; 2]) -> Option<Vec3> {
+    let bounds = mesh.bounds();
+    let world = camera.clip_from_world(size, bounds.centre, bounds.radius).inverse();
+    let clip = at / Vec2::new(size[0] as f32, size[1] as f32) * 2.0 - 1.0;
+    let eye = camera.eye();
+    let ray = (world.project_point3(clip.extend(0.5)) - eye).normalize_or_zero();
+    let corner = |i: u32| Vec3::from(mesh.vertices()[i as usize].position);
+    let distances = mesh.indices().chunks_exact(3).filter_map(|t| {
+        let [a, b, c] = [corner(t[0]), corner(t[1]), corner(t[2])];
+        crossing(eye, ray, a, b - a, c - a)
+    });
+    distances.min_by(f32::total_cmp).map(|t| eye + ray * t)
+}
+
+/// How far along `ray` from `eye` it meets the triangle at `a` with the edges `e` and `f` (Möller and Trumbore 1997).
+fn crossing(eye: Vec3, ray: Vec3, a: Vec3, e: Vec3, f: Vec3) -> Option<f32> {
+    let p = ray.cross(f);
+    let determinant = e.dot(p);
+    if determinant == 0.0 {
+        return None;
+    }
+    let s = eye - a;
+    let u = s.dot(p) / determinant;
+    let q = s.cross(e);
+    let v = ray.dot(q) / determinant;
+    let t = f.dot(q) / determinant;
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some(t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::primitives;
+
+    fn camera() -> Camera {
+        Camera::looking(Vec3::new(0.0, -3.0, 1.0), Vec3::ZERO, 0.6).unwrap()
+    }
+
+    #[test]
+    fn a_drag_to_the_right_turns_what_is_seen_to_the_right() {
+        let turned = dragged(camera(), Drag::Orbit, Vec2::new(100.0, 0.0), 400.0);
+        // A point at the front, seen by the turned camera, has moved right.
+        let clip = turned.clip_from_world([400, 400], Vec3::ZERO, 2.0);
+        assert!(clip.project_point3(Vec3::new(0.0, -1.0, 0.0)).x > 0.1);
+        assert_eq!(turned.distance, camera().distance);
+        let above = dragged(camera(), Drag::Orbit, Vec2::new(0.0, 1e6), 400.0);
+        assert!(
+            above.theta > 0.0 && above.eye().z > 2.9,
+            "dragging down looks from above, and stops at the pole"
+        );
+    }
+
+    #[test]
+    fn what_is_panned_stays_under_the_pointer() {
+        let (size, start) = ([640, 480], camera());
+        let before = start.clip_from_world(size, Vec3::ZERO, 2.0).project_point3(start.target);
+        let panned = dragged(start, Drag::Pan, Vec2::new(64.0, -30.0), 480.0);
+        let after = panned.clip_from_world(size, Vec3::ZERO, 2.0).project_point3(start.target);
+        let moved = (after - before).truncate() * Vec2::new(320.0, 240.0);
+        assert!((moved - Vec2::new(64.0, -30.0)).length() < 0.5, "{moved}");
+    }
+
+    #[test]
+    fn the_wheel_zooms_within_limits() {
+        let near = zoomed(camera(), 1.0, 1.0);
+        assert!(near.distance < camera().distance);
+        assert!((zoomed(near, -1.0, 1.0).distance - camera().distance).abs() < 1e-5);
+        assert!((0..100).fold(camera(), |c, _| zoomed(c, 9.0, 1.0)).distance >= 0.02);
+    }
+
+    #[test]
+    fn a_light_crosses_the_zenith_and_stays_above_the_horizon() {
+        let light = Light { theta: 10.0, phi: 90.0, intensity: 2.0 };
+        // The camera looks toward +y, so away is +y: up moves the light from the far side farther away.
+        let away = light_dragged(light, camera(), Vec2::new(0.0, -40.0), 400.0);
+        assert!(away.theta > light.theta && (away.phi - 90.0).abs() < 0.2, "{away:?}");
+        let across = light_dragged(light, camera(), Vec2::new(0.0, 80.0), 400.0);
+        assert!((across.phi + 90.0).abs() < 0.2 && across.theta > 0.0, "{across:?}");
+        let right = light_dragged(Light { theta: 0.0, ..light }, camera(), Vec2::new(80.0, 0.0), 400.0);
+        assert!(right.direction().x > 0.3 && right.intensity == 2.0, "{right:?}");
+        assert_eq!(light_dragged(light, camera(), Vec2::new(1e5, 0.0), 400.0).theta, 89.0);
+    }
+
+    #[test]
+    fn a_click_finds_the_point_under_it_or_nothing() {
+        let plate = primitives::plate();
+        let above = Camera::looking(Vec3::new(0.0, -0.01, 4.0), Vec3::ZERO, 0.6).unwrap();
+        let middle = hit(&above, &plate, Vec2::new(100.0, 100.0), [200, 200]).unwrap();
+        assert!(middle.length() < 0.02, "{middle}");
+        assert!(hit(&above, &plate, Vec2::new(0.0, 0.0), [2000, 20]).is_none());
+    }
+}

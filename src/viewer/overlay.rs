@@ -1,0 +1,189 @@
+//! What stands on the picture: what is done, the split, the scale of errors, the hemisphere, messages, the list of keys.
+
+use super::compare::Compare;
+use super::hand::KEYS;
+use super::inset::{Inset, SIDE};
+use super::model::Model;
+use super::pace::Rung;
+use super::settings::Optics;
+use super::style;
+use crate::render::difference;
+use egui::{Align2, Color32, FontId, Grid, Mesh, Painter, Rect, RichText, Stroke, Ui, pos2, vec2};
+
+/// Space to the edge.
+const MARGIN: f32 = 12.0;
+
+/// Draws everything over the picture in `rect`.
+pub fn show(ui: &mut Ui, rect: Rect, model: &mut Model) {
+    let painter = ui.painter_at(rect);
+    if model.compare != Compare::Alone {
+        split(&painter, rect, model);
+    }
+    if let Some(inset) = model.exhibit.as_ref().and_then(|e| e.inset.as_ref()).filter(|_| model.inset) {
+        hemisphere(&painter, rect, inset);
+    }
+    state(&painter, rect, model);
+    if model.help {
+        help(ui, model);
+    }
+}
+
+/// Text on a dark ground, anchored at `at` and at most `width` wide; the ground's rectangle.
+fn note(painter: &Painter, at: egui::Pos2, anchor: Align2, width: f32, text: &str, color: Color32) -> Rect {
+    let galley = painter.layout(text.to_owned(), FontId::proportional(12.0), color, width);
+    let size = galley.size() + vec2(14.0, 8.0);
+    let rect = anchor.anchor_size(at, size);
+    painter.rect_filled(rect, 4.0, style::GLASS);
+    painter.galley(rect.min + vec2(7.0, 4.0), galley, color);
+    rect
+}
+
+/// What is done now, what is in the making, what there is to say.
+fn state(painter: &Painter, rect: Rect, model: &Model) {
+    let mut at = rect.left_bottom() + vec2(MARGIN, -MARGIN);
+    let width = rect.width() - 4.0 * MARGIN;
+    if let Some((what, part)) = model.making() {
+        let ground = Rect::from_min_size(at - vec2(0.0, 34.0), vec2(260.0, 34.0));
+        painter.rect_filled(ground, 4.0, style::GLASS);
+        let text = format!("{what}: {:.0} %", part * 1e2);
+        painter.text(
+            ground.min + vec2(8.0, 5.0),
+            Align2::LEFT_TOP,
+            text,
+            FontId::proportional(12.0),
+            style::TEXT,
+        );
+        let bar = Rect::from_min_size(ground.min + vec2(8.0, 24.0), vec2(244.0, 4.0));
+        painter.rect_filled(bar, 2.0, style::GRID);
+        let done = Rect::from_min_size(bar.min, vec2(bar.width() * part.clamp(0.0, 1.0), 4.0));
+        painter.rect_filled(done, 2.0, style::ACCENT);
+        at.y = ground.top() - 6.0;
+    } else if let Some(exhibit) = &model.exhibit {
+        let text = match (model.moving, exhibit.rung) {
+            (true, Rung::Whole) => format!("moving: everything, {:.0} ms", exhibit.wall),
+            (true, rung) => format!("moving: {rung}, {:.0} ms", exhibit.wall),
+            (false, Rung::Whole) => "still: everything".to_owned(),
+            (false, _) => "still: refining".to_owned(),
+        };
+        at.y = note(painter, at, Align2::LEFT_BOTTOM, width, &text, style::FAINT).top() - 6.0;
+    }
+    if let Some(message) = &model.message {
+        let color = if message.bad { style::POOR } else { style::TEXT };
+        note(painter, at, Align2::LEFT_BOTTOM, width, &message.text, color);
+    }
+}
+
+fn named(optics: &Optics) -> String {
+    let mut text = format!("{}, {} %", optics.basis.name(), (optics.tolerance * 1e6).round() / 1e4);
+    for (number, name) in [(optics.terms, "terms"), (optics.wavelengths, "wavelengths")] {
+        if let Some(n) = number {
+            text += &format!(", {n} {name}");
+        }
+    }
+    text
+}
+
+/// The line between the pictures, with the name of each setting beside it.
+fn split(painter: &Painter, rect: Rect, model: &Model) {
+    let x = rect.left() + model.split * rect.width();
+    painter.line_segment([pos2(x, rect.top()), pos2(x, rect.bottom())], Stroke::new(3.0, style::GLASS));
+    painter.line_segment([pos2(x, rect.top()), pos2(x, rect.bottom())], Stroke::new(1.0, Color32::WHITE));
+    let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(9.0, 30.0));
+    painter.rect_filled(grip, 4.0, Color32::WHITE);
+    for dx in [-1.5, 1.5] {
+        let y = grip.center().y;
+        let line = [pos2(x + dx, y - 7.0), pos2(x + dx, y + 7.0)];
+        painter.line_segment(line, Stroke::new(1.0, Color32::from_gray(110)));
+    }
+    let top = rect.top() + MARGIN;
+    let left = painter.with_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
+    // What has no room is cut off, not broken into lines.
+    let wide = f32::INFINITY;
+    note(&left, pos2(x - MARGIN, top), Align2::RIGHT_TOP, wide, &named(&model.settings.optics), style::TEXT);
+    let right = painter.with_clip_rect(Rect::from_min_max(pos2(x, rect.top()), rect.max));
+    let ready = model.judge.is_some();
+    let other = match model.compare {
+        _ if !ready => "not ready yet".to_owned(),
+        Compare::Error => format!("error against {}", named(&model.other)),
+        _ => named(&model.other),
+    };
+    note(&right, pos2(x + MARGIN, top), Align2::LEFT_TOP, wide, &other, style::TEXT);
+    if model.compare == Compare::Error {
+        scale(painter, rect);
+    }
+}
+
+/// The colours of relative errors.
+fn scale(painter: &Painter, rect: Rect) {
+    const SIZE: egui::Vec2 = vec2(220.0, 10.0);
+    let ground =
+        Rect::from_min_size(rect.right_bottom() - vec2(264.0 + MARGIN, 44.0 + MARGIN), vec2(264.0, 44.0));
+    painter.rect_filled(ground, 4.0, style::GLASS);
+    let bar = Rect::from_min_size(ground.min + vec2(22.0, 8.0), SIZE);
+    let mut mesh = Mesh::default();
+    let stops = difference::STOPS.len();
+    for (i, stop) in difference::STOPS.iter().enumerate() {
+        let x = bar.left() + bar.width() * i as f32 / (stops - 1) as f32;
+        let [r, g, b] = stop.map(|c| (c * 255.0).round() as u8);
+        for y in [bar.top(), bar.bottom()] {
+            mesh.colored_vertex(pos2(x, y), Color32::from_rgb(r, g, b));
+        }
+        if i > 0 {
+            let n = 2 * i as u32;
+            mesh.add_triangle(n - 2, n - 1, n);
+            mesh.add_triangle(n - 1, n, n + 1);
+        }
+    }
+    painter.add(mesh);
+    for (i, name) in ["0.01 %", "0.1 %", "1 %", "10 %", "100 %"].into_iter().enumerate() {
+        let x = bar.left() + bar.width() * i as f32 / 4.0;
+        let at = pos2(x, bar.bottom() + 5.0);
+        painter.text(at, Align2::CENTER_TOP, name, FontId::proportional(11.0), style::TEXT);
+    }
+}
+
+/// The hemisphere as a mesh of coloured points: no texture is uploaded for it while it is live.
+fn hemisphere(painter: &Painter, rect: Rect, inset: &Inset) {
+    const SIZE: f32 = 132.0;
+    let ground = Rect::from_min_size(rect.min + vec2(MARGIN, MARGIN), vec2(SIZE + 16.0, SIZE + 36.0));
+    painter.rect_filled(ground, 6.0, style::GLASS);
+    let square = Rect::from_min_size(ground.min + vec2(8.0, 8.0), vec2(SIZE, SIZE));
+    let centre = square.center();
+    painter.circle_filled(centre, SIZE / 2.0, Color32::BLACK);
+    let mut mesh = Mesh::default();
+    let step = SIZE / SIDE as f32;
+    for (index, point) in inset.points.iter().enumerate() {
+        let Some([r, g, b]) = *point else { continue };
+        let min = square.min + vec2((index % SIDE) as f32, (index / SIDE) as f32) * step;
+        mesh.add_colored_rect(Rect::from_min_size(min, vec2(step, step)), Color32::from_rgb(r, g, b));
+    }
+    painter.add(mesh);
+    painter.circle_stroke(centre, SIZE / 2.0, Stroke::new(1.5, style::GRID));
+    // The light, and where a mirror would send it.
+    let toward = inset.light.direction();
+    let place = centre + vec2(toward.x, -toward.y) * SIZE / 2.0;
+    let mirror = centre - vec2(toward.x, -toward.y) * SIZE / 2.0;
+    painter.circle_filled(place, 3.5, Color32::from_rgb(255, 236, 170));
+    painter.circle_stroke(place, 4.5, Stroke::new(1.0, Color32::BLACK));
+    painter.circle_stroke(mirror, 4.0, Stroke::new(1.0, Color32::from_gray(200)));
+    let text = format!("BRDF, light θ {:.1}° φ {:.1}°", inset.light.theta, inset.light.phi);
+    let at = pos2(ground.center().x, ground.bottom() - 6.0);
+    painter.text(at, Align2::CENTER_BOTTOM, text, FontId::proportional(11.0), style::TEXT);
+}
+
+fn help(ui: &mut Ui, model: &mut Model) {
+    egui::Window::new("Keys")
+        .open(&mut model.help)
+        .collapsible(false)
+        .resizable(false)
+        .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
+        .show(ui.ctx(), |ui| {
+            Grid::new("keys").num_columns(2).spacing(vec2(24.0, 6.0)).show(ui, |ui| {
+                for (key, what) in KEYS {
+                    ui.label(RichText::new(key).color(style::ACCENT));
+                    ui.label(what);
+                    ui.end_row();
+                }
+            });
+        });
+}

@@ -1,0 +1,39 @@
+//! A binary semaphore: orders work of the device against the display.
+
+use super::device::Device;
+use super::failure;
+use crate::error::Result;
+use ash::vk;
+use std::sync::Arc;
+
+/// A semaphore.
+pub struct Semaphore {
+    raw: vk::Semaphore,
+    device: Arc<Device>,
+}
+
+impl Semaphore {
+    /// An unsignalled semaphore called `name`.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn new(device: &Arc<Device>, name: &str) -> Result<Self> {
+        // SAFETY: the device is live.
+        let raw = unsafe { device.raw().create_semaphore(&vk::SemaphoreCreateInfo::default(), None) }
+            .map_err(|c| failure("make a semaphore", c))?;
+        device.name(raw, name);
+        Ok(Self { raw, device: device.clone() })
+    }
+
+    /// The handle.
+    pub fn raw(&self) -> vk::Semaphore {
+        self.raw
+    }
+}
+
+impl Drop for Semaphore {
+    fn drop(&mut self) {
+        // SAFETY: owners drop semaphores only when no submitted work or presentation uses them.
+        unsafe { self.device.raw().destroy_semaphore(self.raw, None) };
+    }
+}

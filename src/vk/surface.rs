@@ -1,0 +1,103 @@
+//! The part of a window that Vulkan draws to.
+
+use super::failure;
+use super::instance::Instance;
+use super::selection::Candidate;
+use crate::error::{Error, Result};
+use ash::prelude::VkResult;
+use ash::{khr, vk};
+use std::any::Any;
+use std::ffi::CStr;
+use std::sync::Arc;
+use winit::raw_window_handle::{HandleError, HasDisplayHandle, HasWindowHandle};
+
+/// A surface, with the window under it.
+pub struct Surface {
+    raw: vk::SurfaceKHR,
+    functions: khr::surface::Instance,
+    // After the surface, before the instance.
+    _window: Arc<dyn Any + Send + Sync>,
+    instance: Arc<Instance>,
+}
+
+impl Surface {
+    /// The surface of `window`, which lives as long as it.
+    ///
+    /// # Errors
+    /// Where the window system or Vulkan refuses.
+    pub fn new<W>(instance: &Arc<Instance>, window: &Arc<W>) -> Result<Self>
+    where
+        W: HasDisplayHandle + HasWindowHandle + Any + Send + Sync,
+    {
+        let gone = |e: HandleError| Error::failed(format!("the window is gone ({e})"), "start again");
+        let display = window.display_handle().map_err(gone)?.as_raw();
+        let handle = window.window_handle().map_err(gone)?.as_raw();
+        // SAFETY: both handles are of the live window, which this value keeps; the instance has what its display needs.
+        let raw =
+            unsafe { ash_window::create_surface(instance.entry(), instance.raw(), display, handle, None) }
+                .map_err(|c| failure("make a surface of the window", c))?;
+        let functions = khr::surface::Instance::new(instance.entry(), instance.raw());
+        Ok(Self { raw, functions, _window: window.clone(), instance: instance.clone() })
+    }
+
+    /// Whether a device can present to this surface.
+    pub fn is_shown_by(&self, candidate: &Candidate) -> bool {
+        let Some(family) = candidate.queue_family else { return false };
+        // SAFETY: the device is of the surface's live instance.
+        let (supported, extensions) = unsafe {
+            (
+                self.functions.get_physical_device_surface_support(candidate.raw, family, self.raw),
+                self.instance.raw().enumerate_device_extension_properties(candidate.raw),
+            )
+        };
+        let named = |name: &CStr| {
+            let same = |e: &vk::ExtensionProperties| e.extension_name_as_c_str() == Ok(name);
+            extensions.as_ref().is_ok_and(|list| list.iter().any(same))
+        };
+        supported == Ok(true) && named(khr::swapchain::NAME)
+    }
+
+    /// Sizes and numbers of images that `device` can present now.
+    ///
+    /// # Errors
+    /// Where the surface is lost.
+    pub fn capabilities(&self, device: vk::PhysicalDevice) -> VkResult<vk::SurfaceCapabilitiesKHR> {
+        // SAFETY: the device is of the surface's live instance.
+        unsafe { self.functions.get_physical_device_surface_capabilities(device, self.raw) }
+    }
+
+    /// Formats that `device` can present.
+    ///
+    /// # Errors
+    /// Where the surface is lost.
+    pub fn formats(&self, device: vk::PhysicalDevice) -> VkResult<Vec<vk::SurfaceFormatKHR>> {
+        // SAFETY: as in `capabilities`.
+        unsafe { self.functions.get_physical_device_surface_formats(device, self.raw) }
+    }
+
+    /// Ways in which `device` can present.
+    ///
+    /// # Errors
+    /// Where the surface is lost.
+    pub fn present_modes(&self, device: vk::PhysicalDevice) -> VkResult<Vec<vk::PresentModeKHR>> {
+        // SAFETY: as in `capabilities`.
+        unsafe { self.functions.get_physical_device_surface_present_modes(device, self.raw) }
+    }
+
+    /// The handle.
+    pub fn raw(&self) -> vk::SurfaceKHR {
+        self.raw
+    }
+
+    /// The instance.
+    pub fn instance(&self) -> &Arc<Instance> {
+        &self.instance
+    }
+}
+
+impl Drop for Surface {
+    fn drop(&mut self) {
+        // SAFETY: swapchains hold an `Arc` of their surface, so none is left.
+        unsafe { self.functions.destroy_surface(self.raw, None) };
+    }
+}

@@ -1,0 +1,221 @@
+//! The images that a window shows in turn.
+
+use super::device::Device;
+use super::failure;
+use super::image::Image;
+use super::semaphore::Semaphore;
+use super::surface::Surface;
+use crate::error::{Error, Result};
+use ash::{khr, vk};
+use std::sync::Arc;
+
+/// What became of a wish to show something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown<T> {
+    /// It was done.
+    Done(T),
+    /// The window has changed: the swapchain has to be made anew.
+    Outdated,
+    /// The surface is lost: it has to be made anew, and the swapchain with it.
+    Lost,
+}
+
+/// Images of a surface, each with the semaphore that its presentation waits for.
+pub struct Swapchain {
+    // Views of the swapchain's own images: they go first.
+    images: Vec<Image>,
+    drawn: Vec<Semaphore>,
+    raw: vk::SwapchainKHR,
+    functions: khr::swapchain::Device,
+    mode: vk::PresentModeKHR,
+    _surface: Arc<Surface>,
+    device: Arc<Device>,
+}
+
+impl Swapchain {
+    /// A swapchain of `surface` in `size` (where the window system leaves the choice) that presents by `mode` or, where the
+    /// device does not know that, by FIFO. `None` for a window without area. `old` must not be in use.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn new(
+        device: &Arc<Device>,
+        surface: &Arc<Surface>,
+        size: [u32; 2],
+        mode: vk::PresentModeKHR,
+        old: Option<Self>,
+    ) -> Result<Shown<Option<Self>>> {
+        let physical = device.candidate().raw;
+        let asked = surface
+            .capabilities(physical)
+            .and_then(|c| Ok((c, surface.formats(physical)?, surface.present_modes(physical)?)));
+        let (capabilities, formats, modes) = match asked {
+            Ok(all) => all,
+            Err(vk::Result::ERROR_SURFACE_LOST_KHR) => return Ok(Shown::Lost),
+            Err(c) => return Err(failure("ask what the window can show", c)),
+        };
+        let extent = extent(&capabilities, size);
+        if extent.width == 0 || extent.height == 0 {
+            return Ok(Shown::Done(None));
+        }
+        let format = format(&formats)?;
+        let mode = if modes.contains(&mode) { mode } else { vk::PresentModeKHR::FIFO };
+        let wanted = capabilities.min_image_count + 1;
+        let most = if capabilities.max_image_count == 0 { wanted } else { capabilities.max_image_count };
+        let info = vk::SwapchainCreateInfoKHR::default()
+            .surface(surface.raw())
+            .min_image_count(wanted.min(most))
+            .image_format(format.format)
+            .image_color_space(format.color_space)
+            .image_extent(extent)
+            .image_array_layers(1)
+            .image_usage(vk::ImageUsageFlags::COLOR_ATTACHMENT)
+            .image_sharing_mode(vk::SharingMode::EXCLUSIVE)
+            .pre_transform(capabilities.current_transform)
+            .composite_alpha(opaque(capabilities.supported_composite_alpha))
+            .present_mode(mode)
+            .clipped(true)
+            .old_swapchain(old.as_ref().map_or(vk::SwapchainKHR::null(), |s| s.raw));
+        let functions = khr::swapchain::Device::new(surface.instance().raw(), device.raw());
+        // SAFETY: surface and old swapchain are live and no other thread uses them; `info` is within the capabilities.
+        let raw = match unsafe { functions.create_swapchain(&info, None) } {
+            Ok(raw) => raw,
+            Err(vk::Result::ERROR_SURFACE_LOST_KHR) => return Ok(Shown::Lost),
+            Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => return Ok(Shown::Outdated),
+            Err(c) => return Err(failure("make a swapchain", c)),
+        };
+        drop(old);
+        let mut own = Self {
+            images: Vec::new(),
+            drawn: Vec::new(),
+            raw,
+            functions,
+            mode,
+            _surface: surface.clone(),
+            device: device.clone(),
+        };
+        device.name(raw, "swapchain");
+        // SAFETY: the swapchain was just made.
+        let images = unsafe { own.functions.get_swapchain_images(raw) }
+            .map_err(|c| failure("list the images of the swapchain", c))?;
+        for image in images {
+            let size = [extent.width, extent.height];
+            own.images.push(Image::borrowed(device, "swapchain image", image, format.format, size)?);
+            own.drawn.push(Semaphore::new(device, "image drawn")?);
+        }
+        Ok(Shown::Done(Some(own)))
+    }
+
+    /// The format of every swapchain of `surface`.
+    ///
+    /// # Errors
+    /// Where the surface is lost or takes no format of ours.
+    pub fn format_of(device: &Device, surface: &Surface) -> Result<vk::Format> {
+        let formats = surface
+            .formats(device.candidate().raw)
+            .map_err(|c| failure("ask what the window can show", c))?;
+        format(&formats).map(|f| f.format)
+    }
+
+    /// The index of the next image to draw; `acquired` is signalled when it is free.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn acquire(&self, acquired: &Semaphore) -> Result<Shown<usize>> {
+        // SAFETY: the semaphore is unsignalled: the work that waited for it is done.
+        let next = unsafe {
+            self.functions.acquire_next_image(self.raw, u64::MAX, acquired.raw(), vk::Fence::null())
+        };
+        match next {
+            // A swapchain that no longer fits can still be shown; presenting says so again.
+            Ok((index, _)) => Ok(Shown::Done(index as usize)),
+            Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => Ok(Shown::Outdated),
+            Err(vk::Result::ERROR_SURFACE_LOST_KHR) => Ok(Shown::Lost),
+            Err(c) => Err(failure("get an image of the window", c)),
+        }
+    }
+
+    /// Shows image `index` when the work that signals [`Swapchain::drawn`] is done.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn present(&self, index: usize) -> Result<Shown<()>> {
+        let (semaphores, swapchains, indices) = ([self.drawn[index].raw()], [self.raw], [index as u32]);
+        let info = vk::PresentInfoKHR::default()
+            .wait_semaphores(&semaphores)
+            .swapchains(&swapchains)
+            .image_indices(&indices);
+        // SAFETY: the image was acquired, and submitted work signals its semaphore; the queue is locked.
+        let shown = self.device.with_queue(|queue| unsafe { self.functions.queue_present(queue, &info) })?;
+        match shown {
+            Ok(false) => Ok(Shown::Done(())),
+            Ok(true) | Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => Ok(Shown::Outdated),
+            Err(vk::Result::ERROR_SURFACE_LOST_KHR) => Ok(Shown::Lost),
+            Err(c) => Err(failure("show an image in the window", c)),
+        }
+    }
+
+    /// Image `index`.
+    pub fn image(&self, index: usize) -> &Image {
+        &self.images[index]
+    }
+
+    /// What drawing image `index` has to signal.
+    pub fn drawn(&self, index: usize) -> &Semaphore {
+        &self.drawn[index]
+    }
+
+    /// How it presents.
+    pub fn mode(&self) -> vk::PresentModeKHR {
+        self.mode
+    }
+}
+
+impl Drop for Swapchain {
+    fn drop(&mut self) {
+        // Presentation has no fence of its own; a queue that is idle has presented. Only resizing and closing come here.
+        self.device.wait_idle();
+        self.images.clear();
+        // SAFETY: nothing uses the images any more, their views are gone.
+        unsafe { self.functions.destroy_swapchain(self.raw, None) };
+    }
+}
+
+/// The size of the surface, or `wished` within its limits where the window system leaves the choice.
+fn extent(capabilities: &vk::SurfaceCapabilitiesKHR, wished: [u32; 2]) -> vk::Extent2D {
+    const CHOICE: u32 = u32::MAX;
+    if capabilities.current_extent.width != CHOICE {
+        return capabilities.current_extent;
+    }
+    if wished.contains(&0) {
+        return vk::Extent2D::default();
+    }
+    let (least, most) = (capabilities.min_image_extent, capabilities.max_image_extent);
+    vk::Extent2D {
+        width: wished[0].clamp(least.width, most.width),
+        height: wished[1].clamp(least.height, most.height),
+    }
+}
+
+/// Eight bits a channel that are shown as they are: the picture already has its transfer function.
+fn format(formats: &[vk::SurfaceFormatKHR]) -> Result<vk::SurfaceFormatKHR> {
+    let wanted = [vk::Format::B8G8R8A8_UNORM, vk::Format::R8G8B8A8_UNORM];
+    let fits = |f: &&vk::SurfaceFormatKHR| {
+        wanted.contains(&f.format) && f.color_space == vk::ColorSpaceKHR::SRGB_NONLINEAR
+    };
+    formats.iter().find(fits).copied().ok_or_else(|| {
+        Error::failed(
+            "the window takes no 8-bit sRGB picture",
+            "draw into a file with `diffract render`, or try another --device",
+        )
+    })
+}
+
+/// A window that hides what is behind it, as far as there is a choice.
+fn opaque(supported: vk::CompositeAlphaFlagsKHR) -> vk::CompositeAlphaFlagsKHR {
+    use vk::CompositeAlphaFlagsKHR as A;
+    [A::OPAQUE, A::INHERIT, A::PRE_MULTIPLIED, A::POST_MULTIPLIED]
+        .into_iter()
+        .find(|a| supported.contains(*a))
+        .unwrap_or(A::OPAQUE)
+}

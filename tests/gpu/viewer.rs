@@ -1,0 +1,118 @@
+//! What the viewer adds to the frame: strips, smaller pictures in the same images, errors in false colour.
+
+use crate::device::with_device;
+use crate::evaluation::{layers, patch, shading};
+use diffract::render::difference::{self, DifferencePass};
+use diffract::render::frame::View;
+use diffract::render::picture::Painter;
+use diffract::render::resources::Pigment;
+use diffract::render::target;
+use diffract::scene::{Light, Scene};
+use diffract::surface::synth::Kind;
+use diffract::vk::access::Access;
+use diffract::vk::device::Device;
+use glam::{DVec3, Vec3};
+use std::sync::Arc;
+
+const SIZE: [u32; 2] = [96, 72];
+
+fn painter(device: &Arc<Device>, scene: &Scene, size: [u32; 2]) -> Painter {
+    let (field, shading) = (patch(Kind::Elaphe, 6.0), shading(8.0, 1e-1));
+    let layers = layers(&field, &shading);
+    Painter::new(device, &layers, &shading, &scene.mesh, &Pigment::white(), size, 1).unwrap()
+}
+
+fn view(scene: &Scene, intensity: f64) -> View {
+    let view = View::of(scene, vec![Light { theta: 40.0, phi: -30.0, intensity }]);
+    View { base_color: Vec3::ZERO, ..view }
+}
+
+#[test]
+fn strips_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_display() {
+    let scene = Scene::open("sphere").unwrap();
+    let view = view(&scene, 2.0);
+    let background = DVec3::splat(0.2);
+    with_device(|device| {
+        let mut whole = painter(device, &scene, SIZE);
+        let expected = whole.paint(&view, 1.0, background).unwrap();
+        let mut painter = painter(device, &scene, SIZE);
+        let mut asked = 0;
+        let mut count = || {
+            asked += 1;
+            true
+        };
+        assert!(painter.draw_while(&view, 1.0, background, SIZE, &mut count).unwrap().is_some());
+        assert!(asked >= 2, "the picture has more than one strip at first");
+        assert!(painter.picture().unwrap() == expected);
+        // Another light, given up after the first strip.
+        let mut strips = 0;
+        let mut once = || {
+            strips += 1;
+            strips < 2
+        };
+        let other = View { lights: vec![Light { theta: 70.0, phi: 100.0, intensity: 1.0 }], ..view.clone() };
+        let done = painter.draw_while(&other, 1.0, background, SIZE, &mut once).unwrap();
+        if done.is_none() {
+            assert!(painter.picture().unwrap().display == expected.display);
+            assert!(!painter.display_again(SIZE, 0.0, background).unwrap(), "half a picture is none");
+        }
+        painter.draw_while(&view, 1.0, background, SIZE, &mut || true).unwrap();
+        assert!(painter.display_again(SIZE, 2.0, background).unwrap());
+        let brighter = whole.paint(&view, 2.0, background).unwrap();
+        assert!(painter.picture().unwrap() == brighter && brighter.display != expected.display);
+    });
+}
+
+#[test]
+fn a_smaller_picture_lies_in_the_corner_and_another_size_is_another_picture() {
+    let scene = Scene::open("sphere").unwrap();
+    let view = view(&scene, 2.0);
+    let small = [48, 36];
+    with_device(|device| {
+        let expected = painter(device, &scene, small).paint(&view, 0.0, DVec3::ZERO).unwrap();
+        let mut painter = painter(device, &scene, SIZE);
+        painter.draw_while(&view, 0.0, DVec3::ZERO, small, &mut || true).unwrap();
+        let shown = painter.picture().unwrap();
+        for y in 0..small[1] as usize {
+            let rows = [small[0], SIZE[0]].map(|width| y * width as usize);
+            let row = |p: &[[u8; 4]], first: usize| p[first..first + small[0] as usize].to_vec();
+            assert_eq!(row(&expected.display, rows[0]), row(&shown.display, rows[1]), "row {y}");
+        }
+        painter.resize(small, 1).unwrap();
+        assert!(painter.paint(&view, 0.0, DVec3::ZERO).unwrap() == expected);
+    });
+}
+
+#[test]
+fn a_relative_error_has_its_colour_and_the_background_stays() {
+    let scene = Scene::open("sphere").unwrap();
+    with_device(|device| {
+        let mut judge = painter(device, &scene, SIZE);
+        // Without pigment, radiance goes with the light's intensity.
+        let exact = judge.paint(&view(&scene, 1.0), 0.0, DVec3::ZERO).unwrap();
+        let mut judged = painter(device, &scene, SIZE);
+        let mut pass = DifferencePass::new(device, [8, 8]).unwrap();
+        for error in [1e-3, 1e-2, 3e-2, 0.2, 0.9] {
+            judged.draw(&view(&scene, 1.0 + error), 0.0, DVec3::ZERO).unwrap();
+            // So bright a display that no radiance counts as black.
+            let image = pass.draw(judged.target(), judge.target(), 20.0, DVec3::ONE).unwrap();
+            let codes: Vec<[u8; 4]> =
+                bytemuck::pod_collect_to_vec(&target::read_back(device, image, Access::ShaderRead).unwrap());
+            let expected = difference::color(error as f32).map(|c| c * 255.0);
+            let mut seen = 0;
+            for (code, pixel) in codes.iter().zip(&exact.radiance) {
+                let size = pixel[..3].iter().map(|c| c * c).sum::<f32>().sqrt();
+                if pixel[3] == 0.0 {
+                    assert_eq!(code[..3], [255; 3], "the background");
+                } else if size > 1e-4 {
+                    seen += 1;
+                    for c in 0..3 {
+                        let apart = (f32::from(code[c]) - expected[c]).abs();
+                        assert!(apart <= 2.0, "{error}: {code:?} is not {expected:?}");
+                    }
+                }
+            }
+            assert!(seen > 300, "only {seen} pixels have an error");
+        }
+    });
+}
