@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Integrates the spectrum for texels of a colour table: for (u, v) and for -(u, v), at every node of w. The layers are read
+// Integrates the spectrum for places of a colour table: for (u, v) and for -(u, v), at every node of w. The layers are read
 // once per wavelength and serve all nodes. Pair p of them is the polynomial T_p in k|w| (src/expansion/phase.rs), so that a
 // recurrence stands in for a table of coefficients: those of every node would cost more to read than the layers.
 #include "interface.glsl"
@@ -10,8 +10,8 @@ layout(local_size_x = 64) in;
 
 layout(constant_id = 7) const int NODES = 8; // of w
 
-// Texels to bake: column and row of a square table, both halves of a word; all have |(u, v)| in one bin of wavelengths.
-layout(set = 0, binding = 7, std430) readonly buffer Places { uint places[]; };
+// -(u, v) of the places to bake, with u <= 0.
+layout(set = 0, binding = 7, std430) readonly buffer Places { vec2 places[]; };
 
 // XYZ at each place, [sign][node][channel][place].
 layout(set = 0, binding = 8, std430) writeonly buffer Sums { float sums[]; };
@@ -21,8 +21,6 @@ layout(push_constant) uniform Tile {
     uint count;
     int comb;         // row of `nodes`
     int wavelengths;
-    float spacing;    // of the table
-    float centre;     // texel of u = v = 0
     float x_per_z;    // 2 over the largest k|w|
     int pieces;       // of the range of w, four nodes each
 } tile;
@@ -35,9 +33,7 @@ void main() {
     if (i >= tile.count) {
         return;
     }
-    uint place = places[tile.first + i];
-    // A table is over -(u, v): the sum of both directions along the surface.
-    vec2 toward = (vec2(float(place & 0xffffu), float(place >> 16)) - tile.centre) * tile.spacing;
+    vec2 toward = places[tile.first + i]; // a table is over -(u, v): the sum of both directions along the surface
     float largest_w = sqrt(max(4.0 - dot(toward, toward), LEAST_RANGE));
     float w[NODES];
     vec3 with[NODES];

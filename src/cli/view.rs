@@ -1,11 +1,12 @@
 //! `diffract view`: a scene in a window.
 
 use super::options::{
-    ColourOptions, DeviceOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions, real,
+    ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions, real,
 };
 use super::{check_validation, validation};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
+use crate::render::resources::Reads;
 use crate::scene::Scene;
 use crate::surface::synth::Kind;
 use crate::units;
@@ -42,6 +43,8 @@ pub struct Arguments {
     #[command(flatten)]
     optics: OpticsOptions,
     #[command(flatten)]
+    filter: FilterOptions,
+    #[command(flatten)]
     colour: ColourOptions,
     #[command(flatten)]
     device: DeviceOptions,
@@ -65,12 +68,16 @@ fn fps(text: &str) -> Result<f64> {
 
 /// Opens the window.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    if arguments.optics.method == Method::Reference {
-        return Err(Error::usage(
-            "--method reference is too slow for a window",
-            "use --method spectral; E in the window measures its error against the reference",
-        ));
-    }
+    let method = match arguments.optics.method {
+        Method::Spectral => Reads::Layers,
+        Method::Table => Reads::Table,
+        Method::Reference => {
+            return Err(Error::usage(
+                "--method reference is too slow for a window",
+                "use --method spectral or --method table; E in the window measures the error against the reference",
+            ));
+        }
+    };
     let shading = arguments.optics.shading(&arguments.colour)?.for_pictures();
     let Coherence::Gaussian { length } = shading.coherence else {
         return Err(Error::usage(
@@ -78,8 +85,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "use --coherence gaussian:LENGTH, or `diffract eval --method reference`",
         ));
     };
-    if shading.windows != [1, 1] {
-        return Err(Error::usage("a window does one coherence window only", "leave --windows away"));
+    if shading.windows != [1, 1] && method == Reads::Layers {
+        return Err(Error::usage(
+            "--method spectral does one window only",
+            "leave --windows away, or use --method table",
+        ));
     }
     let plain = Scene::open(&arguments.scene)?;
     let mut scene = plain.clone();
@@ -93,6 +103,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         scene,
         plain,
         surface,
+        method,
+        filter: arguments.filter.filter,
+        windows: shading.windows,
         basis: shading.basis,
         tolerance: shading.tolerance,
         terms: shading.terms,

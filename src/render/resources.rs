@@ -89,12 +89,23 @@ impl<'a> From<&'a ColorTable> for Optics<'a> {
 }
 
 /// Which of them is on the device.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reads {
     /// Layers.
+    #[default]
     Layers,
     /// A colour table.
     Table,
+}
+
+impl Reads {
+    /// The word for the method on the command line and in reports.
+    pub fn method(self) -> &'static str {
+        match self {
+            Self::Layers => "spectral",
+            Self::Table => "table",
+        }
+    }
 }
 
 /// Everything of set 0, on the device.

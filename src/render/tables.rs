@@ -47,10 +47,14 @@ impl Combs {
         Self { bins: vec![[0, 0]; UV_BINS], nodes: Table { size: [0, 0], values: Vec::new() } }
     }
 
+    /// Row of `nodes` and number of nodes for a direction at |(u, v)| = `uv`.
+    pub fn at(&self, uv: f64) -> [i32; 2] {
+        self.bins[((uv * 0.5 * UV_BINS as f64) as usize).min(UV_BINS - 1)]
+    }
+
     /// Nodes that a direction at |(u, v)| = `uv` sums over.
     pub fn nodes_at(&self, uv: f64) -> &[[f32; 4]] {
-        let bin = ((uv * 0.5 * UV_BINS as f64) as usize).min(UV_BINS - 1);
-        let [row, count] = self.bins[bin].map(|n| n as usize);
+        let [row, count] = self.at(uv).map(|n| n as usize);
         &self.nodes.values[row * self.nodes.size[0]..][..count]
     }
 }

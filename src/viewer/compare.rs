@@ -2,6 +2,8 @@
 
 use super::settings::Optics;
 use crate::expansion::Basis;
+use crate::render::color_table::Filter;
+use crate::render::resources::Reads;
 
 /// What the picture is compared with, and how.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,18 +38,24 @@ impl Compare {
 
 /// The setting to compare with until the user names another: ten times as strict, by the basis that can be.
 pub fn strict(own: &Optics) -> Optics {
-    Optics {
-        basis: Basis::Optimal,
-        tolerance: (own.tolerance / 10.0).max(1e-4),
-        terms: None,
-        wavelengths: None,
-    }
+    optimal((own.tolerance / 10.0).max(1e-4))
 }
 
 /// What is drawn while something moves: ten times as loose.
 pub fn coarse(own: &Optics) -> Optics {
-    let tolerance = (own.tolerance * 10.0).clamp(1e-1, 3e-1);
-    Optics { basis: Basis::Optimal, tolerance, terms: None, wavelengths: None }
+    optimal((own.tolerance * 10.0).clamp(1e-1, 3e-1))
+}
+
+fn optimal(tolerance: f64) -> Optics {
+    Optics {
+        method: Reads::Layers,
+        filter: Filter::Point,
+        windows: [1, 1],
+        basis: Basis::Optimal,
+        tolerance,
+        terms: None,
+        wavelengths: None,
+    }
 }
 
 #[cfg(test)]
@@ -63,7 +71,7 @@ mod tests {
     #[test]
     fn the_judge_is_stricter_and_the_moving_picture_looser() {
         for tolerance in [1e-3, 1e-2, 5e-2] {
-            let own = Optics { basis: Basis::Taylor, tolerance, terms: Some(5), wavelengths: None };
+            let own = Optics { basis: Basis::Taylor, terms: Some(5), ..optimal(tolerance) };
             assert!(strict(&own).tolerance < tolerance && coarse(&own).tolerance > tolerance);
             assert_eq!(strict(&own).terms, None);
         }

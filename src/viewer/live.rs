@@ -7,9 +7,11 @@ use super::gui::Painting;
 use super::judge::Judge;
 use super::model::{Model, Wants};
 use super::screen::{Scenery, Screen};
-use super::settings::{Needs, Settings};
+use super::settings::{Needs, Optics, Settings};
 use super::studio::{Errand, Stage, Studio, Wish, Word};
-use super::worker::{Report, Request, Role, Worker};
+use super::worker::{Bake, Report, Request, Role, Worker};
+use crate::render::color_table;
+use crate::render::resources::Reads;
 use super::{hand, orbit, overlay, panel, save, style};
 use crate::error::{Error, Result};
 use crate::render::frame::View;
@@ -91,7 +93,11 @@ impl Live {
         let screen = Screen::new(&device, &surface, &window, start.present)?;
         let send = proxy.clone();
         // An event that cannot be sent comes after the end of the loop.
-        let worker = Worker::new(device.candidate(), move |r| drop(send.send_event(Event::Worker(r))))?;
+        let of = device.clone();
+        let bake: Bake = Box::new(move |field, shading, go_on| {
+            color_table::obtain(&of, field, shading, &|_, done, of| go_on(done, of))
+        });
+        let worker = Worker::new(device.candidate(), bake, move |r| drop(send.send_event(Event::Worker(r))))?;
         let send = proxy.clone();
         let studio = Studio::new(&device, move |w| drop(send.send_event(Event::Studio(w))))?;
         let context = egui::Context::default();
@@ -404,7 +410,8 @@ impl Live {
         }
         let slow = self.model.pace.moving(false) != super::pace::Rung::Whole;
         let ready = self.model.own.as_ref().map(|p| p.number) == self.asked[0].as_ref().map(|a| a.0);
-        if slow && ready {
+        // No layers are as fast as a table: its moving picture has its resolution to give.
+        if slow && ready && own.optics.method == Reads::Layers {
             let optics = compare::coarse(&own.optics);
             self.ask(Role::Coarse, &Settings { optics, ..own });
         }
@@ -423,7 +430,8 @@ impl Live {
         match settings.shading(&settings.optics) {
             Ok(shading) => {
                 let source = settings.surface.clone();
-                self.worker.ask(Request { role, number: self.number, source, shading });
+                let Optics { method, filter, .. } = settings.optics;
+                self.worker.ask(Request { role, number: self.number, source, shading, method, filter });
                 self.model.progress[role as usize] = Some((0, 1));
                 self.window.request_redraw();
             }

@@ -31,6 +31,8 @@ use crate::surface::Source;
 use crate::vk::instance::Instance;
 use crate::vk::selection::Wish;
 use ash::vk;
+use crate::render::color_table::Filter;
+use crate::render::resources::Reads;
 use settings::{Optics, Settings};
 use std::sync::Arc;
 use studio::Stage;
@@ -47,6 +49,12 @@ pub struct Start {
     pub plain: Scene,
     /// The height field.
     pub surface: Source,
+    /// By which method.
+    pub method: Reads,
+    /// What a pixel of a colour table shows.
+    pub filter: Filter,
+    /// Window centres that a colour table averages over.
+    pub windows: [u32; 2],
     /// The basis.
     pub basis: Basis,
     /// Relative error that the user accepts.
@@ -108,6 +116,9 @@ impl Start {
             scene: self.name.clone(),
             surface: self.surface.clone(),
             optics: Optics {
+                method: self.method,
+                filter: self.filter,
+                windows: self.windows,
                 basis: self.basis,
                 tolerance: self.tolerance,
                 terms: self.terms,

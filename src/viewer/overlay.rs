@@ -6,6 +6,7 @@ use super::inset::{Inset, SIDE};
 use super::model::Model;
 use super::pace::Rung;
 use super::settings::Optics;
+use crate::render::resources::Reads;
 use super::style;
 use crate::render::difference;
 use egui::{Align2, Color32, FontId, Grid, Mesh, Painter, Rect, RichText, Stroke, Ui, pos2, vec2};
@@ -74,8 +75,13 @@ fn state(painter: &Painter, rect: Rect, model: &Model) {
 }
 
 fn named(optics: &Optics) -> String {
-    let mut text = format!("{}, {} %", optics.basis.name(), (optics.tolerance * 1e6).round() / 1e4);
-    for (number, name) in [(optics.terms, "terms"), (optics.wavelengths, "wavelengths")] {
+    let by = match optics.method {
+        Reads::Layers => optics.basis.name(),
+        Reads::Table => "table",
+    };
+    let mut text = format!("{by}, {} %", (optics.tolerance * 1e6).round() / 1e4);
+    let terms = optics.terms.filter(|_| optics.method == Reads::Layers);
+    for (number, name) in [(terms, "terms"), (optics.wavelengths, "wavelengths")] {
         if let Some(n) = number {
             text += &format!(", {n} {name}");
         }

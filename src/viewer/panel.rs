@@ -4,6 +4,8 @@ use super::compare::Compare;
 use super::judge::Verdict;
 use super::model::Model;
 use super::settings::Optics;
+use crate::render::color_table::Filter;
+use crate::render::resources::Reads;
 use super::{graph, style};
 use crate::expansion::Basis;
 use crate::scene::scene_file::BUILT_IN;
@@ -190,7 +192,6 @@ fn units(ui: &mut Ui, source: &mut Source) {
 fn optics(ui: &mut Ui, model: &mut Model) {
     heading(ui, "Optics");
     rows(ui, "optics", |ui| {
-        value(ui, "method", "spectral");
         setting(ui, "own", &mut model.settings.optics);
         row(ui, "illuminant", |ui| {
             for name in ["d65", "a", "e"] {
@@ -203,20 +204,40 @@ fn optics(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Basis, tolerance, terms and wavelengths of one setting.
+/// Method, tolerance and what else the method knows of one setting.
 fn setting(ui: &mut Ui, id: &str, optics: &mut Optics) {
-    row(ui, "basis", |ui| {
-        let all = Basis::ALL.map(|b| (b, b.name()));
-        let shown = optics.basis.name();
-        choice(ui, &format!("{id} basis"), &mut optics.basis, &all, shown);
+    row(ui, "method", |ui| {
+        for method in [Reads::Layers, Reads::Table] {
+            ui.selectable_value(&mut optics.method, method, method.method());
+        }
     });
+    match optics.method {
+        Reads::Layers => row(ui, "basis", |ui| {
+            let all = Basis::ALL.map(|b| (b, b.name()));
+            let shown = optics.basis.name();
+            choice(ui, &format!("{id} basis"), &mut optics.basis, &all, shown);
+        }),
+        Reads::Table => {
+            row(ui, "a pixel is", |ui| {
+                ui.selectable_value(&mut optics.filter, Filter::Point, "its centre");
+                ui.selectable_value(&mut optics.filter, Filter::Pixel, "all it sees");
+            });
+            row(ui, "windows", |ui| {
+                for n in &mut optics.windows {
+                    ui.add(DragValue::new(n).speed(0.1).range(1..=16));
+                }
+            });
+        }
+    }
     row(ui, "tolerance", |ui| {
         let all = [1e-1, 5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 1e-4].map(|t| (t, percent(t)));
         let all: Vec<(f64, &str)> = all.iter().map(|(t, name)| (*t, name.as_str())).collect();
         let shown = percent(optics.tolerance);
         choice(ui, &format!("{id} tolerance"), &mut optics.tolerance, &all, &shown);
     });
-    named(ui, "terms", &mut optics.terms, 10, 1..=64);
+    if optics.method == Reads::Layers {
+        named(ui, "terms", &mut optics.terms, 10, 1..=64);
+    }
     named(ui, "wavelengths", &mut optics.wavelengths, 32, 4..=512);
 }
 
@@ -318,17 +339,15 @@ fn cost(ui: &mut Ui, model: &mut Model) {
         });
         value(ui, "frame", frame);
         if let Some(own) = &model.own {
-            let (l, bytes) = (&own.layers, (own.layers.texels.len() * 4) as f64);
-            value(
-                ui,
-                "layers",
-                format!("{} of {} × {} texels, {}", l.pairs(), l.size[0], l.size[1], mib(bytes)),
-            );
+            let (count, [width, height], bytes) = own.made.texture();
+            let text = format!("{count} of {width} × {height} texels, {}", mib(bytes as f64));
+            value(ui, "layers", text);
         }
         let cost = model.exhibit.as_ref().and_then(|e| e.cost);
-        let terms = model.own.as_ref().map_or(0, |own| own.layers.terms);
-        let counted = cost.map_or("not counted yet".to_owned(), |c| {
-            format!("{:.0} a pixel, {terms} terms, {:.0} λ", c.samples, c.wavelengths)
+        let terms = model.own.as_ref().and_then(|own| own.made.terms());
+        let counted = cost.map_or("not counted yet".to_owned(), |c| match terms {
+            Some(terms) => format!("{:.0} a pixel, {terms} terms, {:.0} λ", c.samples, c.wavelengths),
+            None => format!("{:.0} a pixel, of a colour table", c.samples),
         });
         value(ui, "samples", counted);
         value(ui, "memory", format!("{} on the device", mib(model.memory as f64)));

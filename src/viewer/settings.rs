@@ -2,6 +2,8 @@
 
 use crate::error::Result;
 use crate::expansion::Basis;
+use crate::render::color_table::Filter;
+use crate::render::resources::Reads;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
 use crate::render::shading::{Purpose, Shading};
@@ -12,6 +14,12 @@ use glam::Vec3;
 /// How the optics is computed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optics {
+    /// By which method.
+    pub method: Reads,
+    /// What a pixel of a colour table shows.
+    pub filter: Filter,
+    /// Window centres that a colour table averages over.
+    pub windows: [u32; 2],
     /// Which expansion.
     pub basis: Basis,
     /// Relative error that the user accepts.
@@ -92,8 +100,9 @@ impl Settings {
             ior: self.ior,
             illuminant: Illuminant::from_name_or_file(&self.illuminant)?,
             tolerance: optics.tolerance,
+            windows: if optics.method == Reads::Table { optics.windows } else { [1, 1] },
             basis: optics.basis,
-            terms: optics.terms,
+            terms: optics.terms.filter(|_| optics.method == Reads::Layers),
             wavelengths: optics.wavelengths,
             purpose: Purpose::Picture,
             ..Shading::default()
@@ -131,9 +140,17 @@ impl Settings {
         if s.seed != 1 {
             option("seed", s.seed.to_string());
         }
-        option("basis", self.optics.basis.name().to_owned());
+        match self.optics.method {
+            Reads::Layers => option("basis", self.optics.basis.name().to_owned()),
+            Reads::Table => {
+                option("method", Reads::Table.method().to_owned());
+                option("filter", self.optics.filter.name().to_owned());
+                let [n, m] = self.optics.windows;
+                option("windows", format!("{n}x{m}"));
+            }
+        }
         option("tolerance", format!("{:e}", self.optics.tolerance));
-        if let Some(terms) = self.optics.terms {
+        if let Some(terms) = self.optics.terms.filter(|_| self.optics.method == Reads::Layers) {
             option("terms", terms.to_string());
         }
         if let Some(wavelengths) = self.optics.wavelengths {
@@ -188,7 +205,15 @@ mod tests {
             level: Level::None,
             seed: 1,
         };
-        let optics = Optics { basis: Basis::Taylor, tolerance: 1e-2, terms: None, wavelengths: None };
+        let optics = Optics {
+            method: Reads::Layers,
+            filter: Filter::Point,
+            windows: [1, 1],
+            basis: Basis::Taylor,
+            tolerance: 1e-2,
+            terms: None,
+            wavelengths: None,
+        };
         let settings = Settings {
             scene: "plate".to_owned(),
             surface,
@@ -230,6 +255,10 @@ mod tests {
         assert!(plain.starts_with("diffract render plate --basis taylor --tolerance 1e-2 "), "{plain}");
         assert!(plain.ends_with("--size 64x48 -o a.png"), "{plain}");
         assert!(!plain.contains("--eye") && !plain.contains("--surface") && !plain.contains("--seed"));
+        let by_table = Optics { method: Reads::Table, terms: Some(9), windows: [2, 3], ..s.optics.clone() };
+        let table = Settings { optics: by_table, ..s.clone() }.command(&scene, [64, 48], "a.png");
+        let expected = "--method table --filter point --windows 2x3 --tolerance 1e-2";
+        assert!(table.contains(expected) && !table.contains("--terms"), "{table}");
         s.surface.name = "my scan's.png".to_owned();
         s.surface.pixel_size = Some([0.09, 0.1]);
         s.camera.phi += 0.25;

@@ -5,7 +5,7 @@ use super::compare::Compare;
 use super::inset::{self, Inset};
 use super::judge::{self, Samples};
 use super::pace::Rung;
-use super::worker::Prepared;
+use super::worker::{Made, Prepared};
 use crate::error::{Error, Result};
 use crate::measure::cost::Cost;
 use crate::render::difference::DifferencePass;
@@ -327,7 +327,10 @@ impl Easel {
         let pixels = wish.size[0] as usize * wish.size[1] as usize;
         let directions = judge::directions(&mut slot.painter, &wish.view)?;
         let some = judge::thinned(&directions, pixels);
-        let cost = Cost::of(&wish.own.layers, slot.painter.combs(), &some);
+        let cost = match &wish.own.made {
+            Made::Layers(layers) => Cost::of(layers, slot.painter.combs(), &some),
+            Made::Table(table, filter) => Cost::of_table(&table.grid, *filter, &some, wish.size),
+        };
         let seen = some.first().map_or(1, |d| d.view.len()).max(1);
         let counted = Counted {
             covered: cost.covered as f64 / seen as f64,
@@ -374,8 +377,8 @@ fn paint(
         slot => {
             *slot = None; // its memory first
             let Stage { scene, pigment } = &*wish.stage;
-            let Prepared { layers, shading, .. } = &**prepared;
-            let painter = Painter::new(device, &**layers, shading, &scene.mesh, pigment, wish.size, lights)?;
+            let Prepared { made, shading, .. } = &**prepared;
+            let painter = Painter::new(device, made, shading, &scene.mesh, pigment, wish.size, lights)?;
             let (prepared, stage) = (prepared.clone(), wish.stage.clone());
             slot.insert(Slot { painter, prepared, stage, shown: None })
         }

@@ -1,8 +1,10 @@
-//! Layers made in the background: the newest request of each role wins, the user's own goes first.
+//! Layers and colour tables made in the background: the newest request of each role wins, the user's own goes first.
 
 use crate::error::{Error, Result};
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::{Layers, Settings, cache};
+use crate::render::color_table::{ColorTable, Filter};
+use crate::render::resources::{Optics, Reads};
 use crate::render::shading::Shading;
 use crate::surface::{HeightField, Source};
 use crate::vk::selection::Candidate;
@@ -29,11 +31,57 @@ pub struct Prepared {
     pub number: u64,
     /// The height field.
     pub field: Arc<HeightField>,
-    /// Its layers.
-    pub layers: Arc<Layers>,
+    /// What it is shaded from.
+    pub made: Made,
     /// The settings.
     pub shading: Shading,
 }
+
+/// What a surface is shaded from.
+#[derive(Clone)]
+pub enum Made {
+    /// Layers.
+    Layers(Arc<Layers>),
+    /// A colour table, and how it is read.
+    Table(Arc<ColorTable>, Filter),
+}
+
+impl Made {
+    /// Layers of the texture, texels along its sides, and its bytes.
+    pub fn texture(&self) -> (usize, [usize; 2], u64) {
+        match self {
+            Self::Layers(layers) => (layers.count(), layers.size, layers.texels.len() as u64 * 4),
+            Self::Table(table, _) => (table.grid.layers(), [table.grid.side; 2], table.grid.bytes()),
+        }
+    }
+
+    /// Terms of the expansion, where one is summed.
+    pub fn terms(&self) -> Option<usize> {
+        match self {
+            Self::Layers(layers) => Some(layers.terms),
+            Self::Table(..) => None,
+        }
+    }
+}
+
+impl<'a> From<&'a Made> for Optics<'a> {
+    fn from(made: &'a Made) -> Self {
+        match made {
+            Made::Layers(layers) => Self::Layers(layers),
+            Made::Table(table, filter) => Self::Table(table, *filter),
+        }
+    }
+}
+
+/// Makes the colour table of a surface; its last argument is called as work goes on, and an error from it ends the work.
+pub type Bake = Box<
+    dyn Fn(
+            &HeightField,
+            &Shading,
+            &dyn Fn(usize, usize) -> Result<()>,
+        ) -> Result<(ColorTable, Option<Error>)>
+        + Send,
+>;
 
 /// What is asked for.
 #[derive(Clone)]
@@ -46,6 +94,10 @@ pub struct Request {
     pub source: Source,
     /// The settings.
     pub shading: Shading,
+    /// By which method.
+    pub method: Reads,
+    /// How a colour table is read.
+    pub filter: Filter,
 }
 
 /// What the worker has to say.
@@ -90,14 +142,14 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// A thread that makes layers for `device` and tells `report`.
+    /// A thread that makes layers for `device`, and tables by `bake`, and tells `report`.
     ///
     /// # Errors
     /// Where the system gives no thread.
-    pub fn new(device: &Candidate, report: impl Fn(Report) + Send + 'static) -> Result<Self> {
+    pub fn new(device: &Candidate, bake: Bake, report: impl Fn(Report) + Send + 'static) -> Result<Self> {
         let shared = Arc::<Shared>::default();
         let (own, device) = (shared.clone(), device.clone());
-        let work = move || run(&own, &device, &report);
+        let work = move || run(&own, (&device, &bake), &report);
         let thread = std::thread::Builder::new().name("layers".to_owned()).spawn(work).map_err(|e| {
             Error::failed(format!("the system gives no thread ({e})"), "close other programs")
         })?;
@@ -125,16 +177,19 @@ impl Drop for Worker {
 }
 
 /// Layers and what they were made of and for.
-type Made = (Arc<HeightField>, Settings, Arc<Layers>);
+type KeptLayers = (Arc<HeightField>, Settings, Arc<Layers>);
+/// A table, the same.
+type KeptTable = (Arc<HeightField>, Shading, Arc<ColorTable>);
 
 /// What was made last, for requests that share it.
 #[derive(Default)]
 struct Kept {
     field: Option<(Source, Arc<HeightField>)>,
-    layers: [Option<Made>; ROLES.len()],
+    layers: [Option<KeptLayers>; ROLES.len()],
+    tables: [Option<KeptTable>; ROLES.len()],
 }
 
-fn run(shared: &Shared, device: &Candidate, report: &dyn Fn(Report)) {
+fn run(shared: &Shared, by: (&Candidate, &Bake), report: &dyn Fn(Report)) {
     let mut kept = Kept::default();
     loop {
         let request = {
@@ -149,7 +204,7 @@ fn run(shared: &Shared, device: &Candidate, report: &dyn Fn(Report)) {
                 requests = shared.wake.wait(requests).unwrap_or_else(PoisonError::into_inner);
             }
         };
-        let made = make(&request, &mut kept, device, shared, report);
+        let made = make(&request, &mut kept, by, shared, report);
         if !shared.stop.load(Ordering::Relaxed) {
             match made {
                 Ok((prepared, note)) => report(Report::Ready(request.role, prepared, note)),
@@ -166,11 +221,11 @@ fn run(shared: &Shared, device: &Candidate, report: &dyn Fn(Report)) {
 fn make(
     request: &Request,
     kept: &mut Kept,
-    device: &Candidate,
+    (device, bake): (&Candidate, &Bake),
     shared: &Shared,
     report: &dyn Fn(Report),
 ) -> Result<(Arc<Prepared>, Option<String>)> {
-    let Request { role, number, source, shading } = request;
+    let Request { role, number, source, shading, .. } = request;
     let field = match &kept.field {
         Some((known, field)) if known == source => field.clone(),
         _ => {
@@ -179,24 +234,44 @@ fn make(
             field
         }
     };
+    let progress = |done: usize, of: usize| {
+        if shared.interrupts(*role) {
+            return Err(Error::failed("there is something newer to do", "wait for it"));
+        }
+        report(Report::Progress { role: *role, done, of });
+        Ok(())
+    };
+    if request.method == Reads::Table {
+        // Neither has a say in a table.
+        let same = Shading { ior: Shading::default().ior, basis: Shading::default().basis, ..shading.clone() };
+        let known = |known: &&KeptTable| Arc::ptr_eq(&known.0, &field) && known.1 == same;
+        let (table, note) = match kept.tables.iter().flatten().find(known) {
+            Some((_, _, table)) => (table.clone(), None),
+            None => {
+                let (table, not_kept) = bake(&field, shading, &progress)?;
+                let note = not_kept.map(|e| format!("the colour table is not kept for next time: {e}"));
+                (Arc::new(table), note)
+            }
+        };
+        kept.layers[*role as usize] = None;
+        kept.tables[*role as usize] = Some((field.clone(), same, table.clone()));
+        let made = Made::Table(table, request.filter);
+        return Ok((Arc::new(Prepared { number: *number, field, made, shading: shading.clone() }), note));
+    }
     let settings = shading.layer_settings(SHORTEST, device)?;
-    let same = |known: &&Made| Arc::ptr_eq(&known.0, &field) && known.1 == settings;
+    let same = |known: &&KeptLayers| Arc::ptr_eq(&known.0, &field) && known.1 == settings;
     let (layers, note) = match kept.layers.iter().flatten().find(same) {
         Some((_, _, layers)) => (layers.clone(), None),
         None => {
-            let (layers, not_kept) = cache::obtain(&field, &settings, &|done, of| {
-                if shared.interrupts(*role) {
-                    return Err(Error::failed("there is something newer to do", "wait for it"));
-                }
-                report(Report::Progress { role: *role, done, of });
-                Ok(())
-            })?;
+            let (layers, not_kept) = cache::obtain(&field, &settings, &progress)?;
             let note = not_kept.map(|e| format!("the spectra are not kept for next time: {e}"));
             (Arc::new(layers), note)
         }
     };
+    kept.tables[*role as usize] = None;
     kept.layers[*role as usize] = Some((field.clone(), settings, layers.clone()));
-    let prepared = Prepared { number: *number, field, layers, shading: shading.clone() };
+    let made = Made::Layers(layers);
+    let prepared = Prepared { number: *number, field, made, shading: shading.clone() };
     Ok((Arc::new(prepared), note))
 }
 
@@ -227,13 +302,15 @@ mod tests {
     fn request(role: Role, number: u64, name: &str, tolerance: f64) -> Request {
         let level = Level::None;
         let source = Source { name: name.to_owned(), pixel_size: None, height: None, level, seed: 1 };
-        Request { role, number, source, shading: Shading { tolerance, ..Shading::default() } }
+        let shading = Shading { tolerance, ..Shading::default() };
+        Request { role, number, source, shading, method: Reads::Layers, filter: Filter::Point }
     }
 
     #[test]
     fn the_newest_request_wins_and_the_others_get_their_turn() {
         let (sender, reports) = mpsc::channel();
-        let worker = Worker::new(&device(), move |report| {
+        let bake: Bake = Box::new(|_, _, _| Err(Error::failed("no tables here", "ask for layers")));
+        let worker = Worker::new(&device(), bake, move |report| {
             if !matches!(report, Report::Progress { .. }) {
                 let _ = sender.send(report);
             }

@@ -1,12 +1,14 @@
 //! Where the texels of a colour table stand: a square grid over (u, v), fine enough for the tolerance.
 
 use super::nodes::NODES;
+use super::rings::WAVELENGTH;
 use crate::error::{Error, Result};
 use crate::memory;
 use std::f64::consts::PI;
 
 /// Share of the tolerance that goes to reading between the table's texels, which costs the most to lower. The rest: the
-/// nodes in w (0.4), the layers (about 0.4 of them is left after a spectrum is summed), the wavelengths (0.24).
+/// nodes in w (0.4), the layers (about 0.4 of them is left after a spectrum is summed), the wavelengths (0.24), the rings that the
+/// grid is interpolated from (0.2, twice).
 pub const GRID_SHARE: f64 = 0.75;
 
 /// Largest |u| and |v|.
@@ -36,8 +38,6 @@ impl Grid {
     /// [`super::pyramid::prefilter`]) leaves a mean square error of (2πΔf)⁴⟨x⁴⟩/720 along each axis, with ⟨x⁴⟩ = 3σ⁴:
     /// relative, (2πσΔf)² √(6/720) over both.
     pub fn new(sigma: f64, tolerance: f64, pieces: usize) -> Self {
-        /// A wavelength in the blue third of the spectrum \[µm\]: frequencies are (u, v)/λ.
-        const WAVELENGTH: f64 = 0.45;
         /// Above it the copies that lie behind the first term of the series count, too.
         const LARGEST: f64 = 0.045;
         let error = (GRID_SHARE * tolerance).min(LARGEST);
@@ -51,6 +51,16 @@ impl Grid {
     /// −u of column `i`, −v of row `i`.
     pub fn at(&self, i: usize) -> f64 {
         (i as f64 - self.centre()) * self.spacing
+    }
+
+    /// Whether directions read the texel at −(u, v) = (`x`, `y`): a texel's diagonal beyond 2, linear interpolation still does.
+    pub fn holds(&self, x: f64, y: f64) -> bool {
+        x.hypot(y) <= self.outer()
+    }
+
+    /// The largest |(u, v)| that is read.
+    pub fn outer(&self) -> f64 {
+        EXTENT + 1.5 * self.spacing
     }
 
     /// The texel of u = v = 0, between two.

@@ -12,10 +12,12 @@ pub mod cache;
 pub mod grid;
 pub mod nodes;
 pub mod pyramid;
+pub mod rings;
 
 pub use grid::Grid;
 
 use super::shading::Shading;
+use rings::Rings;
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::precompute::{self, Layers, Settings, compute_at};
@@ -35,6 +37,14 @@ pub enum Filter {
 }
 
 impl Filter {
+    /// The word for it on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Point => "point",
+            Self::Pixel => "pixel",
+        }
+    }
+
     /// Most samples along a footprint; 0: the centre alone. `MAX_TAPS` of the shader.
     pub fn taps(self) -> i32 {
         match self {
@@ -150,7 +160,10 @@ pub fn make(
     let pieces = nodes::needed(&layers, shading.tolerance)?;
     let grid = Grid::new(settings.sigma, shading.tolerance, pieces);
     grid.check(device.candidate().max_side, settings.memory_limit as u64)?;
-    let mut planes = pyramid::planes(&grid);
+    let combs = bake::true_combs(settings.sigma, shading);
+    let turning = [roughness(field), layers.z_max];
+    let rings = Rings::new(settings.sigma, shading.tolerance, &combs, turning, grid.outer());
+    let mut samples = bake::samples(&rings, &grid);
     let [n, m] = shading.windows;
     let steps = (n * m) as usize;
     let share = 1.0 / steps as f32;
@@ -163,10 +176,19 @@ pub fn make(
             Some(layers) => layers,
             None => compute_at(field, settings, shift, &|done, of| progress("spectra", done, of))?,
         };
-        bake::bake(device, &layers, shading, &grid, share, &mut planes, &|done, of| {
+        bake::bake(device, &layers, shading, (&rings, &grid), share, &mut samples, &|done, of| {
             progress("colours", window as usize * of + done, steps * of)
         })?;
     }
+    let planes = rings.resampled(&grid, &samples);
+    drop(samples);
     let (unit, levels) = pyramid::texels(&grid, planes);
     Ok(ColorTable { grid, sigma: settings.sigma, unit, levels })
+}
+
+/// Standard deviation of the heights \[µm\].
+fn roughness(field: &HeightField) -> f64 {
+    let count = field.heights().len() as f64;
+    let mean = field.heights().iter().sum::<f64>() / count;
+    (field.heights().iter().map(|h| (h - mean).powi(2)).sum::<f64>() / count).sqrt()
 }
