@@ -23,6 +23,10 @@ pub enum Purpose {
 /// much as it.
 const PICTURE_GAIN: f64 = SPECKLE / 2.0;
 
+/// How much more linear interpolation errs midway between texels than on average (RMS): (1/8)/√(1/120). The one bright pixel
+/// of a picture may stand there.
+const MIDWAY: f64 = 1.369;
+
 /// Shares of a tolerance; their squares add up to 1 at the most, because the errors are independent. Reading between texels
 /// costs the most to lower and gets the largest, in pictures all the more: wavelengths cost the logarithm of their share.
 struct Shares {
@@ -71,8 +75,12 @@ impl Shading {
     /// What the layers may err by.
     pub fn budget(&self) -> Budget {
         let shares = self.shares();
+        let place = match self.purpose {
+            Purpose::Directions => 1.0,
+            Purpose::Picture => MIDWAY,
+        };
         Budget {
-            interpolation: self.gain() * shares.interpolation * self.tolerance,
+            interpolation: self.gain() * shares.interpolation * self.tolerance / place,
             expansion: self.gain() * shares.expansion * self.tolerance,
         }
     }
