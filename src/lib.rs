@@ -13,6 +13,7 @@ pub mod memory;
 pub mod optics;
 pub mod output;
 pub mod precompute;
+pub mod random;
 pub mod render;
 pub mod scene;
 pub mod surface;

@@ -23,6 +23,18 @@ pub enum Purpose {
 /// much as it.
 const PICTURE_GAIN: f64 = SPECKLE / 2.0;
 
+/// How much more linear interpolation errs midway between texels than on average (RMS): (1/8)/√(1/120). The one bright pixel
+/// of a picture may stand there.
+const MIDWAY: f64 = 1.369;
+
+/// Shares of a tolerance; their squares add up to 1 at the most, because the errors are independent. Reading between texels
+/// costs the most to lower and gets the largest, in pictures all the more: wavelengths cost the logarithm of their share.
+struct Shares {
+    interpolation: f64,
+    expansion: f64,
+    quadrature: f64,
+}
+
 /// Settings of the optics, validated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shading {
@@ -60,24 +72,29 @@ impl Shading {
         }
     }
 
-    /// What the layers may err by. Shares of the tolerance add up as squares; reading between texels costs the most to
-    /// lower and gets the largest.
+    /// What the layers may err by.
     pub fn budget(&self) -> Budget {
-        const EXPANSION: f64 = 0.35;
-        let interpolation = match self.purpose {
-            Purpose::Directions => 0.7,
-            Purpose::Picture => 0.9,
+        let shares = self.shares();
+        let place = match self.purpose {
+            Purpose::Directions => 1.0,
+            Purpose::Picture => MIDWAY,
         };
         Budget {
-            interpolation: self.gain() * interpolation * self.tolerance,
-            expansion: self.gain() * EXPANSION * self.tolerance,
+            interpolation: self.gain() * shares.interpolation * self.tolerance / place,
+            expansion: self.gain() * shares.expansion * self.tolerance,
         }
     }
 
     /// What the sum over wavelengths may err by, relative to the colour.
     pub fn quadrature(&self) -> f64 {
-        const SHARE: f64 = 0.6;
-        SHARE * self.tolerance
+        self.shares().quadrature * self.tolerance
+    }
+
+    fn shares(&self) -> Shares {
+        match self.purpose {
+            Purpose::Directions => Shares { interpolation: 0.7, expansion: 0.35, quadrature: 0.6 },
+            Purpose::Picture => Shares { interpolation: 0.8, expansion: 0.35, quadrature: 0.48 },
+        }
     }
 }
 
