@@ -53,30 +53,25 @@ void main() {
             break; // wavenumbers grow
         }
         Read read = read_at(frequency);
-        float x[NODES];
-        float own[NODES];
-        float next[NODES];
-        vec4 sum[NODES]; // of the real parts of e^{izh} (xy) and of the imaginary ones (zw)
-        for (int m = 0; m < NODES; ++m) {
-            x[m] = 2.0 * PI * wavenumber * w[m] * tile.x_per_z - 1.0;
-            own[m] = 1.0;
-            next[m] = x[m];
-            sum[m] = vec4(0.0);
-        }
+        // All reads first: unrolled, what they give stays at hand for every node.
+        vec4 s[PAIRS];
         for (int p = 0; p < PAIRS; ++p) {
-            vec4 s = read_layer(read, p);
-            for (int m = 0; m < NODES; ++m) {
-                sum[m] += own[m] * s;
-                float after = 2.0 * x[m] * next[m] - own[m];
-                own[m] = next[m];
-                next[m] = after;
-            }
+            s[p] = read_layer(read, p);
         }
         vec3 density = weight.xyz * (wavenumber * wavenumber);
+        float twice_per_w = 4.0 * PI * wavenumber * tile.x_per_z;
         for (int m = 0; m < NODES; ++m) {
+            float twice = w[m] * twice_per_w - 2.0;
+            float before = 1.0, own = 0.5 * twice; // T_0 and T_1
+            vec4 sum = s[0]; // of the real parts of e^{izh} (xy) and of the imaginary ones (zw)
+            for (int p = 1; p < PAIRS; ++p) {
+                sum += own * s[p];
+                float after = twice * own - before;
+                before = own;
+                own = after;
+            }
             // P = C + iS; where the layers are conjugated, |C* + iS*| = |C - iS|.
-            vec4 a = sum[m];
-            vec4 parts = vec4(a.x - a.w, a.y + a.z, a.x + a.w, a.y - a.z);
+            vec4 parts = vec4(sum.x - sum.w, sum.y + sum.z, sum.x + sum.w, sum.y - sum.z);
             parts *= parts;
             with[m] += density * (parts.x + parts.y);
             against[m] += density * (parts.z + parts.w);

@@ -53,7 +53,7 @@ void main() {
         vec2 toward = to_light.xy + to_view.xy;
         vec3 xyz;
         if (MAX_TAPS == 0) {
-            xyz = table_xyz(pair, toward, 0.0);
+            xyz = table_xyz(pair, toward);
         } else {
             vec2 dx = shorter_step(i, toward, pixel, ivec2(1, 0)), dy = shorter_step(i, toward, pixel, ivec2(0, 1));
             xyz = table_xyz(pair, toward, dx, dy);

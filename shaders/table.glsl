@@ -12,6 +12,9 @@ layout(set = 0, binding = 16, std140) uniform Table {
     float unit;            // what a stored 1 stands for
     float finest;          // level that a footprint of one finest texel asks for: the samples' own width is taken off
     float pieces;          // of the range of |w|
+    float near;            // |u| and |v| up to which the finer part is read, which a corner of the finest level holds
+    float near_texture_per_uv;
+    float near_centre;     // texture coordinate of u = v = 0 there
 } table;
 
 const float LEAST_RANGE = 1e-3; // of w^2, where only texels of the edge stand
@@ -36,10 +39,11 @@ vec3 read_table(Piece piece, vec2 place, float level) {
                 dot(textureLod(color_table, vec3(place, piece.layer + 2.0), level), piece.polynomial));
 }
 
-// XYZ of f cos(theta_i) [1/sr] where `toward` = -(u, v), from mip level `level`.
-vec3 table_xyz(Pair pair, vec2 toward, float level) {
-    vec2 place = toward * table.texture_per_uv + 0.5;
-    return read_table(piece_of(toward, pair.w), place, level) * (pair.factor * table.unit);
+// XYZ of f cos(theta_i) [1/sr] where `toward` = -(u, v), from the finest level.
+vec3 table_xyz(Pair pair, vec2 toward) {
+    bool near = max(abs(toward.x), abs(toward.y)) < table.near;
+    vec2 place = toward * (near ? table.near_texture_per_uv : table.texture_per_uv) + (near ? table.near_centre : 0.5);
+    return read_table(piece_of(toward, pair.w), place, 0.0) * (pair.factor * table.unit);
 }
 
 // The same averaged over a footprint with the edges `dx` and `dy`: `MAX_TAPS` samples at most along its longer side, each of

@@ -25,6 +25,6 @@ void main() {
     }
     Query query = queries[i];
     Pair pair = pair_of(query.light.xyz, query.view.xyz);
-    vec3 xyz = table_xyz(pair, query.light.xy + query.view.xy, 0.0);
+    vec3 xyz = table_xyz(pair, query.light.xy + query.view.xy);
     answers[i] = vec4(pair.factor > 0.0 ? xyz : vec3(0.0), 0.0);
 }

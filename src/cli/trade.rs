@@ -155,7 +155,7 @@ fn settings(quick: bool) -> Vec<String> {
         all.extend(tolerances.iter().map(|e| format!("--basis {basis} --tolerance {e}")));
     }
     let table: &[&str] = if quick { &["1e-1", "2e-2"] } else { &["1e-1", "5e-2", "2e-2", "1e-2"] };
-    all.extend(table.iter().map(|e| format!("--method table --filter point --tolerance {e}")));
+    all.extend(table.iter().map(|e| format!("--method table --tolerance {e}")));
     all.push(THESIS.to_owned());
     if quick {
         return all;
@@ -166,7 +166,7 @@ fn settings(quick: bool) -> Vec<String> {
     for wavelengths in [16, 31, 41, 81, 161] {
         all.push(format!("--basis optimal --wavelengths {wavelengths}"));
     }
-    all.push("--method table --filter point --tolerance 2e-2 --windows 2x2".to_owned());
+    all.push("--method table --tolerance 2e-2 --windows 2x2".to_owned());
     all
 }
 

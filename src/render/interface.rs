@@ -116,8 +116,12 @@ pub struct TableBlock {
     pub finest: f32,
     /// Pieces of the range of |w|.
     pub pieces: f32,
-    /// std140 rounds a block up to 16 bytes.
-    pub padding: [f32; 3],
+    /// |u| and |v| up to which the finer part is read.
+    pub near: f32,
+    /// Texture coordinate per unit of u there.
+    pub near_texture_per_uv: f32,
+    /// Texture coordinate of u = v = 0 there.
+    pub near_centre: f32,
 }
 
 /// The same for shaders that read a colour table of `grid` by `filter`: `PAIRS` are the table's layers, for the probe. The

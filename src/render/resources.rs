@@ -235,7 +235,12 @@ impl Resources {
         ];
         let edge = Sampler::linear(device, "table sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         let repeat = Sampler::linear(device, "pigment sampler", vk::SamplerAddressMode::REPEAT)?;
-        let levels = Sampler::trilinear(device, "colour table sampler")?;
+        let name = "colour table sampler";
+        let levels = match filter {
+            // Of one level there is nothing to choose, and devices need not look.
+            Filter::Point => Sampler::linear(device, name, vk::SamplerAddressMode::CLAMP_TO_EDGE)?,
+            Filter::Pixel => Sampler::trilinear(device, name)?,
+        };
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         // What is read of the layers, by the probe, is the table.
@@ -252,7 +257,9 @@ impl Resources {
             unit: table.unit,
             finest: OWN_WIDTH,
             pieces: grid.pieces as f32,
-            padding: [0.0; 3],
+            near: grid.near().extent() as f32,
+            near_texture_per_uv: (1.0 / (grid.near().spacing * grid.side as f64)) as f32,
+            near_centre: (grid.near().side as f64 / 2.0 / grid.side as f64) as f32,
         };
         let buffers = vec![
             upload::buffer(device, "optics", uniform, bytemuck::bytes_of(&optics))?,

@@ -1,10 +1,11 @@
 //! Colour tables against the direct f64 sum.
 
 use crate::device::with_device;
-use crate::evaluation::{FLOOR, patch, queries, shading, uniforms};
+use crate::evaluation::{FLOOR, patch, queries, shading};
 use crate::measure::channel;
 use diffract::measure::cost::Cost;
 use diffract::optics::reference::Reference;
+use diffract::random::Random;
 use diffract::precompute::{Settings, compute};
 use diffract::render::color_table::bake::layer_settings;
 use diffract::render::color_table::{self, ColorTable, Filter, cache};
@@ -286,10 +287,13 @@ fn every_level_on_the_device_is_a_mean_of_the_finest() {
             let side = table.grid.side >> level;
             half::f16::from_bits(table.levels[level][(y * side + x) * 4]).to_f64()
         };
-        let mut uniform = uniforms(3);
+        let mut random = Random::new(3);
         for _ in 0..20 {
             let side = table.grid.side >> 4;
-            let [x, y] = [uniform(), uniform()].map(|r| (r * side as f64) as usize);
+            let [x, y] = [random.share(), random.share()].map(|r| (r * side as f64) as usize);
+            if x.max(y) * 16 < table.grid.near().side + 16 {
+                continue; // the finer part
+            }
             let cells = (0..256).map(|i| number(0, x * 16 + i % 16, y * 16 + i / 16));
             let (sum, size) = cells.fold((0.0, 0.0), |(s, a), v| (s + v / 256.0, a + v.abs() / 256.0));
             // The finest level is rounded to 11 bits; below 6e-5 to steps of 6e-8.

@@ -23,8 +23,8 @@ use bytemuck::{Pod, Zeroable};
 use gpu_allocator::MemoryLocation;
 use std::sync::Arc;
 
-/// Share of the tolerance that the wavelength combs are told; they take 0.6 of it.
-pub const COMB_SHARE: f64 = 0.4;
+/// Share of the tolerance that the wavelength combs are told; they take 0.48 of it.
+pub const COMB_SHARE: f64 = 0.5;
 /// `local_size_x` of `bake.comp`.
 const GROUP: usize = 64;
 /// Most places of one submission.
@@ -131,9 +131,8 @@ fn collect(sums: &[f32], count: usize, begins: [usize; 2], share: f32, samples: 
     }
 }
 
-/// Share of the tolerance that the layers are told, as a multiple: errors of single wavelengths average down in a colour,
-/// six to eight times.
-const LAYERS_SHARE: f64 = 3.0;
+/// Share of the tolerance that the layers are told, as those of a picture.
+const LAYERS_SHARE: f64 = 0.5;
 
 /// What the layers are made for that a table under `shading` is baked from, on `device`.
 ///
@@ -142,7 +141,7 @@ const LAYERS_SHARE: f64 = 3.0;
 pub fn layer_settings(shading: &Shading, device: &Candidate) -> Result<Settings> {
     let for_layers = Shading {
         tolerance: (LAYERS_SHARE * shading.tolerance).min(1.0),
-        purpose: Purpose::Directions,
+        purpose: Purpose::Picture,
         basis: Basis::Phase,
         windows: [1, 1],
         ..shading.clone()

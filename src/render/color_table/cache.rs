@@ -14,7 +14,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// First bytes of a file; the number changes whenever the table of the same key would change.
-const MAGIC: &[u8; 20] = b"diffract colours 001";
+const MAGIC: &[u8; 20] = b"diffract colours 002";
 /// Numbers of 8 bytes behind magic and key: side, spacing, pieces, σ, unit.
 const HEADER: usize = 5;
 const HASH: usize = blake3::OUT_LEN;

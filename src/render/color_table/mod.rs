@@ -157,6 +157,9 @@ pub fn make(
     shading: &Shading,
     progress: &Progress<'_>,
 ) -> Result<ColorTable> {
+    check_tolerance(shading.tolerance)?;
+    // A table is the same whatever asks for it.
+    let shading = &shading.clone().for_pictures();
     let pieces = nodes::needed(&layers, shading.tolerance)?;
     let grid = Grid::new(settings.sigma, shading.tolerance, pieces);
     grid.check(device.candidate().max_side, settings.memory_limit as u64)?;
@@ -180,9 +183,9 @@ pub fn make(
             progress("colours", window as usize * of + done, steps * of)
         })?;
     }
-    let planes = rings.resampled(&grid, &samples);
+    let [planes, near] = grid.squares().map(|square| rings.resampled(&square, &samples));
     drop(samples);
-    let (unit, levels) = pyramid::texels(&grid, planes);
+    let (unit, levels) = pyramid::texels(&grid, planes, near);
     Ok(ColorTable { grid, sigma: settings.sigma, unit, levels })
 }
 

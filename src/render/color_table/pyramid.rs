@@ -12,28 +12,40 @@ const LARGEST: f32 = 3e4;
 /// XYZ at every node and place: a plane of `side`² floats for each. A piece has the four nodes of X, then those of Y and Z.
 pub type Planes = Vec<Vec<f32>>;
 
-/// Empty planes of `grid`.
-pub fn planes(grid: &Grid) -> Planes {
-    vec![vec![0.0; grid.side * grid.side]; 3 * grid.values()]
-}
-
-/// The texels of every level, and what a stored 1 stands for.
-pub fn texels(grid: &Grid, mut planes: Planes) -> (f32, Vec<Vec<u16>>) {
-    planes.par_iter_mut().for_each(|plane| prefilter(plane, grid.side));
-    planes.par_chunks_mut(NODES).for_each(to_coefficients);
-    let largest =
-        planes.par_iter().map(|p| p.iter().fold(0f32, |m, x| m.max(x.abs()))).reduce(|| 0.0, f32::max);
+/// The texels of every level, and what a stored 1 stands for. `near` goes into a corner of the finest level.
+pub fn texels(grid: &Grid, mut planes: Planes, mut near: Planes) -> (f32, Vec<Vec<u16>>) {
+    let mut largest = 0f32;
+    for (planes, side) in [(&mut planes, grid.side), (&mut near, grid.near().side)] {
+        planes.par_iter_mut().for_each(|plane| prefilter(plane, side));
+        planes.par_chunks_mut(NODES).for_each(to_coefficients);
+        let of_plane = |p: &Vec<f32>| p.iter().fold(0f32, |m, x| m.max(x.abs()));
+        largest = largest.max(planes.par_iter().map(of_plane).reduce(|| 0.0, f32::max));
+    }
     let unit = if largest > 0.0 { largest / LARGEST } else { 1.0 };
     let mut side = grid.side;
-    let mut levels = Vec::new();
-    for level in 0..LEVELS {
-        if level > 0 {
-            planes.par_iter_mut().for_each(|plane| *plane = halved(plane, side));
-            side /= 2;
-        }
+    into_corner(&mut planes, grid, Some(&near));
+    let mut levels = vec![packed(&planes, side, unit)];
+    into_corner(&mut planes, grid, None);
+    for _ in 1..LEVELS {
+        planes.par_iter_mut().for_each(|plane| *plane = halved(plane, side));
+        side /= 2;
         levels.push(packed(&planes, side, unit));
     }
     (unit, levels)
+}
+
+/// Puts `near` into the corner of `planes` that it has, or nothing.
+fn into_corner(planes: &mut Planes, grid: &Grid, near: Option<&Planes>) {
+    let side = grid.near().side;
+    planes.par_iter_mut().enumerate().for_each(|(number, plane)| {
+        for row in 0..side {
+            let corner = &mut plane[row * grid.side..][..side];
+            match near {
+                Some(near) => corner.copy_from_slice(&near[number][row * side..][..side]),
+                None => corner.fill(0.0),
+            }
+        }
+    });
 }
 
 /// Prepares samples for linear interpolation: (−1, 14, −1)/12 along each axis. Interpolated between, they are then as close
@@ -158,13 +170,14 @@ mod tests {
         let grid = Grid { side: 256, spacing: 0.01, pieces: 2 };
         // Constant in (u, v): a cubic in the share of |w|, once, twice and three times for X, Y, Z.
         let f = |x: f64| 1.0 + x + x * x - 0.5 * x.powi(3);
-        let planes = (0..24)
-            .map(|i| {
+        let planes = |side: usize| -> Planes {
+            let plane = |i: usize| {
                 let (piece, channel, m) = (i / 12, i / 4 % 3, i % 4);
-                vec![(f(nodes::place(4 * piece + m, 2)) * (channel + 1) as f64) as f32; 256 * 256]
-            })
-            .collect();
-        let (unit, levels) = texels(&grid, planes);
+                vec![(f(nodes::place(4 * piece + m, 2)) * (channel + 1) as f64) as f32; side * side]
+            };
+            (0..24).map(plane).collect()
+        };
+        let (unit, levels) = texels(&grid, planes(256), planes(grid.near().side));
         assert_eq!(levels.len(), LEVELS);
         for (level, texels) in levels.iter().enumerate() {
             let side = 256 >> level;
@@ -173,7 +186,7 @@ mod tests {
                 let piece = usize::from(share >= 0.5);
                 let x = 2.0 * (share * 2.0 - piece as f64) - 1.0;
                 for channel in 0..3 {
-                    let texel = &texels[(3 * piece + channel) * side * side * 4 + (side + 1) * 4..][..4];
+                    let texel = &texels[(3 * piece + channel) * side * side * 4 + (side / 2 * side + side / 2) * 4..][..4];
                     let [a, b, c, d] = std::array::from_fn(|i| f16::from_bits(texel[i]).to_f64());
                     let cubic = a + b * x + c * (2.0 * x * x - 1.0) + d * (4.0 * x * x - 3.0) * x;
                     let expected = f(share) * (channel + 1) as f64;

@@ -5,9 +5,9 @@
 //! is it as fine as the window makes it. Rings whose distance grows with their radius take a small part of the samples that
 //! the square grid has texels.
 
-use super::grid::Grid;
+use super::grid::Square;
 use super::nodes::largest_w;
-use super::pyramid::{self, Planes};
+use super::pyramid::Planes;
 use crate::render::tables::Combs;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -83,11 +83,11 @@ impl Rings {
         self.begins[ring + 1] - self.begins[ring]
     }
 
-    /// The values of `samples` at the texels of `grid`.
-    pub fn resampled(&self, grid: &Grid, samples: &Samples) -> Planes {
+    /// The values of `samples` at the places of `grid`, a plane for each number.
+    pub fn resampled(&self, grid: &Square, samples: &Samples) -> Planes {
         /// Rows at once, so that little memory is taken beside the planes.
         const ROWS: usize = 32;
-        let mut planes = pyramid::planes(grid);
+        let mut planes: Planes = vec![vec![0.0; grid.side * grid.side]; samples.width];
         for first in (0..grid.side).step_by(ROWS) {
             let rows = first..(first + ROWS).min(grid.side);
             let values: Vec<Vec<f32>> =
@@ -103,13 +103,13 @@ impl Rings {
     }
 
     /// One row of every plane.
-    fn row(&self, grid: &Grid, samples: &Samples, row: usize) -> Vec<f32> {
+    fn row(&self, grid: &Square, samples: &Samples, row: usize) -> Vec<f32> {
         let mut out = vec![0f32; samples.width * grid.side];
         let mut sum = vec![0f32; samples.width];
         let y = grid.at(row);
         for column in 0..grid.side {
             let x = grid.at(column);
-            if grid.holds(x, y) {
+            if x.hypot(y) <= grid.outer {
                 sum.fill(0.0);
                 self.add(samples, x, y, &mut sum);
                 sum.iter().enumerate().for_each(|(number, value)| out[number * grid.side + column] = *value);
