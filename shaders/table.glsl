@@ -3,7 +3,8 @@
 
 layout(constant_id = 7) const int MAX_TAPS = 1; // samples along a footprint; 0: the centre of the pixel alone
 
-// X, Y and Z of piece after piece of the range of |w|; RGBA: the coefficients of a cubic.
+// X, Y and Z of piece after piece of the range of |w|; RGBA: the coefficients of a cubic. Mip levels have layers for all of them;
+// where points are read, they stand beside each other, so that a direction reads from two places of the memory and not from six.
 layout(set = 0, binding = 15) uniform sampler2DArray color_table;
 
 layout(set = 0, binding = 16, std140) uniform Table {
@@ -21,7 +22,7 @@ const float LEAST_RANGE = 1e-3; // of w^2, where only texels of the edge stand
 
 // Where in w a direction reads.
 struct Piece {
-    float layer;     // of X
+    float number;
     vec4 polynomial; // Chebyshev's, at the place in the piece
 };
 
@@ -30,20 +31,41 @@ Piece piece_of(vec2 toward, float w) {
     float along = w * inversesqrt(max(4.0 - dot(toward, toward), LEAST_RANGE)) * table.pieces;
     float number = clamp(floor(along), 0.0, table.pieces - 1.0);
     float x = 2.0 * min(along - number, 1.0) - 1.0;
-    return Piece(3.0 * number, vec4(1.0, x, 2.0 * x * x - 1.0, (4.0 * x * x - 3.0) * x));
+    return Piece(number, vec4(1.0, x, 2.0 * x * x - 1.0, (4.0 * x * x - 3.0) * x));
 }
 
 vec3 read_table(Piece piece, vec2 place, float level) {
-    return vec3(dot(textureLod(color_table, vec3(place, piece.layer), level), piece.polynomial),
-                dot(textureLod(color_table, vec3(place, piece.layer + 1.0), level), piece.polynomial),
-                dot(textureLod(color_table, vec3(place, piece.layer + 2.0), level), piece.polynomial));
+    float layer = 3.0 * piece.number;
+    return vec3(dot(textureLod(color_table, vec3(place, layer), level), piece.polynomial),
+                dot(textureLod(color_table, vec3(place, layer + 1.0), level), piece.polynomial),
+                dot(textureLod(color_table, vec3(place, layer + 2.0), level), piece.polynomial));
+}
+
+vec3 read_texel(vec4 polynomial, ivec3 at) {
+    return vec3(dot(texelFetch(color_table, at, 0), polynomial),
+                dot(texelFetch(color_table, at + ivec3(1, 0, 0), 0), polynomial),
+                dot(texelFetch(color_table, at + ivec3(2, 0, 0), 0), polynomial));
+}
+
+// Linear between texels whose channels stand beside each other. No direction reaches the edge.
+vec3 read_point(Piece piece, vec2 place) {
+    vec2 texel = place * (table.texels_per_uv / table.texture_per_uv) - 0.5;
+    vec2 whole = floor(texel);
+    vec2 t = texel - whole;
+    ivec3 at = ivec3(3 * int(whole.x), int(whole.y), int(piece.number));
+    ivec3 right = ivec3(3, 0, 0), up = ivec3(0, 1, 0);
+    vec3 lower = mix(read_texel(piece.polynomial, at), read_texel(piece.polynomial, at + right), t.x);
+    vec3 upper = mix(read_texel(piece.polynomial, at + up), read_texel(piece.polynomial, at + up + right), t.x);
+    return mix(lower, upper, t.y);
 }
 
 // XYZ of f cos(theta_i) [1/sr] where `toward` = -(u, v), from the finest level.
 vec3 table_xyz(Pair pair, vec2 toward) {
     bool near = max(abs(toward.x), abs(toward.y)) < table.near;
     vec2 place = toward * (near ? table.near_texture_per_uv : table.texture_per_uv) + (near ? table.near_centre : 0.5);
-    return read_table(piece_of(toward, pair.w), place, 0.0) * (pair.factor * table.unit);
+    Piece piece = piece_of(toward, pair.w);
+    vec3 xyz = MAX_TAPS == 0 ? read_point(piece, place) : read_table(piece, place, 0.0);
+    return xyz * (pair.factor * table.unit);
 }
 
 // The same averaged over a footprint with the edges `dx` and `dy`: `MAX_TAPS` samples at most along its longer side, each of

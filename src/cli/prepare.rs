@@ -2,9 +2,9 @@
 
 use super::{check_validation, say, validation};
 use crate::error::Result;
+use crate::optics::spectrum::SHORTEST;
 use crate::precompute::{Layers, Settings, cache};
 use crate::render::color_table::{self, ColorTable};
-use crate::optics::spectrum::SHORTEST;
 use crate::render::shading::Shading;
 use crate::surface::HeightField;
 use crate::vk::device::Device;

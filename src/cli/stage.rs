@@ -43,7 +43,10 @@ impl Stage {
     pub fn set(arguments: &Arguments) -> Result<Self> {
         let method = arguments.optics.method;
         if method == Method::Reference {
-            return Err(Error::usage("--method reference has no frames to time", "use --method spectral or --method table"));
+            return Err(Error::usage(
+                "--method reference has no frames to time",
+                "use --method spectral or --method table",
+            ));
         }
         arguments.optics.shading(&arguments.colour)?;
         let scene = Scene::open(&arguments.scene)?;
@@ -66,7 +69,10 @@ impl Stage {
     ) -> Result<(Painter, Setting, Cost, Vec<Directions>)> {
         let (mesh, pigment, lights) = (&self.scene.mesh, Pigment::white(), self.view.lights.len());
         if arguments.optics.method == Method::Reference {
-            return Err(Error::usage("--method reference has no frames to time", "use --method spectral or --method table"));
+            return Err(Error::usage(
+                "--method reference has no frames to time",
+                "use --method spectral or --method table",
+            ));
         }
         let directions = |painter: &mut Painter| {
             (0..lights).map(|light| painter.directions(&self.view, light)).collect::<Result<Vec<_>>>()

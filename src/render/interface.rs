@@ -127,7 +127,7 @@ pub struct TableBlock {
 /// The same for shaders that read a colour table of `grid` by `filter`: `PAIRS` are the table's layers, for the probe. The
 /// number of lights follows where pixels are shaded.
 pub fn table_specialization(grid: &Grid, filter: Filter) -> Vec<u32> {
-    vec![0, 0, 1, 1, grid.layers() as u32, 0, 0, filter.taps() as u32]
+    vec![0, 0, 1, 1, grid.texture(filter).1 as u32, 0, 0, filter.taps() as u32]
 }
 
 /// A direction to evaluate.

@@ -1,6 +1,6 @@
 //! What the optics needs on the device: the layers as a 2D-array texture, the tables, their descriptor set.
 
-use super::color_table::{ColorTable, Filter, grid::LEVELS};
+use super::color_table::{ColorTable, Filter, grid::LEVELS, pyramid::in_layers};
 use super::interface::{
     FrameBlock, OpticsBlock, TableBlock, binding, optics_bindings, specialization, table_specialization,
 };
@@ -222,12 +222,25 @@ impl Resources {
     ) -> Result<Self> {
         let grid = &table.grid;
         let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
-        let (size, layers) = ([grid.side as u32; 2], grid.layers() as u32);
+        let (texels, layers) = grid.texture(filter);
+        let (size, layers) = (texels.map(|n| n as u32), layers as u32);
         let format = vk::Format::R16G16B16A16_SFLOAT;
         let description = Description { name: "colour table", format, size, layers, array: true, usage };
-        let image = Image::with_levels(device, &description, LEVELS as u32)?;
-        let levels: Vec<&[u8]> = table.levels.iter().map(|level| bytemuck::cast_slice(level)).collect();
-        upload::levels(device, &image, layers, &levels)?;
+        let image = match filter {
+            Filter::Point => {
+                let image = Image::new(device, &description)?;
+                upload::image(device, &image, layers, bytemuck::cast_slice(&table.levels[0]))?;
+                image
+            }
+            Filter::Pixel => {
+                let image = Image::with_levels(device, &description, LEVELS as u32)?;
+                let finest = in_layers(grid, &table.levels[0]);
+                let levels = std::iter::once(&finest).chain(&table.levels[1..]);
+                let levels: Vec<&[u8]> = levels.map(|level| bytemuck::cast_slice(level)).collect();
+                upload::levels(device, &image, layers, &levels)?;
+                image
+            }
+        };
         let pigment_size = pigment.size.map(|n| n as usize);
         let images = vec![
             image,
@@ -245,8 +258,8 @@ impl Resources {
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         // What is read of the layers, by the probe, is the table.
         let optics = OpticsBlock {
-            texture_size: [grid.side as f32; 2],
-            origin: [grid.side as f32 / 2.0; 2],
+            texture_size: texels.map(|n| n as f32),
+            origin: texels.map(|n| n as f32 / 2.0),
             sigma: table.sigma as f32,
             normal_reflectance: schlick(shading.ior, 1.0) as f32,
             ..OpticsBlock::default()

@@ -25,14 +25,14 @@ mod worker;
 
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
+use crate::render::color_table::Filter;
 use crate::render::resources::Pigment;
+use crate::render::resources::Reads;
 use crate::scene::Scene;
 use crate::surface::Source;
 use crate::vk::instance::Instance;
 use crate::vk::selection::Wish;
 use ash::vk;
-use crate::render::color_table::Filter;
-use crate::render::resources::Reads;
 use settings::{Optics, Settings};
 use std::sync::Arc;
 use studio::Stage;

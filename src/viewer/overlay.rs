@@ -6,9 +6,9 @@ use super::inset::{Inset, SIDE};
 use super::model::Model;
 use super::pace::Rung;
 use super::settings::Optics;
-use crate::render::resources::Reads;
 use super::style;
 use crate::render::difference;
+use crate::render::resources::Reads;
 use egui::{Align2, Color32, FontId, Grid, Mesh, Painter, Rect, RichText, Stroke, Ui, pos2, vec2};
 
 /// Space to the edge.

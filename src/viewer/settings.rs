@@ -2,10 +2,10 @@
 
 use crate::error::Result;
 use crate::expansion::Basis;
-use crate::render::color_table::Filter;
-use crate::render::resources::Reads;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
+use crate::render::color_table::Filter;
+use crate::render::resources::Reads;
 use crate::render::shading::{Purpose, Shading};
 use crate::scene::{Camera, Light, Scene};
 use crate::surface::{Level, Source};

@@ -75,11 +75,7 @@ impl<'a> From<&'a Made> for Optics<'a> {
 
 /// Makes the colour table of a surface; its last argument is called as work goes on, and an error from it ends the work.
 pub type Bake = Box<
-    dyn Fn(
-            &HeightField,
-            &Shading,
-            &dyn Fn(usize, usize) -> Result<()>,
-        ) -> Result<(ColorTable, Option<Error>)>
+    dyn Fn(&HeightField, &Shading, &dyn Fn(usize, usize) -> Result<()>) -> Result<(ColorTable, Option<Error>)>
         + Send,
 >;
 
@@ -243,7 +239,8 @@ fn make(
     };
     if request.method == Reads::Table {
         // Neither has a say in a table.
-        let same = Shading { ior: Shading::default().ior, basis: Shading::default().basis, ..shading.clone() };
+        let same =
+            Shading { ior: Shading::default().ior, basis: Shading::default().basis, ..shading.clone() };
         let known = |known: &&KeptTable| Arc::ptr_eq(&known.0, &field) && known.1 == same;
         let (table, note) = match kept.tables.iter().flatten().find(known) {
             Some((_, _, table)) => (table.clone(), None),

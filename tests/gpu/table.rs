@@ -5,8 +5,8 @@ use crate::evaluation::{FLOOR, patch, queries, shading};
 use crate::measure::channel;
 use diffract::measure::cost::Cost;
 use diffract::optics::reference::Reference;
-use diffract::random::Random;
 use diffract::precompute::{Settings, compute};
+use diffract::random::Random;
 use diffract::render::color_table::bake::layer_settings;
 use diffract::render::color_table::{self, ColorTable, Filter, cache};
 use diffract::render::evaluator::{Evaluator, Query};
@@ -285,7 +285,9 @@ fn every_level_on_the_device_is_a_mean_of_the_finest() {
         let table = table(device, &field, &shading);
         let number = |level: usize, x: usize, y: usize| {
             let side = table.grid.side >> level;
-            half::f16::from_bits(table.levels[level][(y * side + x) * 4]).to_f64()
+            // The finest level has X, Y and Z beside each other.
+            let beside = if level == 0 { 3 } else { 1 };
+            half::f16::from_bits(table.levels[level][(y * side + x) * beside * 4]).to_f64()
         };
         let mut random = Random::new(3);
         for _ in 0..20 {

@@ -14,7 +14,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// First bytes of a file; the number changes whenever the table of the same key would change.
-const MAGIC: &[u8; 20] = b"diffract colours 002";
+const MAGIC: &[u8; 20] = b"diffract colours 003";
 /// Numbers of 8 bytes behind magic and key: side, spacing, pieces, σ, unit.
 const HEADER: usize = 5;
 const HASH: usize = blake3::OUT_LEN;
@@ -110,8 +110,8 @@ fn check_sum(head: &[u8], levels: &[Vec<u16>]) -> [u8; HASH] {
 mod tests {
     use super::*;
     use crate::expansion::Basis;
-    use crate::precompute::Budget;
     use crate::optics::spectrum::Illuminant;
+    use crate::precompute::Budget;
 
     #[test]
     fn what_is_stored_is_loaded_and_any_changed_byte_makes_it_absent() {

@@ -1,5 +1,6 @@
 //! Where the texels of a colour table stand: a square grid over (u, v), fine enough for the tolerance.
 
+use super::Filter;
 use super::nodes::NODES;
 use super::rings::WAVELENGTH;
 use crate::error::{Error, Result};
@@ -66,7 +67,11 @@ impl Grid {
     /// The places of the finest level, and those of the finer part.
     pub fn squares(&self) -> [Square; 2] {
         let (near, outer) = (self.near(), self.outer());
-        [(self.side, self.spacing), (near.side, near.spacing)].map(|(side, spacing)| Square { side, spacing, outer })
+        [(self.side, self.spacing), (near.side, near.spacing)].map(|(side, spacing)| Square {
+            side,
+            spacing,
+            outer,
+        })
     }
 
     /// The largest |(u, v)| that is read: linear interpolation reads a texel's diagonal beyond 2.
@@ -79,9 +84,18 @@ impl Grid {
         (self.side as f64 - 1.0) / 2.0
     }
 
-    /// Layers of the texture: X, Y and Z of each piece.
+    /// Layers of a mip level: X, Y and Z of each piece.
     pub fn layers(&self) -> usize {
         3 * self.pieces
+    }
+
+    /// Texels along the sides of the texture that `filter` reads, and its layers: X, Y and Z stand beside each other where
+    /// points are read, and in layers of their own where a device filters.
+    pub fn texture(&self, filter: Filter) -> ([usize; 2], usize) {
+        match filter {
+            Filter::Point => ([3 * self.side, self.side], self.pieces),
+            Filter::Pixel => ([self.side; 2], self.layers()),
+        }
     }
 
     /// Values of a channel that a texel's cubics are made from.
@@ -111,9 +125,11 @@ impl Grid {
         let remedy = "ask for a larger --tolerance or a shorter --coherence, or use --method spectral";
         let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
         let size = format!("{0} x {0} texels in {1} layers", self.side, self.layers());
-        if self.side > max_side as usize {
+        if 3 * self.side > max_side as usize {
             return Err(Error::failed(
-                format!("--method table needs a table of {size}, the device holds {max_side} x {max_side}"),
+                format!(
+                    "--method table needs a table of {size}, three beside each other, the device holds {max_side} in a row"
+                ),
                 remedy,
             ));
         }

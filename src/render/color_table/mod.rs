@@ -17,13 +17,13 @@ pub mod rings;
 pub use grid::Grid;
 
 use super::shading::Shading;
-use rings::Rings;
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::precompute::{self, Layers, Settings, compute_at};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use glam::DVec2;
+use rings::Rings;
 use std::sync::Arc;
 
 /// How a picture reads a table.
@@ -76,7 +76,8 @@ pub struct ColorTable {
     pub sigma: f64,
     /// What a stored 1 stands for.
     pub unit: f32,
-    /// Mip levels from the finest: RGBA texels of 16-bit floats, layer by layer, row by row from the smallest v.
+    /// Mip levels from the finest: RGBA texels of 16-bit floats, layer by layer, row by row from the smallest v. The finest
+    /// has X, Y and Z beside each other and a layer a piece, the others a layer for each.
     pub levels: Vec<Vec<u16>>,
 }
 
@@ -136,8 +137,7 @@ pub fn obtain(
         return Ok((table, None));
     }
     // The layers' file may serve another illuminant, too.
-    let (layers, _) =
-        precompute::cache::obtain(field, &settings, &|done, of| progress("spectra", done, of))?;
+    let (layers, _) = precompute::cache::obtain(field, &settings, &|done, of| progress("spectra", done, of))?;
     let table = make(device, (field, layers, &settings), shading, progress)?;
     let kept = folder.map(|folder| cache::store(&folder, &key, &table));
     Ok((table, kept.and_then(Result::err)))

@@ -24,7 +24,7 @@ pub fn texels(grid: &Grid, mut planes: Planes, mut near: Planes) -> (f32, Vec<Ve
     let unit = if largest > 0.0 { largest / LARGEST } else { 1.0 };
     let mut side = grid.side;
     into_corner(&mut planes, grid, Some(&near));
-    let mut levels = vec![packed(&planes, side, unit)];
+    let mut levels = vec![beside(&packed(&planes, side, unit), side)];
     into_corner(&mut planes, grid, None);
     for _ in 1..LEVELS {
         planes.par_iter_mut().for_each(|plane| *plane = halved(plane, side));
@@ -115,6 +115,37 @@ fn packed(planes: &Planes, side: usize, unit: f32) -> Vec<u16> {
     texels
 }
 
+/// Texels of X, Y and Z in layers of their own as texels beside each other.
+fn beside(layers: &[u16], side: usize) -> Vec<u16> {
+    const TEXEL: usize = 4;
+    let layer = side * side * TEXEL;
+    let mut texels = vec![0u16; layers.len()];
+    texels.par_chunks_mut(3 * side * TEXEL).enumerate().for_each(|(row, out)| {
+        let (piece, row) = (row / side, row % side);
+        for channel in 0..3 {
+            let from = &layers[(3 * piece + channel) * layer + row * side * TEXEL..][..side * TEXEL];
+            let to = out[channel * TEXEL..].chunks_mut(3 * TEXEL);
+            to.zip(from.chunks(TEXEL)).for_each(|(to, from)| to[..TEXEL].copy_from_slice(from));
+        }
+    });
+    texels
+}
+
+/// The finest level of a table, as texels in layers again, as a device filters them.
+pub fn in_layers(grid: &Grid, finest: &[u16]) -> Vec<u16> {
+    const TEXEL: usize = 4;
+    let side = grid.side;
+    let mut layers = vec![0u16; finest.len()];
+    layers.par_chunks_mut(side * TEXEL).enumerate().for_each(|(row, out)| {
+        let (layer, row) = (row / side, row % side);
+        let from = &finest[((layer / 3 * side + row) * side * 3 + layer % 3) * TEXEL..];
+        out.chunks_mut(TEXEL)
+            .zip(from.chunks(3 * TEXEL))
+            .for_each(|(to, from)| to.copy_from_slice(&from[..TEXEL]));
+    });
+    layers
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -179,14 +210,16 @@ mod tests {
         };
         let (unit, levels) = texels(&grid, planes(256), planes(grid.near().side));
         assert_eq!(levels.len(), LEVELS);
-        for (level, texels) in levels.iter().enumerate() {
+        let finest = in_layers(&grid, &levels[0]);
+        for (level, texels) in std::iter::once(&finest).chain(&levels[1..]).enumerate() {
             let side = 256 >> level;
             assert_eq!(texels.len(), grid.layers() * side * side * 4);
             for share in [0.0, 0.3, 0.7, 1.0] {
                 let piece = usize::from(share >= 0.5);
                 let x = 2.0 * (share * 2.0 - piece as f64) - 1.0;
                 for channel in 0..3 {
-                    let texel = &texels[(3 * piece + channel) * side * side * 4 + (side / 2 * side + side / 2) * 4..][..4];
+                    let texel = &texels
+                        [(3 * piece + channel) * side * side * 4 + (side / 2 * side + side / 2) * 4..][..4];
                     let [a, b, c, d] = std::array::from_fn(|i| f16::from_bits(texel[i]).to_f64());
                     let cubic = a + b * x + c * (2.0 * x * x - 1.0) + d * (4.0 * x * x - 3.0) * x;
                     let expected = f(share) * (channel + 1) as f64;

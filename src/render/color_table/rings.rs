@@ -192,7 +192,9 @@ impl KernelError {
             };
             (0..PHASES).map(at).sum::<f64>() / PHASES as f64
         };
-        Self { table: (0..=Self::ENTRIES).map(|i| error(Self::MOST * i as f64 / Self::ENTRIES as f64)).collect() }
+        Self {
+            table: (0..=Self::ENTRIES).map(|i| error(Self::MOST * i as f64 / Self::ENTRIES as f64)).collect(),
+        }
     }
 
     fn at(&self, angle: f64) -> f64 {
@@ -299,7 +301,8 @@ mod tests {
     fn cubics_of_radius_and_waves_around_are_met() {
         let rings = rings(2e-2);
         // Two values: a smooth function of (x, y), and one that differs between opposite sides.
-        let f = |x: f64, y: f64| [1.0 + 0.3 * x + 0.2 * x * y - 0.1 * y * y * y, (x + 0.5 * y) * (1.0 + x * x)];
+        let f =
+            |x: f64, y: f64| [1.0 + 0.3 * x + 0.2 * x * y - 0.1 * y * y * y, (x + 0.5 * y) * (1.0 + x * x)];
         let count = rings.places().len();
         let mut values = vec![0f32; 4 * count];
         for ring in 0..rings.radii.len() {
