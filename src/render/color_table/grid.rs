@@ -59,8 +59,8 @@ impl Grid {
     /// A picture's one bright pixel may stand where interpolation errs most, at the mirror's peak, and decides the L2 error.
     /// There the error is at most (2πσΔf)²/3, 3.6 times the mean of all directions.
     pub fn near(&self) -> Near {
-        /// A square of 1 − 1/√2 = 0.29 of the side lies beyond the disc.
-        const PART: usize = 28;
+        /// A square of (1 − 1/√2)/2 = 0.146 of the side lies beyond the disc.
+        const PART: usize = 14;
         Near { side: self.side * PART / 100 / 2 * 2, spacing: self.spacing / 2.0 }
     }
 
@@ -192,6 +192,16 @@ mod tests {
             assert!(grid.at(0) <= -EXTENT && grid.at(grid.side - 1) >= EXTENT, "{grid:?}");
             assert!((grid.at(0) + grid.at(grid.side - 1)).abs() < 1e-12);
             assert_eq!(grid.side % (1 << (LEVELS - 1)), 0);
+        }
+    }
+
+    #[test]
+    fn the_finer_part_is_where_no_direction_reads() {
+        for side in [256, 384, 640, 2432, 8192] {
+            let grid = Grid { side, spacing: 4.0 / (side - 2) as f64, pieces: 1 };
+            let last = grid.at(grid.near().side - 1);
+            assert!(last < 0.0 && last.hypot(last) > grid.outer(), "{side}");
+            assert!(grid.near().extent() > 0.1);
         }
     }
 
