@@ -5,7 +5,7 @@ use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
 use crate::precompute::kernel::SPECKLE;
-use crate::precompute::{Budget, Settings};
+use crate::precompute::{Aim, Budget, Settings};
 use crate::vk::selection::Candidate;
 
 /// What a tolerance is promised for.
@@ -85,6 +85,14 @@ impl Shading {
         }
     }
 
+    /// What the layers shall save: a picture reads them a hundred million times, a few directions hardly.
+    pub fn aim(&self) -> Aim {
+        match self.purpose {
+            Purpose::Directions => Aim::FewTransforms,
+            Purpose::Picture => Aim::FewSamples,
+        }
+    }
+
     /// What the sum over wavelengths may err by, relative to the colour.
     pub fn quadrature(&self) -> f64 {
         self.shares().quadrature * self.tolerance
@@ -93,7 +101,7 @@ impl Shading {
     fn shares(&self) -> Shares {
         match self.purpose {
             Purpose::Directions => Shares { interpolation: 0.7, expansion: 0.35, quadrature: 0.6 },
-            Purpose::Picture => Shares { interpolation: 0.8, expansion: 0.35, quadrature: 0.48 },
+            Purpose::Picture => Shares { interpolation: 0.7, expansion: 0.5, quadrature: 0.48 },
         }
     }
 }
@@ -149,6 +157,7 @@ impl Shading {
             budget: self.budget(),
             basis: self.basis,
             terms: self.terms,
+            aim: self.aim(),
             memory_limit: (device.memory as f64 * DEVICE_SHARE) as usize,
             side_limit: device.max_side as usize,
         })

@@ -58,6 +58,7 @@ pub fn layers(field: &HeightField, shading: &Shading) -> Layers {
         budget: shading.budget(),
         basis: shading.basis,
         terms: shading.terms,
+        aim: shading.aim(),
         memory_limit: 1 << 30,
         side_limit: 16_384,
     };

@@ -6,7 +6,7 @@ use super::rings::{Rings, Samples};
 use crate::error::Result;
 use crate::expansion::Basis;
 use crate::optics::spectrum::SHORTEST;
-use crate::precompute::{Layers, Settings};
+use crate::precompute::{Aim, Layers, Settings};
 use crate::render::interface::binding;
 use crate::render::resources::{Pigment, Resources};
 use crate::render::shader;
@@ -146,5 +146,7 @@ pub fn layer_settings(shading: &Shading, device: &Candidate) -> Result<Settings>
         windows: [1, 1],
         ..shading.clone()
     };
-    for_layers.layer_settings(SHORTEST, device)
+    let settings = for_layers.layer_settings(SHORTEST, device)?;
+    // All of z is read at once: one band of polynomials serves it.
+    Ok(Settings { aim: Aim::FewTransforms, ..settings })
 }
