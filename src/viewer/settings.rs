@@ -105,7 +105,6 @@ impl Settings {
             terms: optics.terms.filter(|_| optics.method == Reads::Layers),
             wavelengths: optics.wavelengths,
             purpose: Purpose::Picture,
-            ..Shading::default()
         })
     }
 
