@@ -8,7 +8,7 @@
 
 layout(local_size_x = 64) in;
 
-layout(constant_id = 8) const int NODES = 8; // of w
+layout(constant_id = 7) const int NODES = 8; // of w
 
 // -(u, v) of the places to bake, with u <= 0.
 layout(set = 0, binding = 7, std430) readonly buffer Places { vec2 places[]; };

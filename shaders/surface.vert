@@ -3,6 +3,8 @@
 // Takes view and lights into the tangent frame of each vertex; the fragment stage interpolates and normalises them.
 #include "interface.glsl"
 
+layout(constant_id = 0) const int LIGHTS = MAX_LIGHTS; // of the scene
+
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 tangent; // w: handedness, B = w N x T
@@ -15,7 +17,7 @@ layout(location = 2) out vec3 lights[MAX_LIGHTS];
 void main() {
     mat3 tangent_from_world = transpose(mat3(tangent.xyz, tangent.w * cross(normal, tangent.xyz), normal));
     view = tangent_from_world * normalize(frame.eye.xyz - position);
-    for (int i = 0; i < MAX_LIGHTS; ++i) {
+    for (int i = 0; i < LIGHTS; ++i) {
         lights[i] = tangent_from_world * frame.lights[i].xyz;
     }
     pigment_uv = vec2(uv.x, 1.0 - uv.y); // v grows upward in meshes, rows of a texture downward

@@ -24,7 +24,7 @@ vec3 light_direction(int light, ivec2 pixel) {
     }
 }
 
-layout(constant_id = 9) const int LIGHTS = 1; // known beforehand, so that only their directions are read
+layout(constant_id = 8) const int LIGHTS = 1; // known beforehand, so that only their directions are read
 
 layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
 

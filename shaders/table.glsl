@@ -1,7 +1,7 @@
 // Reads a colour table: XYZ of q^2 |P|^2, summed over the spectrum, as cubics in |w| over -(u, v).
 // Its CPU twin is src/render/color_table.
 
-layout(constant_id = 8) const int MAX_TAPS = 1; // samples along a footprint; 0: the centre of the pixel alone
+layout(constant_id = 7) const int MAX_TAPS = 1; // samples along a footprint; 0: the centre of the pixel alone
 
 // X, Y and Z of piece after piece of the range of |w|; RGBA: the coefficients of a cubic. Mip levels have layers for all of them;
 // where points are read, they stand beside each other, so that a direction reads from two places of the memory and not from six.

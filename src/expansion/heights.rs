@@ -50,7 +50,9 @@ impl Heights {
     /// Points of z from `from` to `to`: as many as e^{izh} has degrees of freedom there, and several times over. They stand
     /// closer toward the ends, as Chebyshev's do, because functions that are best in the mean err most there.
     pub fn points(&self, [from, to]: [f64; 2]) -> Vec<f64> {
-        let points = 24 + (2.5 * (to - from) * self.half_range) as usize;
+        /// Enough for heights of 12 µm in visible light; no expansion that layers can hold follows higher ones.
+        const MOST: usize = 1024;
+        let points = (24 + (2.5 * (to - from) * self.half_range) as usize).min(MOST);
         let angle = |q: usize| (q as f64 + 0.5) / points as f64 * std::f64::consts::PI;
         (0..points).map(|q| from + (1.0 - angle(q).cos()) / 2.0 * (to - from)).collect()
     }

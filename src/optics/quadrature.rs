@@ -196,7 +196,7 @@ impl Rule {
     /// The rule for a relative colour error `tolerance` under `illuminant` through a Gaussian window of standard deviation
     /// `sigma` \[µm\].
     ///
-    /// The many correlation lengths of a direction average an alias down by [`AVERAGED`], measured on speckle, the
+    /// The many correlation lengths of a direction average an alias down by two, measured on speckle, the
     /// directions that speckle makes darker than their surroundings included. The base count is where Catmull–Rom weights
     /// reach the tolerance on a smooth response.
     pub fn gaussian(illuminant: &Illuminant, sigma: f64, tolerance: f64) -> Self {

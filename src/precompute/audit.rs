@@ -11,6 +11,11 @@ use std::f64::consts::PI;
 /// at exposure 0.
 pub const FAINT: f64 = 1e-7;
 
+/// What [`FAINT`] is at a part `share` of the largest k|w|: the BRDF divides by w².
+fn faint(share: f64) -> f64 {
+    FAINT * share * share
+}
+
 /// What one audited plane of k|w| needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlaneTerms {
@@ -20,10 +25,35 @@ pub struct PlaneTerms {
     pub terms: usize,
 }
 
+/// Number of audited k|w|.
+pub const PLANES: usize = 9;
+
 /// The audited k|w|, as parts of the largest, growing: from grazing directions, where only scattering is left, to the
-/// mirror direction at the shortest wavelength. A family of functions errs most at the ends of its band of z, so planes
-/// stand just below the ends of two, three and four bands.
-pub const PLANES: [f64; 9] = [0.02, 0.08, 0.24, 0.33, 0.49, 0.66, 0.74, 0.87, 0.995];
+/// mirror direction at the shortest wavelength.
+fn places(bands: usize) -> [f64; PLANES] {
+    const ONE_BAND: [f64; PLANES] = [0.02, 0.08, 0.24, 0.33, 0.49, 0.66, 0.74, 0.87, 0.995];
+    if bands == 1 {
+        return ONE_BAND;
+    }
+    // Functions err most at the ends of their band, and at the lower end beside less scattered light: planes stand just inside.
+    // Low bands scatter least, and all are of one width.
+    const INSIDE: f64 = 0.03;
+    let end = bands as f64;
+    let start = |part: f64| (part * end).floor().min(end - 1.0) + INSIDE;
+    let mut places = [
+        0.25,
+        1.0 - INSIDE,
+        1.0 + INSIDE,
+        (1.0 / 6.0 * end).floor().max(1.0) + 1.0 - INSIDE,
+        start(1.0 / 3.0),
+        start(0.5),
+        start(0.75),
+        start(1.0),
+        end - INSIDE,
+    ];
+    places.sort_by(f64::total_cmp);
+    places.map(|place| (place / end).min(0.999))
+}
 
 /// Which of `bands` equal parts of 0 … `z_max` `z` lies in.
 pub(super) fn band_of(z: f64, z_max: f64, bands: usize) -> usize {
@@ -32,11 +62,13 @@ pub(super) fn band_of(z: f64, z_max: f64, bands: usize) -> usize {
 
 /// The layers' judge: at a few z, texels that directions can reach, with the transform of e^{izh} there.
 pub(super) struct Audit {
-    pub planes: [Plane; PLANES.len()],
+    pub planes: [Plane; PLANES],
 }
 
 pub(super) struct Plane {
     pub z: f64,
+    /// Intensity below which it is not judged.
+    faint: f64,
     /// The band of z that it lies in.
     band: usize,
     /// Kept column and row of each judged texel.
@@ -62,7 +94,7 @@ impl Audit {
         progress: impl Fn(usize) -> Result<()>,
     ) -> Result<Self> {
         let mut planes = Vec::new();
-        for (index, share) in PLANES.into_iter().enumerate() {
+        for (index, share) in places(bands).into_iter().enumerate() {
             progress(index)?;
             let z = share * z_max;
             let spectrum = transformer.spectrum(|i| Complex64::cis(z * half_range * heights[i]));
@@ -70,7 +102,14 @@ impl Audit {
             let mut texels = spread(transformer, radius, Self::SPREAD);
             texels.extend(brightest(transformer, &spectrum, radius, Self::BRIGHTEST));
             let exact = texels.iter().map(|&[c, r]| spectrum.at(c, r)).collect();
-            planes.push(Plane { z, band: band_of(z, z_max, bands), texels, exact, terms: Vec::new() });
+            planes.push(Plane {
+                z,
+                faint: faint(share),
+                band: band_of(z, z_max, bands),
+                texels,
+                exact,
+                terms: Vec::new(),
+            });
         }
         planes
             .try_into()
@@ -99,7 +138,7 @@ impl Audit {
         families: &[Box<dyn Expansion>],
         terms: usize,
         allowed: f64,
-    ) -> [PlaneTerms; PLANES.len()] {
+    ) -> [PlaneTerms; PLANES] {
         let mut least = 1;
         std::array::from_fn(|i| {
             let plane = &self.planes[i];
@@ -116,7 +155,7 @@ impl Plane {
         families[self.band].coefficients(self.z, &mut c);
         let c: Vec<Complex32> = c.iter().map(|c| Complex32::new(c.re as f32, c.im as f32)).collect();
         // Where nothing is seen, nothing can be wrong: such texels would only dilute the mean.
-        let seen = self.exact.iter().enumerate().filter(|(_, exact)| exact.norm_sqr() >= FAINT);
+        let seen = self.exact.iter().enumerate().filter(|(_, exact)| exact.norm_sqr() >= self.faint);
         let (count, squares) = seen.fold((0usize, 0.0), |(count, squares), (t, exact)| {
             let sum: Complex32 = c.iter().zip(&self.terms).map(|(c, term)| c * term[t]).sum();
             let truth = exact.norm_sqr();

@@ -16,12 +16,15 @@ use rayon::prelude::*;
 const CANDIDATES: [usize; 8] = [2, 3, 4, 6, 8, 12, 16, 20];
 /// Most layers that more than one band may take: at 65 µm of coherence and a tolerance of 1e-2 they are 2 GiB.
 const MOST_LAYERS: usize = 24;
+/// The largest z_max·a for which bands are tried, heights of 3.6 µm in visible light: beyond, no few layers do, and finding that
+/// out would take longer than a single band's refusal.
+const MOST_RADIANS: f64 = 60.0;
 /// Most pairs of terms that are looked at for a single band; more is left to the audit.
 const MOST_PAIRS: usize = 16;
 /// Relative intensity errors of single directions are about this many times larger than an expansion's amplitude error
 /// relative to the scattered light: twice for the square, and the faint directions. The audit decides; this only chooses
 /// where it begins.
-const RESIDUAL_PART: f64 = 0.5;
+const RESIDUAL_PART: f64 = 0.3;
 
 /// An expansion in each of some equal bands of z.
 pub(super) struct Bands {
@@ -29,31 +32,19 @@ pub(super) struct Bands {
     pub families: Vec<Box<dyn Expansion>>,
     /// Whether every function is real.
     pub real: bool,
-    /// Pairs of terms of the deep bands; the others have one less.
+    /// Pairs of terms of each.
     pub pairs: usize,
-    /// Bands, from z = 0 up, that take all `pairs`: where little is scattered, an error counts for more.
-    pub deep: usize,
 }
 
 impl Bands {
     /// One band with one pair of terms.
     fn single(families: Vec<Box<dyn Expansion>>, basis: Basis) -> Self {
-        Self { families, real: basis.is_real(), pairs: 1, deep: 1 }
+        Self { families, real: basis.is_real(), pairs: 1 }
     }
 
     /// Layers of all bands.
     pub fn layers(&self) -> usize {
-        (self.pairs - 1) * self.families.len() + self.deep
-    }
-
-    /// Adds the least that can make an error smaller: terms in twice as many deep bands.
-    pub fn deepen(&mut self) {
-        if self.deep == self.families.len() {
-            self.pairs += 1;
-            self.deep = 1;
-        } else {
-            self.deep = (2 * self.deep).min(self.families.len());
-        }
+        self.pairs * self.families.len()
     }
 
     /// The bands for `settings`: one where terms are named or transforms are to be few, or as many as make the pairs of terms
@@ -62,11 +53,11 @@ impl Bands {
         let heights = Heights::of(field);
         let basis = settings.basis;
         let single = families(&heights, basis, z_max, 1);
-        if settings.terms.is_some() || settings.aim == Aim::FewTransforms {
+        let x = z_max * heights.half_range;
+        if !tried(settings, x) {
             return Self::single(single, basis);
         }
         let allowed = RESIDUAL_PART * settings.budget.expansion;
-        let x = z_max * heights.half_range;
         let cancels = basis == Basis::Taylor && rounding_bound(x, F32_ROUNDOFF) > settings.budget.expansion;
         let pairs_of_one = if cancels {
             usize::MAX
@@ -76,44 +67,30 @@ impl Bands {
         };
         let mut best: Option<Self> = None;
         for count in CANDIDATES {
-            let most = best.as_ref().map_or(pairs_of_one, |b| b.common());
+            let most = best.as_ref().map_or(pairs_of_one, |b| b.pairs);
             if most <= 1 {
                 break;
             }
             let families = families(&heights, basis, z_max, count);
             let width = z_max / count as f64;
-            let most_pairs = MOST_LAYERS.min(room) / count + 1;
-            let needed: Vec<usize> = families
-                .par_iter()
-                .enumerate()
-                .map(|(band, family)| {
-                    let range = [band as f64, band as f64 + 1.0].map(|edge| edge * width);
-                    let left = heights.residuals(family.as_ref(), range, most_pairs);
-                    left.iter().position(|&error| error <= allowed).map_or(usize::MAX, |p| p + 1)
-                })
-                .collect();
-            let candidate = Self::of(families, &needed);
-            if let Some(candidate) = candidate
-                && candidate.layers() <= MOST_LAYERS.min(room)
-                && candidate.common() < most
-            {
-                best = Some(candidate);
+            let most_pairs = MOST_LAYERS.min(room) / count;
+            let needed = families.par_iter().enumerate().map(|(band, family)| {
+                let range = [band as f64, band as f64 + 1.0].map(|edge| edge * width);
+                let left = heights.residuals(family.as_ref(), range, most_pairs);
+                left.iter().position(|&error| error <= allowed).map_or(usize::MAX, |p| p + 1)
+            });
+            let pairs = needed.max().unwrap_or(usize::MAX);
+            if pairs < most {
+                best = Some(Self { families, real: false, pairs });
             }
         }
         best.unwrap_or_else(|| Self::single(single, basis))
     }
+}
 
-    /// Families of which each needs so many pairs; `None` where they need too many.
-    fn of(families: Vec<Box<dyn Expansion>>, needed: &[usize]) -> Option<Self> {
-        let pairs = *needed.iter().max()?;
-        let deep = needed.iter().rposition(|&n| n == pairs)? + 1;
-        (pairs < usize::MAX).then_some(Self { families, real: false, pairs, deep })
-    }
-
-    /// Pairs of terms of most bands.
-    fn common(&self) -> usize {
-        if 2 * self.deep < self.families.len() { self.pairs - 1 } else { self.pairs }
-    }
+/// Whether more than one band is an option for `settings` and heights of z_max·a = `x`.
+pub(super) fn tried(settings: &Settings, x: f64) -> bool {
+    settings.terms.is_none() && settings.aim == Aim::FewSamples && x <= MOST_RADIANS
 }
 
 /// The functions of each of `count` equal bands of 0 … `z_max`.
@@ -173,27 +150,14 @@ mod tests {
     }
 
     #[test]
-    fn bands_leave_one_or_two_pairs_to_a_wavelength_where_there_is_room() {
-        for (basis, pairs) in [(Basis::Taylor, 2), (Basis::Chebyshev, 2), (Basis::Optimal, 1)] {
+    fn bands_leave_few_pairs_to_a_wavelength_where_there_is_room() {
+        for (basis, pairs) in [(Basis::Taylor, 2), (Basis::Chebyshev, 2), (Basis::Optimal, 2)] {
             let bands = chosen(basis, 0.3, Aim::FewSamples, usize::MAX);
-            assert!(bands.common() <= pairs && !bands.real, "{basis:?}: {} pairs", bands.pairs);
-            assert!(bands.layers() <= MOST_LAYERS && bands.deep <= bands.families.len());
+            assert!(bands.pairs <= pairs && !bands.real, "{basis:?}: {} pairs", bands.pairs);
+            assert!(bands.layers() <= MOST_LAYERS);
             let little = chosen(basis, 0.3, Aim::FewSamples, 1);
             assert_eq!((little.families.len(), little.real), (1, basis.is_real()), "no room");
             assert_eq!(chosen(basis, 0.3, Aim::FewTransforms, usize::MAX).families.len(), 1);
         }
-    }
-
-    #[test]
-    fn deepening_adds_layers_until_every_band_has_one_more_pair() {
-        let mut bands = chosen(Basis::Optimal, 0.3, Aim::FewSamples, usize::MAX);
-        let (pairs, count) = (bands.pairs, bands.families.len());
-        while bands.pairs == pairs {
-            let before = bands.layers();
-            bands.deepen();
-            assert!(bands.layers() > before);
-        }
-        assert_eq!((bands.pairs, bands.deep), (pairs + 1, 1));
-        assert_eq!(bands.layers(), pairs * count + 1);
     }
 }

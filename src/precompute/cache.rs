@@ -19,7 +19,7 @@ const MAGIC: &[u8; 20] = b"diffract layers 0006";
 /// Bytes of the check sum and of the key.
 const HASH: usize = blake3::OUT_LEN;
 /// Numbers of 8 bytes that describe the layers in front of the texels.
-const HEADER: usize = 26;
+const HEADER: usize = 25;
 
 /// The folder: `$XDG_CACHE_HOME/diffract`, else `~/.cache/diffract`; `None` where the user has neither.
 pub fn folder() -> Option<PathBuf> {
@@ -153,7 +153,7 @@ fn to_numbers(l: &Layers) -> [f64; HEADER] {
     let [rx, ry] = l.interpolation.ratios;
     let flag = |b: bool| f64::from(b);
     let e = &l.errors;
-    let counts = [l.z_bands, l.deep_bands, l.terms, l.coefficients.columns].map(|n| n as f64);
+    let counts = [l.z_bands, l.terms, l.coefficients.columns].map(|n| n as f64);
     [
         [sx, sy, ox, oy, l.length[0], l.length[1], l.band[0], l.band[1]].as_slice(),
         &[l.sigma, l.z_max, kx, ky, rx, ry],
@@ -172,23 +172,13 @@ fn from_numbers(n: &[f64], mut payload: Vec<f32>) -> Option<Layers> {
     else {
         return None;
     };
-    let &[
-        z_bands,
-        deep_bands,
-        terms,
-        columns,
-        slope,
-        fewest,
-        expansion,
-        interpolation,
-        truncation_bound,
-        rounding_bound,
-    ] = rest
+    let &[z_bands, terms, columns, slope, fewest, expansion, interpolation, truncation_bound, rounding_bound] =
+        rest
     else {
         return None;
     };
-    let [z_bands, deep_bands, terms, columns] = [z_bands, deep_bands, terms, columns].map(|n| n as usize);
-    let layers = terms.div_ceil(2).checked_sub(1)?.checked_mul(z_bands)?.checked_add(deep_bands)?;
+    let [z_bands, terms, columns] = [z_bands, terms, columns].map(|n| n as usize);
+    let layers = terms.div_ceil(2).checked_mul(z_bands)?;
     let texels = (sx * sy) as usize * 4 * layers;
     if payload.len() != texels.checked_add(layers.checked_mul(columns)?.checked_mul(4)?)? {
         return None;
@@ -203,7 +193,6 @@ fn from_numbers(n: &[f64], mut payload: Vec<f32>) -> Option<Layers> {
         sigma,
         half_plane: half != 0.0,
         z_bands,
-        deep_bands,
         terms,
         coefficients: Coefficients { columns, nearest: nearest != 0.0, values },
         z_max,

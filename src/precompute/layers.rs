@@ -1,8 +1,8 @@
 //! The layers: spectra of the basis functions under the window, packed for the shader, with the number of terms chosen
 //! by comparing against the transform of e^{izh} itself.
 
-use super::audit::{Audit, FAINT, PLANES, PlaneTerms, band_of};
-use super::bands::Bands;
+use super::audit::{Audit, FAINT, PLANES, PlaneTerms};
+use super::bands::{self, Bands};
 use super::coefficients::Coefficients;
 use super::kernel::Interpolation;
 use super::transform::{PaddedAxis, Pair, Transformer};
@@ -90,9 +90,7 @@ pub struct Layers {
     pub half_plane: bool,
     /// Equal parts of 0 … z_max, each with functions and layers of its own.
     pub z_bands: usize,
-    /// Bands, from z = 0 up, that have every pair of terms; the others have one less.
-    pub deep_bands: usize,
-    /// Number of terms K in each deep band.
+    /// Number of terms K in each.
     pub terms: usize,
     /// c_n over k|w|.
     pub coefficients: Coefficients,
@@ -110,20 +108,19 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Pairs of terms of a deep band of z.
+    /// Pairs of terms of a band of z.
     pub fn pairs(&self) -> usize {
         self.terms.div_ceil(2)
     }
 
     /// Layers of the texture.
     pub fn count(&self) -> usize {
-        (self.pairs() - 1) * self.z_bands + self.deep_bands
+        self.pairs() * self.z_bands
     }
 
     /// Pairs of terms that are summed at k|w| = `z` \[rad/µm\].
     pub fn pairs_at(&self, z: f64) -> usize {
-        let deep = band_of(z, self.z_max, self.z_bands) < self.deep_bands;
-        self.pairs_needed.at(z).clamp(1, self.pairs() - usize::from(!deep))
+        self.pairs_needed.at(z).clamp(1, self.pairs())
     }
 }
 
@@ -145,16 +142,16 @@ impl PairRule {
     /// The lowest line that nowhere gives fewer than the audited planes need. What a plane needs is needed from the plane
     /// below it on: scattering fades with z as fast as the terms do, so the sup bound, which is relative to the mirror
     /// peak, would drop terms that are seen.
-    fn over(planes: &[PlaneTerms; PLANES.len()]) -> Self {
+    fn over(planes: &[PlaneTerms; PLANES]) -> Self {
         /// Rounding up reaches the number from anywhere above the one before.
         const ABOVE: f64 = 1e-3;
         let corner = |i: usize| {
             let z = if i == 0 { 0.0 } else { planes[i - 1].z };
             (z, planes[i].terms.div_ceil(2) as f64 - 1.0 + ABOVE)
         };
-        let corners: [(f64, f64); PLANES.len()] = std::array::from_fn(corner);
+        let corners: [(f64, f64); PLANES] = std::array::from_fn(corner);
         let mut best = Self::constant(planes.iter().map(|p| p.terms.div_ceil(2)).max().unwrap_or(1));
-        let end = planes[PLANES.len() - 1].z;
+        let end = planes[PLANES - 1].z;
         for &(za, na) in &corners {
             for &(zb, nb) in corners.iter().filter(|(zb, _)| *zb > za) {
                 let slope = ((nb - na) / (zb - za)).max(0.0);
@@ -261,10 +258,10 @@ pub fn compute_at(
     let scale = HeightScale::of(field);
     let z_max = largest_z(settings.shortest_wavelength);
     let budget = settings.budget;
-    let one_band = settings.terms.is_some() || settings.aim == Aim::FewTransforms;
-    if settings.basis == Basis::Taylor && settings.terms.is_none() && one_band {
+    let x = z_max * scale.half_range;
+    if settings.basis == Basis::Taylor && settings.terms.is_none() && !bands::tried(settings, x) {
         // Refuses what is hopeless before any work.
-        terms_for(z_max * scale.half_range, budget.expansion, F32_ROUNDOFF)?;
+        terms_for(x, budget.expansion, F32_ROUNDOFF)?;
     }
     let (interpolation, interpolation_error) = if settings.sigma.is_finite() {
         let gaussian = Interpolation::for_tolerance(budget.interpolation);
@@ -296,7 +293,7 @@ pub fn compute_at(
     let heights: Vec<f64> = field.heights().iter().map(|&h| scale.normalise(h)).collect();
 
     let guess = if half_plane { settings.terms.unwrap_or(GUESSED_TERMS).div_ceil(2) } else { bands.layers() };
-    let steps = |layers: usize| PLANES.len() + guess.max(layers);
+    let steps = |layers: usize| PLANES + guess.max(layers);
     let mut audit =
         Audit::new(&transformer, &heights, scale.half_range, z_max, count, |i| progress(i, steps(0)))?;
     let mut texels: Vec<f32> = Vec::new();
@@ -304,7 +301,7 @@ pub fn compute_at(
     let terms = loop {
         let wanted = bands.layers();
         while made < wanted {
-            progress(PLANES.len() + made, steps(wanted))?;
+            progress(PLANES + made, steps(wanted))?;
             if texels.len() * 4 + layer_bytes > settings.memory_limit {
                 return Err(too_large((texels.len() * 4 + layer_bytes) as f64, settings));
             }
@@ -317,10 +314,10 @@ pub fn compute_at(
         }
         let terms = (2 * bands.pairs).min(most_terms);
         let enough = settings.terms.is_none() && audit.error(&bands.families, terms) <= budget.expansion;
-        if enough || terms == most_terms && bands.deep == count {
+        if enough || terms == most_terms {
             break terms;
         }
-        bands.deepen();
+        bands.pairs += 1;
     };
     let families = &bands.families;
     let expansion_error = audit.error(families, terms);
@@ -346,9 +343,8 @@ pub fn compute_at(
         sigma: settings.sigma,
         half_plane,
         z_bands: count,
-        deep_bands: bands.deep,
         terms,
-        coefficients: Coefficients::new(families, made, terms, z_max, scale.half_range, budget.expansion),
+        coefficients: Coefficients::new(families, terms, z_max, scale.half_range, budget.expansion),
         z_max,
         pairs_needed: match settings.terms {
             // What the user names is done everywhere.

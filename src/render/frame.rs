@@ -129,8 +129,9 @@ impl GeometryPass {
             colors: &vec![target::GEOMETRY; geometry.images().count()],
             depth: Some((vk::CompareOp::LESS, true)),
         };
-        let fragment = Some(shader!("geometry.frag"));
-        let vertex = shader!("surface.vert");
+        let lights = [geometry.lights.len() as u32];
+        let fragment = Some(shader!("geometry.frag").with(&lights));
+        let vertex = shader!("surface.vert").with(&lights);
         Ok(Self { pipeline: Pipeline::graphics(device, vertex, fragment, &drawing, descriptors, 0)? })
     }
 

@@ -89,7 +89,7 @@ pub struct OpticsBlock {
 
 /// What the shaders are specialised for, by `constant_id`; see `shaders/spectrum.glsl`. A branch on such a constant costs
 /// nothing, where software devices run both sides of one on a uniform.
-pub fn specialization(layers: &Layers) -> [u32; 8] {
+pub fn specialization(layers: &Layers) -> [u32; 7] {
     let cubic = layers.interpolation.kernels.map(|kernel| u32::from(kernel == Kernel::Cubic));
     [
         cubic[0],
@@ -99,7 +99,6 @@ pub fn specialization(layers: &Layers) -> [u32; 8] {
         layers.pairs() as u32,
         (layers.pairs_needed.slope > 0.0).into(),
         layers.coefficients.nearest.into(),
-        layers.deep_bands as u32,
     ]
 }
 
@@ -128,7 +127,7 @@ pub struct TableBlock {
 /// The same for shaders that read a colour table of `grid` by `filter`: `PAIRS` are the table's layers, for the probe. The
 /// number of lights follows where pixels are shaded.
 pub fn table_specialization(grid: &Grid, filter: Filter) -> Vec<u32> {
-    vec![0, 0, 1, 1, grid.texture(filter).1 as u32, 0, 0, 1, filter.taps() as u32]
+    vec![0, 0, 1, 1, grid.texture(filter).1 as u32, 0, 0, filter.taps() as u32]
 }
 
 /// A direction to evaluate.

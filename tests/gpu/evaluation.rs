@@ -138,6 +138,38 @@ fn every_basis_meets_the_tolerance_where_it_is_not_refused() {
 }
 
 #[test]
+fn bands_of_every_basis_meet_what_a_picture_asks_of_single_wavelengths_grazing_directions_too() {
+    let field = patch(Kind::Elaphe, 16.0);
+    let mut queries = queries(12, 600);
+    // As many again that graze the surface: k|w| falls into the lowest bands.
+    let grazing = |d: glam::DVec3| glam::DVec3::new(d.x, d.y, 0.05 * d.z).normalize();
+    queries.extend_from_within(..);
+    for query in &mut queries[600..] {
+        query.pair = Pair::new(grazing(query.pair.light), grazing(query.pair.view));
+    }
+    for basis in Basis::ALL {
+        let shading = Shading { basis, ..shading(20.0, 1e-2) }.for_pictures();
+        let exact = by_reference(&field, &shading, &queries);
+        let layers = layers(&field, &shading);
+        let allowed = shading.gain() * shading.tolerance;
+        with_device(|device| {
+            let found = on_device(device, &field, &shading, &queries);
+            for (name, part) in [("all around", 0..600), ("grazing", 600..1200)] {
+                let error = per_direction(&found[part.clone()], &exact[part], FLOOR);
+                eprintln!(
+                    "{} {name}: {error:.2e} of {allowed:.2e}, {} bands of {} pairs",
+                    basis.name(),
+                    layers.z_bands,
+                    layers.pairs()
+                );
+                assert!(error <= allowed, "{} {name}: {error:e}", basis.name());
+            }
+        });
+        assert!(layers.z_bands > 1, "{} in one band", basis.name());
+    }
+}
+
+#[test]
 fn every_quarter_of_the_frequency_plane_is_the_right_way_round() {
     // A surface without any symmetry: one tilted facet per quarter, of different slopes.
     let side = 64;
