@@ -45,7 +45,7 @@ pub struct Budget {
 }
 
 /// Most bands of z that an expansion is split into: each has layers of its own.
-const MOST_BANDS: usize = 4;
+pub(super) const MOST_BANDS: usize = 4;
 
 /// The largest |z| = k|w| that wavelengths from `shortest` \[µm\] allow \[rad/µm\]: |w| ≤ 2.
 pub fn largest_z(shortest: f64) -> f64 {
