@@ -3,12 +3,13 @@
 
 use crate::device::with_device;
 use crate::evaluation::{patch, shading, uniforms};
-use crate::measure::per_direction;
 use diffract::error::Result;
 use diffract::expansion::Basis;
+use diffract::optics::brdf::{cosine_weighted, schlick};
 use diffract::optics::coherence::Coherence;
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::reference::Reference;
+use diffract::precompute::audit::FAINT;
 use diffract::precompute::{Layers, Settings, compute};
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::frame::View;
@@ -24,10 +25,11 @@ use glam::DVec3;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use std::cell::RefCell;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// What a display shows as black under a light of intensity 1 at exposure 0, in f cos θ_i.
-const FLOOR: f64 = diffract::optics::color::DISPLAY_BLACK / std::f64::consts::PI;
+const FLOOR: f64 = diffract::optics::color::DISPLAY_BLACK / PI;
 
 /// A cosine below which the device takes a direction as below the horizon (`HORIZON` of diffraction.glsl), with room for
 /// the rounding of its 32-bit directions.
@@ -95,21 +97,57 @@ fn clear(query: &Query) -> bool {
     query.pair.light.z > HORIZON && query.pair.view.z > HORIZON
 }
 
-/// RMS over the queries that are promised, and the worst one, both relative to the direction's own value. Everything else
-/// is 0.
-fn errors(queries: &[Query], found: &[f64], exact: &[f64]) -> (f64, f64) {
-    let (mut a, mut b, mut worst) = (vec![], vec![], 0.0f64);
+/// The f cos θ_i that a tolerance is promised from: [`FAINT`] of the flat mirror's peak under this pair. 1/(w² cos θ_r) lifts
+/// the peak, and with it what is too faint to be judged, without end toward the horizon.
+fn promised(query: &Query, shading: &Shading) -> f64 {
+    let sigma = shading.coherence.sigma().unwrap();
+    let area = shading.coherence.area([0.0; 2]);
+    let reflectance = schlick(shading.ior, query.pair.cos_half_angle());
+    let peak = (2.0 * PI * sigma * sigma).powi(2);
+    reflectance * cosine_weighted(&query.pair, query.wavelength.unwrap(), area, FAINT * peak)
+}
+
+/// Errors of answers, relative to each direction's own value.
+#[derive(Debug, Default)]
+struct Errors {
+    /// RMS where a tolerance is promised.
+    rms: f64,
+    /// The worst there.
+    worst: f64,
+    /// The worst of all with both directions 1°, 0.1° and hardly above the horizon, what is too faint included, down to what
+    /// a display shows as black.
+    anywhere: [f64; 3],
+}
+
+impl std::fmt::Display for Errors {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [a, b, c] = self.anywhere;
+        write!(f, "RMS {:.1e}, worst {:.1e}, faint ones too {a:.1e} {b:.1e} {c:.1e}", self.rms, self.worst)
+    }
+}
+
+/// The errors; what is below the horizon is 0.
+fn errors(queries: &[Query], found: &[f64], exact: &[f64], shading: &Shading) -> Errors {
+    let mut errors = Errors::default();
+    let mut squares = vec![];
     for ((query, &found), &exact) in queries.iter().zip(found).zip(exact) {
         assert!(exact.is_finite() && exact >= 0.0, "{query:?}: the direct sum is {exact}");
         if query.pair.light.z <= 0.0 || query.pair.view.z <= 0.0 {
             assert!(found == 0.0 && exact == 0.0, "{query:?}: {found} below the horizon");
         } else if clear(query) {
-            worst = worst.max((found - exact).abs() / exact.max(FLOOR));
-            a.push(found);
-            b.push(exact);
+            let relative = (found - exact).abs() / exact.max(FLOOR).max(promised(query, shading));
+            squares.push(relative * relative);
+            errors.worst = errors.worst.max(relative);
+            let lower = query.pair.light.z.min(query.pair.view.z);
+            for (worst, least) in errors.anywhere.iter_mut().zip([1f64, 0.1, 0.0]) {
+                if lower >= least.to_radians().sin() {
+                    *worst = worst.max((found - exact).abs() / exact.max(FLOOR));
+                }
+            }
         }
     }
-    (per_direction(&a, &b, FLOOR), worst)
+    errors.rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+    errors
 }
 
 #[test]
@@ -119,13 +157,13 @@ fn directions_at_the_ends_keep_the_tolerance_and_are_numbers_everywhere() {
     let reference = exact(&field, &shading(8.0, 1.0), &queries);
     with_device(|device| {
         for basis in Basis::ALL {
-            for tolerance in [1e-1, 1e-2, 1e-3] {
+            for tolerance in [1e-1, 1e-3] {
                 let shading = Shading { basis, ..shading(8.0, tolerance) };
                 let layers = layers_of(&field, &shading).unwrap();
                 let found = answers(device, &layers, &shading, &queries);
-                let (rms, worst) = errors(&queries, &found, &reference);
-                eprintln!("directions: {} {tolerance:e}: RMS {rms:.1e}, worst {worst:.1e}", basis.name());
-                assert!(rms <= tolerance, "{} at {tolerance:e}: {rms:e}", basis.name());
+                let e = errors(&queries, &found, &reference, &shading);
+                eprintln!("directions: {} {tolerance:e}: {e}", basis.name());
+                assert!(e.rms <= tolerance, "{} at {tolerance:e}: {e:?}", basis.name());
             }
         }
         // The check sees a surface that is a hundredth higher.
@@ -133,7 +171,7 @@ fn directions_at_the_ends_keep_the_tolerance_and_are_numbers_everywhere() {
         let heights = field.heights().iter().map(|h| h * 1.01).collect();
         let higher = HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights).unwrap();
         let found = answers(device, &layers_of(&higher, &shading).unwrap(), &shading, &queries);
-        assert!(errors(&queries, &found, &reference).0 > 1e-3);
+        assert!(errors(&queries, &found, &reference, &shading).rms > 1e-3);
     });
 }
 
@@ -168,9 +206,9 @@ fn heights_from_flat_to_ten_micrometres_are_done_or_refused_by_every_basis() {
                     }
                 };
                 let found = answers(device, &layers, &shading, &queries);
-                let (rms, worst) = errors(&queries, &found, &exact(&field, &shading, &queries));
-                line += &format!(" {range}: {} terms, RMS {rms:.1e}, worst {worst:.1e};", layers.terms);
-                assert!(rms <= 1e-2, "{} at {range} um: {rms:e}", basis.name());
+                let e = errors(&queries, &found, &exact(&field, &shading, &queries), &shading);
+                line += &format!(" {range}: {} terms, {e};", layers.terms);
+                assert!(e.rms <= 1e-2, "{} at {range} um: {e:?}", basis.name());
             }
             eprintln!("heights: {}:{line}", basis.name());
         }
@@ -182,9 +220,9 @@ fn terms_and_wavelengths_at_their_ends_give_numbers() {
     let queries: Vec<Query> = end_queries().into_iter().step_by(5).collect();
     with_device(|device| {
         for basis in Basis::ALL {
-            for range in [0.0, 0.3, 3.0] {
+            for range in [0.0, 3.0] {
                 let field = rough(8, 8, [0.1, 0.1], range, 3);
-                for terms in [1, 2, 3, 37, 127, 128] {
+                for terms in [1, 37, 128] {
                     let shading = Shading { basis, terms: Some(terms), ..shading(2.0, 1e-2) };
                     match layers_of(&field, &shading) {
                         Ok(layers) => drop(answers(device, &layers, &shading, &queries)),
@@ -194,7 +232,7 @@ fn terms_and_wavelengths_at_their_ends_give_numbers() {
             }
         }
         let field = rough(8, 8, [0.1, 0.1], 0.3, 3);
-        for wavelengths in [4, 5, 401, 4096] {
+        for wavelengths in [4, 401] {
             let shading = Shading { wavelengths: Some(wavelengths), ..shading(2.0, 1e-2) };
             let layers = layers_of(&field, &shading).unwrap();
             drop(answers(device, &layers, &shading, &queries));
@@ -244,9 +282,11 @@ fn case() -> impl Strategy<Value = Case> {
 
 #[test]
 fn combinations_of_ends_are_done_within_their_tolerance_or_refused_with_a_remedy() {
-    const CASES: u32 = 160;
+    const CASES: u32 = 48;
     /// Directions that are compared with the direct sum, which takes long where samples are fine.
     const COMPARED: usize = 40;
+    /// Of those that are done every so many is tried on the device, where making pipelines takes long.
+    const EACH: u32 = 4;
     let queries = end_queries();
     let tally = RefCell::new((0, 0, (0.0, String::new())));
     with_device(|device| {
@@ -274,13 +314,16 @@ fn combinations_of_ends_are_done_within_their_tolerance_or_refused_with_a_remedy
                 }
             };
             prop_assert!(layers.texels.iter().all(|x| x.is_finite()));
+            tally.borrow_mut().0 += 1;
+            if tally.borrow().0 % EACH != 1 {
+                return Ok(());
+            }
             let start = case.seed as usize % 7;
             let some: Vec<Query> =
                 queries.iter().skip(start).step_by(queries.len() / COMPARED).copied().collect();
             let found = answers(device, &layers, &shading, &some);
-            let (rms, _) = errors(&some, &found, &exact(&field, &shading, &some));
+            let rms = errors(&some, &found, &exact(&field, &shading, &some), &shading).rms;
             let mut tally = tally.borrow_mut();
-            tally.0 += 1;
             if rms / case.tolerance > tally.2.0 {
                 tally.2 = (rms / case.tolerance, format!("{rms:.1e} of {:.0e}: {case:?}", case.tolerance));
             }
