@@ -88,6 +88,7 @@ fn killed_at_ninety_random_moments_a_program_leaves_nothing_half() {
     let mut uniform = uniforms(0x5eed);
     let (mut at_work, mut complete, mut kept_files) = (0, 0, 0);
     for ((arguments, output), kills) in works().into_iter().zip([KILLS / 2, KILLS * 3 / 10, KILLS / 10]) {
+        remove(&sandbox.cache());
         let begun = Instant::now();
         sandbox.run(&arguments).done();
         let usual = begun.elapsed();
@@ -172,7 +173,7 @@ fn two_programs_fill_one_cache_at_once_again_and_again() {
 fn with_files_of_at_most(sandbox: &Sandbox, blocks: u32, arguments: &[&str]) -> Outcome {
     let program = env!("CARGO_BIN_EXE_diffract");
     let script = format!("trap '' XFSZ; ulimit -f {blocks} || exit 99; exec \"$0\" \"$@\"");
-    let mut command = sandbox.command(arguments);
+    let command = sandbox.command(arguments);
     let mut shell = std::process::Command::new("bash");
     shell.arg("-c").arg(script).arg(program).args(arguments).current_dir(sandbox.path(""));
     shell.envs(command.get_envs().filter_map(|(name, value)| Some((name, value?))));
@@ -181,7 +182,6 @@ fn with_files_of_at_most(sandbox: &Sandbox, blocks: u32, arguments: &[&str]) -> 
     }
     // Its own shader cache would be cut, too.
     shell.env("MESA_SHADER_CACHE_DISABLE", "true").env("MESA_GLSL_CACHE_DISABLE", "true");
-    drop(command.stdin(Stdio::null()));
     outcome(shell.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap())
 }
 
@@ -215,7 +215,7 @@ fn where_the_disk_is_full_results_fail_whole_and_spectra_are_only_not_kept() {
         let failed = with_files_of_at_most(&sandbox, 1, arguments);
         assert_eq!(failed.code, Some(1), "{failed:?}");
         let line = failed.stderr.lines().last().unwrap();
-        assert!(line.contains("cannot write") && line.contains("free space"), "{line}");
+        assert!(line.contains("cannot write: File too large") && line.contains("free space"), "{line}");
         assert_eq!(sandbox.content(), before, "{arguments:?}");
     }
     sandbox.run(&surface).done();
@@ -233,7 +233,7 @@ fn answers_that_stdout_cannot_take_are_a_failure() {
     let mut command = sandbox.command(arguments);
     let child = command.stdin(Stdio::piped()).stdout(full).stderr(Stdio::piped()).spawn().unwrap();
     let line = outcome(child).refused(1);
-    assert!(line.contains("cannot write"), "{line}");
+    assert!(line.contains("stdout cannot be written") && line.contains("No space left"), "{line}");
 }
 
 /// Asserts that the picture fails under `mask` in a line with every one of `parts`, and leaves nothing.
