@@ -63,7 +63,10 @@ float power(Pair pair, float wavenumber) {
     float place = z * optics.bands_per_z;
     int layer = min(int(place), Z_BANDS - 1);
     float column = min(place - float(layer), 1.0) * optics.last_column;
-    int count = FEWER_PAIRS ? min(int(ceil(z * optics.pairs_per_z + optics.fewest_pairs)), PAIRS) : PAIRS;
+    int count = layer < DEEP_BANDS ? PAIRS : PAIRS - 1;
+    if (FEWER_PAIRS) {
+        count = min(int(ceil(z * optics.pairs_per_z + optics.fewest_pairs)), count);
+    }
     vec2 p = vec2(0.0);
     // Tested at its end: software devices run a loop's body until every lane has failed the test, and a test in front would
     // run it once more for nobody. There is always a pair.

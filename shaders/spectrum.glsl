@@ -5,9 +5,10 @@ layout(constant_id = 0) const bool CUBIC_X = false;     // cubic B-spline along 
 layout(constant_id = 1) const bool CUBIC_Y = false;     // the same along f_y
 layout(constant_id = 2) const bool HALF_PLANE = true;   // the layers hold f_x >= 0 only
 layout(constant_id = 3) const int Z_BANDS = 1;          // equal parts of z = k|w| with layers of their own
-layout(constant_id = 4) const int PAIRS = 1;            // pairs of terms of each
+layout(constant_id = 4) const int PAIRS = 1;            // pairs of terms of each deep band; the others have one less
 layout(constant_id = 5) const bool FEWER_PAIRS = false; // small z need fewer
 layout(constant_id = 6) const bool NEAREST = false;     // the nearest column of coefficients is good enough
+layout(constant_id = 7) const int DEEP_BANDS = 1;       // deep bands, from z = 0 up
 
 // Place and weights of one read of all layers, made once per frequency.
 struct Read {

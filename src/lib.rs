@@ -15,6 +15,7 @@ pub mod memory;
 pub mod optics;
 pub mod output;
 pub mod precompute;
+pub mod random;
 pub mod render;
 pub mod scene;
 pub mod surface;

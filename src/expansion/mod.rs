@@ -5,7 +5,9 @@
 //! F{g·b_n} are Hermitian and half of each is enough.
 
 pub mod chebyshev;
+pub mod heights;
 pub mod optimal;
+pub mod shifted;
 pub mod taylor;
 
 use crate::surface::HeightField;
@@ -65,7 +67,7 @@ impl HeightScale {
 }
 
 /// A family of b_n and c_n. The precompute stores spectra of b_n; the shader reads c_n from a table over z.
-pub trait Expansion: Sync {
+pub trait Expansion: Send + Sync {
     /// b_n at t ∈ \[−1, 1\].
     fn basis(&self, n: usize, t: f64) -> Complex64;
 

@@ -100,18 +100,8 @@ pub fn terms_for(x: f64, tolerance: f64, roundoff: f64) -> Result<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
     use std::f64::consts::PI;
-
-    /// A reproducible stream of numbers in 0 … 1 (splitmix64).
-    fn uniforms(mut state: u64) -> impl FnMut() -> f64 {
-        move || {
-            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mut z = state;
-            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-        }
-    }
 
     fn partial_sum(x: f64, order: usize) -> Complex64 {
         let mut c = vec![Complex64::ZERO; order + 1];
@@ -130,7 +120,8 @@ mod tests {
 
     #[test]
     fn the_tight_bound_holds_and_a_tenth_of_it_does_not() {
-        let mut uniform = uniforms(7);
+        let mut random = Random::new(7);
+        let mut uniform = || random.share();
         let mut beyond_a_tenth = 0;
         for _ in 0..10_000 {
             let x = (uniform() * 2.0 - 1.0) * 12.0;

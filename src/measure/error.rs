@@ -2,6 +2,7 @@
 //! sees a difference.
 
 use crate::optics::color::DISPLAY_BLACK;
+use crate::random::Random;
 use glam::DVec3;
 use serde::Serialize;
 
@@ -60,17 +61,15 @@ pub fn flip(picture: &[[u8; 4]], exact: &[[u8; 4]], [width, height]: [u32; 2]) -
 
 /// `count` of `pixels`, or all of them, in their order: a random choice that is the same every time.
 pub fn sample(pixels: &[usize], count: usize) -> Vec<usize> {
+    /// Any will do, so long as it stays.
+    const SEED: u64 = 0x9e37_79b9_7f4a_7c15;
     let mut pixels = pixels.to_vec();
     let count = count.min(pixels.len());
-    let mut state = 0x9e37_79b9_7f4a_7c15u64;
+    let mut random = Random::new(SEED);
+    // The first steps of a Fisher–Yates shuffle.
     for i in 0..count {
-        // splitmix64, and the first steps of a Fisher–Yates shuffle.
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         let rest = (pixels.len() - i) as u64;
-        pixels.swap(i, i + ((z ^ (z >> 31)) % rest) as usize);
+        pixels.swap(i, i + (random.bits() % rest) as usize);
     }
     pixels.truncate(count);
     pixels.sort_unstable();

@@ -244,19 +244,13 @@ impl Ladder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     /// A speckled response along a ray: |Σ a_m e^{i2πq·uv·x_m}|², random phases, with the x_m spread as the energy g² of
     /// the Gaussian window, a normal distribution of standard deviation σ/√2.
     fn speckle(seed: u64, sigma: f64, uv: f64) -> impl Fn(f64) -> f64 {
-        let mut state = seed;
-        let mut uniform = move || {
-            // splitmix64
-            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mut z = state;
-            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-        };
+        let mut random = Random::new(seed);
+        let mut uniform = || random.share();
         let spots: Vec<(f64, f64)> = (0..200)
             .map(|_| {
                 let r = (-2.0 * (1.0 - uniform()).ln()).sqrt();

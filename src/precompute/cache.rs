@@ -16,11 +16,11 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// First bytes of a file; the number changes whenever the layers of the same key would change.
-const MAGIC: &[u8; 20] = b"diffract layers 0005";
+const MAGIC: &[u8; 20] = b"diffract layers 0006";
 /// Bytes of the check sum and of the key.
 const HASH: usize = blake3::OUT_LEN;
 /// Numbers of 8 bytes that describe the layers in front of the texels.
-const HEADER: usize = 25;
+const HEADER: usize = 26;
 
 /// The folder: `$XDG_CACHE_HOME/diffract`, else `~/.cache/diffract`; `None` where the user has neither.
 pub fn folder() -> Option<PathBuf> {
@@ -47,6 +47,7 @@ pub fn key(field: &HeightField, settings: &Settings) -> blake3::Hash {
         settings.budget.expansion,
         terms,
         f64::from(settings.basis as u8),
+        f64::from(settings.aim as u8),
     ];
     hasher.update(bytemuck::cast_slice(&numbers));
     hasher.update(bytemuck::cast_slice(field.heights()));
@@ -133,8 +134,9 @@ fn is_sound(layers: &Layers) -> bool {
         && positive(&[l.length, l.band, l.interpolation.ratios].concat())
         && positive(&[l.z_max])
         && l.sigma > 0.0
-        && (1..=layers::MOST_BANDS).contains(&l.z_bands)
         && l.terms >= 1
+        && (1..=l.z_bands).contains(&l.deep_bands)
+        && (l.pairs() > 1 || l.deep_bands == l.z_bands)
         && l.coefficients.columns >= 2
         && rule.iter().all(|x| x.is_finite())
         && l.texels.par_iter().all(|x| x.is_finite())
@@ -190,7 +192,7 @@ fn to_numbers(l: &Layers) -> [f64; HEADER] {
     let [rx, ry] = l.interpolation.ratios;
     let flag = |b: bool| f64::from(b);
     let e = &l.errors;
-    let counts = [l.z_bands as f64, l.terms as f64, l.coefficients.columns as f64];
+    let counts = [l.z_bands, l.deep_bands, l.terms, l.coefficients.columns].map(|n| n as f64);
     [
         [sx, sy, ox, oy, l.length[0], l.length[1], l.band[0], l.band[1]].as_slice(),
         &[l.sigma, l.z_max, kx, ky, rx, ry],
@@ -209,8 +211,18 @@ fn from_numbers(n: &[f64], mut payload: Vec<f32>) -> Option<Layers> {
     else {
         return None;
     };
-    let &[z_bands, terms, columns, slope, fewest, expansion, interpolation, truncation_bound, rounding_bound] =
-        rest
+    let &[
+        z_bands,
+        deep_bands,
+        terms,
+        columns,
+        slope,
+        fewest,
+        expansion,
+        interpolation,
+        truncation_bound,
+        rounding_bound,
+    ] = rest
     else {
         return None;
     };
@@ -218,8 +230,9 @@ fn from_numbers(n: &[f64], mut payload: Vec<f32>) -> Option<Layers> {
     const MOST: f64 = 1e6;
     let whole = |n: f64| ((0.0..=MOST).contains(&n) && n.fract() == 0.0).then_some(n as usize);
     let [sx, sy, ox, oy] = [whole(sx)?, whole(sy)?, whole(ox)?, whole(oy)?];
-    let [z_bands, terms, columns] = [whole(z_bands)?, whole(terms)?, whole(columns)?];
-    let layers = terms.div_ceil(2).checked_mul(z_bands)?;
+    let [z_bands, deep_bands, terms, columns] =
+        [whole(z_bands)?, whole(deep_bands)?, whole(terms)?, whole(columns)?];
+    let layers = terms.div_ceil(2).checked_sub(1)?.checked_mul(z_bands)?.checked_add(deep_bands)?;
     let texels = sx.checked_mul(sy)?.checked_mul(4)?.checked_mul(layers)?;
     if payload.len() != texels.checked_add(layers.checked_mul(columns)?.checked_mul(4)?)? {
         return None;
@@ -234,6 +247,7 @@ fn from_numbers(n: &[f64], mut payload: Vec<f32>) -> Option<Layers> {
         sigma,
         half_plane: half != 0.0,
         z_bands,
+        deep_bands,
         terms,
         coefficients: Coefficients { columns, nearest: nearest != 0.0, values },
         z_max,
@@ -247,7 +261,7 @@ fn from_numbers(n: &[f64], mut payload: Vec<f32>) -> Option<Layers> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::precompute::{Budget, compute};
+    use crate::precompute::{Aim, Budget, compute};
 
     fn sample() -> (HeightField, Settings, Layers) {
         let heights = (0..256).map(|i| 0.05 * f64::from(i * 7 % 13) / 13.0).collect();
@@ -258,6 +272,7 @@ mod tests {
             budget: Budget { interpolation: 7e-2, expansion: 3.5e-2 },
             basis: crate::expansion::Basis::Taylor,
             terms: None,
+            aim: Aim::FewTransforms,
             memory_limit: 1 << 28,
             side_limit: 16_384,
         };
@@ -310,7 +325,7 @@ mod tests {
         let e = ["size", "size", "origin", "origin", "length", "length", "band", "band"];
         let names =
             [&e[..], &["sigma", "z_max", "kernel", "kernel", "ratio", "ratio", "half", "nearest"]].concat();
-        let names = [&names[..], &["z_bands", "terms", "columns", "slope", "fewest"]].concat();
+        let names = [&names[..], &["z_bands", "deep_bands", "terms", "columns", "slope", "fewest"]].concat();
         for (number, name) in
             names.iter().enumerate().filter(|(_, n)| !["kernel", "half", "nearest"].contains(n))
         {

@@ -20,7 +20,7 @@ const SHARE: f64 = 0.03;
 const INTERVALS: (f64, f64) = (64.0, 4094.0);
 
 impl Coefficients {
-    /// The table of `terms` coefficients of `families`, one for each of the equal parts of 0 … `z_max`, for heights of half
+    /// The table of up to `terms` coefficients for the first `layers` layers of `families`, one for each of the equal parts of 0 … `z_max`, for heights of half
     /// range `half_range` \[µm\].
     ///
     /// Taking all coefficients from the nearest point moves z by up to half a step Δz, the heights' phases by half of
@@ -28,6 +28,7 @@ impl Coefficients {
     /// Interpolating all coefficients alike interpolates e^{izh} itself, with an error of (Δz·a)²/8. Neither cancels.
     pub(super) fn new(
         families: &[Box<dyn Expansion>],
+        layers: usize,
         terms: usize,
         z_max: f64,
         half_range: f64,
@@ -41,14 +42,17 @@ impl Coefficients {
         let intervals = if nearest { for_nearest } else { for_linear }.clamp(INTERVALS.0, INTERVALS.1);
         let columns = intervals as usize + 1;
         let bands = families.len();
-        let mut values = vec![[0.0f32; 4]; terms.div_ceil(2) * bands * columns];
+        let mut values = vec![[0.0f32; 4]; layers * columns];
         let mut c = vec![Complex64::ZERO; terms];
         for (band, family) in families.iter().enumerate() {
             for column in 0..columns {
                 family.coefficients(width * (band as f64 + column as f64 / intervals), &mut c);
                 for (n, c) in c.iter().enumerate() {
-                    let texel = &mut values[(n / 2 * bands + band) * columns + column];
-                    texel[n % 2 * 2..][..2].copy_from_slice(&[c.re as f32, c.im as f32]);
+                    let layer = n / 2 * bands + band;
+                    if layer < layers {
+                        let texel = &mut values[layer * columns + column];
+                        texel[n % 2 * 2..][..2].copy_from_slice(&[c.re as f32, c.im as f32]);
+                    }
                 }
             }
         }

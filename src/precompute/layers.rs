@@ -1,14 +1,13 @@
 //! The layers: spectra of the basis functions under the window, packed for the shader, with the number of terms chosen
 //! by comparing against the transform of e^{izh} itself.
 
-use super::audit::{Audit, FAINT, PLANES, PlaneTerms};
+use super::audit::{Audit, FAINT, PLANES, PlaneTerms, band_of};
+use super::bands::Bands;
 use super::coefficients::Coefficients;
 use super::kernel::Interpolation;
 use super::transform::{PaddedAxis, Pair, Transformer};
 use crate::error::{Error, Result};
-use crate::expansion::chebyshev::Chebyshev;
-use crate::expansion::optimal::Optimal;
-use crate::expansion::taylor::{F32_ROUNDOFF, Taylor, terms_for};
+use crate::expansion::taylor::{F32_ROUNDOFF, terms_for};
 use crate::expansion::{Basis, Expansion, HeightScale};
 use crate::memory;
 use crate::surface::HeightField;
@@ -29,10 +28,21 @@ pub struct Settings {
     pub basis: Basis,
     /// Number of terms, where the user names it.
     pub terms: Option<usize>,
+    /// What there shall be little of.
+    pub aim: Aim,
     /// Most bytes that the layers may take.
     pub memory_limit: usize,
     /// Most texels along a side of a layer.
     pub side_limit: usize,
+}
+
+/// What layers are made to save.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aim {
+    /// Fourier transforms: for single directions.
+    FewTransforms,
+    /// Samples of a wavelength, for more layers: for pictures.
+    FewSamples,
 }
 
 /// The relative intensity errors that layers may bring, RMS over single directions and wavelengths.
@@ -43,9 +53,6 @@ pub struct Budget {
     /// Truncation and rounding of the expansion, together.
     pub expansion: f64,
 }
-
-/// Most bands of z that an expansion is split into: each has layers of its own.
-pub(super) const MOST_BANDS: usize = 4;
 
 /// The largest |z| = k|w| that wavelengths from `shortest` \[µm\] allow \[rad/µm\]: |w| ≤ 2.
 pub fn largest_z(shortest: f64) -> f64 {
@@ -83,7 +90,9 @@ pub struct Layers {
     pub half_plane: bool,
     /// Equal parts of 0 … z_max, each with functions and layers of its own.
     pub z_bands: usize,
-    /// Number of terms K in each.
+    /// Bands, from z = 0 up, that have every pair of terms; the others have one less.
+    pub deep_bands: usize,
+    /// Number of terms K in each deep band.
     pub terms: usize,
     /// c_n over k|w|.
     pub coefficients: Coefficients,
@@ -101,19 +110,20 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Pairs of terms of a band of z.
+    /// Pairs of terms of a deep band of z.
     pub fn pairs(&self) -> usize {
         self.terms.div_ceil(2)
     }
 
     /// Layers of the texture.
     pub fn count(&self) -> usize {
-        self.pairs() * self.z_bands
+        (self.pairs() - 1) * self.z_bands + self.deep_bands
     }
 
     /// Pairs of terms that are summed at k|w| = `z` \[rad/µm\].
     pub fn pairs_at(&self, z: f64) -> usize {
-        self.pairs_needed.at(z).clamp(1, self.pairs())
+        let deep = band_of(z, self.z_max, self.z_bands) < self.deep_bands;
+        self.pairs_needed.at(z).clamp(1, self.pairs() - usize::from(!deep))
     }
 }
 
@@ -232,7 +242,8 @@ pub fn compute(
     let scale = HeightScale::of(field);
     let z_max = largest_z(settings.shortest_wavelength);
     let budget = settings.budget;
-    if settings.basis == Basis::Taylor && settings.terms.is_none() {
+    let one_band = settings.terms.is_some() || settings.aim == Aim::FewTransforms;
+    if settings.basis == Basis::Taylor && settings.terms.is_none() && one_band {
         // Refuses what is hopeless before any work.
         terms_for(z_max * scale.half_range, budget.expansion, F32_ROUNDOFF)?;
     }
@@ -252,41 +263,48 @@ pub fn compute(
         ));
     }
     let [x, y] = plan(field, settings, interpolation)?;
-    let families = families(field, settings, &scale, z_max);
-    let most_terms = most_terms(&families, settings, z_max);
-    let bands = families.len();
-    let half_plane = settings.basis.is_real();
     let guard = interpolation.kernels[0].guard();
+    let room = settings.memory_limit / (x.kept() * y.kept() * TEXEL);
+    let mut bands = Bands::choose(field, settings, z_max, room);
+    let most_terms = most_terms(&bands, settings, z_max);
+    let count = bands.families.len();
+    let half_plane = bands.real;
     // Texels left of f_x = 0 exist for the kernel alone where the other half plane follows.
     let first_column = if half_plane { x.bins - guard } else { 0 };
     let size = [x.kept() - first_column, y.kept()];
-    let pair_bytes = size[0] * size[1] * 16;
+    let layer_bytes = size[0] * size[1] * TEXEL;
     let transformer = Transformer::new(field, x, y);
     let heights: Vec<f64> = field.heights().iter().map(|&h| scale.normalise(h)).collect();
 
-    let guess = settings.terms.unwrap_or(if half_plane { GUESSED_TERMS } else { 4 });
-    let steps = |terms: usize| PLANES.len() + guess.max(terms).div_ceil(2) * bands;
+    let guess = if half_plane { settings.terms.unwrap_or(GUESSED_TERMS).div_ceil(2) } else { bands.layers() };
+    let steps = |layers: usize| PLANES.len() + guess.max(layers);
     let mut audit =
-        Audit::new(&transformer, &heights, scale.half_range, z_max, bands, |i| progress(i, steps(0)))?;
+        Audit::new(&transformer, &heights, scale.half_range, z_max, count, |i| progress(i, steps(0)))?;
     let mut texels: Vec<f32> = Vec::new();
-    let mut terms = 0;
-    while terms < most_terms {
-        let (even, odd) = (terms, terms + 1);
-        for (band, family) in families.iter().enumerate() {
-            progress(PLANES.len() + terms / 2 * bands + band, steps(terms + 2))?;
-            if texels.len() * 4 + pair_bytes > settings.memory_limit {
-                return Err(too_large((texels.len() * 4 + pair_bytes) as f64, settings));
+    let mut made = 0;
+    let terms = loop {
+        let wanted = bands.layers();
+        while made < wanted {
+            progress(PLANES.len() + made, steps(wanted))?;
+            if texels.len() * 4 + layer_bytes > settings.memory_limit {
+                return Err(too_large((texels.len() * 4 + layer_bytes) as f64, settings));
             }
-            let pair = transformer.pair(half_plane, |n, i| family.basis([even, odd][n], heights[i]));
+            let (first_term, band) = (made / count * 2, made % count);
+            let family = &bands.families[band];
+            let pair = transformer.pair(half_plane, |n, i| family.basis(first_term + n, heights[i]));
             texels.extend(pack(&pair, size, first_column));
             audit.add(band, &pair);
+            made += 1;
         }
-        terms = (terms + 2).min(most_terms);
-        if settings.terms.is_none() && audit.error(&families, terms) <= budget.expansion {
-            break;
+        let terms = (2 * bands.pairs).min(most_terms);
+        let enough = settings.terms.is_none() && audit.error(&bands.families, terms) <= budget.expansion;
+        if enough || terms == most_terms && bands.deep == count {
+            break terms;
         }
-    }
-    let expansion_error = audit.error(&families, terms);
+        bands.deepen();
+    };
+    let families = &bands.families;
+    let expansion_error = audit.error(families, terms);
     if settings.terms.is_none() && expansion_error > budget.expansion {
         return Err(Error::failed(
             format!(
@@ -298,7 +316,7 @@ pub fn compute(
             "ask for a larger --tolerance, or use --basis optimal or --method reference",
         ));
     }
-    progress(steps(terms), steps(terms))?;
+    progress(steps(made), steps(made))?;
     let worst =
         |of: &dyn Fn(&dyn Expansion) -> f64| families.iter().map(|f| of(f.as_ref())).fold(0.0, f64::max);
     Ok(Layers {
@@ -308,13 +326,14 @@ pub fn compute(
         band: bands_of(field, settings.shortest_wavelength),
         sigma: settings.sigma,
         half_plane,
-        z_bands: bands,
+        z_bands: count,
+        deep_bands: bands.deep,
         terms,
-        coefficients: Coefficients::new(&families, terms, z_max, scale.half_range, budget.expansion),
+        coefficients: Coefficients::new(families, made, terms, z_max, scale.half_range, budget.expansion),
         z_max,
         pairs_needed: match settings.terms {
             // What the user names is done everywhere.
-            None if half_plane => PairRule::over(&audit.terms_by_z(&families, terms, budget.expansion)),
+            None if half_plane => PairRule::over(&audit.terms_by_z(families, terms, budget.expansion)),
             _ => PairRule::constant(terms.div_ceil(2)),
         },
         interpolation,
@@ -328,67 +347,15 @@ pub fn compute(
     })
 }
 
-/// The expansion, split into bands of z where that saves samples: the families of functions of equal parts of 0 … `z_max`.
-fn families(
-    field: &HeightField,
-    settings: &Settings,
-    scale: &HeightScale,
-    z_max: f64,
-) -> Vec<Box<dyn Expansion>> {
-    let half_range = scale.half_range;
-    match settings.basis {
-        Basis::Taylor => vec![Box::new(Taylor { half_range })],
-        Basis::Chebyshev => vec![Box::new(Chebyshev { half_range })],
-        Basis::Optimal => {
-            let split = |bands: usize| -> Vec<Optimal> {
-                let edge = |band: usize| z_max * band as f64 / bands as f64;
-                (0..bands).map(|band| Optimal::new(field, [edge(band), edge(band + 1)])).collect()
-            };
-            let boxed = |families: Vec<Optimal>| -> Vec<Box<dyn Expansion>> {
-                families.into_iter().map(|f| Box::new(f) as Box<dyn Expansion>).collect()
-            };
-            if settings.terms.is_some() {
-                return boxed(split(1));
-            }
-            // The fewest pairs of terms that any number of bands allows, and of those the fewest bands.
-            let pairs = |families: &[Optimal]| {
-                let enough = |&n: &usize| {
-                    families
-                        .iter()
-                        .all(|f| f.relative_residual(2 * n) <= RESIDUAL_PART * settings.budget.expansion)
-                };
-                (1..families[0].most_terms()).find(enough).unwrap_or(usize::MAX)
-            };
-            let mut best = (usize::MAX, Vec::new());
-            for bands in 1..=MOST_BANDS {
-                if best.0 == 1 {
-                    break;
-                }
-                let families = split(bands);
-                let pairs = pairs(&families);
-                if pairs < best.0 || best.1.is_empty() {
-                    best = (pairs, families);
-                }
-            }
-            boxed(best.1)
-        }
-    }
-}
-
-/// Relative intensity errors of single directions are about this many times larger than an expansion's amplitude error
-/// relative to the scattered light: twice for the square, and the faint directions. The audit decides; this only chooses
-/// where it begins.
-const RESIDUAL_PART: f64 = 0.3;
-
 /// Where the audit may stop looking for the number of terms.
-fn most_terms(families: &[Box<dyn Expansion>], settings: &Settings, z_max: f64) -> usize {
-    let most = families.iter().map(|f| f.most_terms()).max().unwrap_or(1);
+fn most_terms(bands: &Bands, settings: &Settings, z_max: f64) -> usize {
+    let most = bands.families.iter().map(|f| f.most_terms()).max().unwrap_or(1);
     // No judged texel is fainter than FAINT, so a sup error of its square root times the tolerance is more than enough.
     let enough = settings.budget.expansion * FAINT.sqrt() * 0.1;
     match settings.terms {
         Some(terms) => terms.clamp(1, most),
-        None if settings.basis.is_real() => {
-            (1..most).find(|&n| families[0].truncation_bound(z_max, n) <= enough).unwrap_or(most)
+        None if bands.real => {
+            (1..most).find(|&n| bands.families[0].truncation_bound(z_max, n) <= enough).unwrap_or(most)
         }
         None => most,
     }
@@ -406,6 +373,8 @@ fn pack(pair: &Pair, size: [usize; 2], first_column: usize) -> Vec<f32> {
     texels
 }
 
+/// Bytes of a texel: two complex numbers.
+const TEXEL: usize = 16;
 /// What the progress counts on before the number of terms is known.
 const GUESSED_TERMS: usize = 16;
 
@@ -430,6 +399,7 @@ mod tests {
             budget: Budget { interpolation: 0.7 * tolerance, expansion: 0.35 * tolerance },
             basis: Basis::Taylor,
             terms: None,
+            aim: Aim::FewTransforms,
             memory_limit: 1 << 30,
             side_limit: 16_384,
         }

@@ -1,10 +1,11 @@
 //! From a height field to the layers that the shader reads: expansion × window → spectra, judged as they are made.
 
 pub mod audit;
+mod bands;
 pub mod cache;
 pub mod coefficients;
 pub mod kernel;
 pub mod layers;
 mod transform;
 
-pub use layers::{Budget, Layers, Settings, compute};
+pub use layers::{Aim, Budget, Layers, Settings, compute};

@@ -84,7 +84,7 @@ pub struct OpticsBlock {
 
 /// What the shaders are specialised for, by `constant_id`; see `shaders/spectrum.glsl`. A branch on such a constant costs
 /// nothing, where software devices run both sides of one on a uniform.
-pub fn specialization(layers: &Layers) -> [u32; 7] {
+pub fn specialization(layers: &Layers) -> [u32; 8] {
     let cubic = layers.interpolation.kernels.map(|kernel| u32::from(kernel == Kernel::Cubic));
     [
         cubic[0],
@@ -94,6 +94,7 @@ pub fn specialization(layers: &Layers) -> [u32; 7] {
         layers.pairs() as u32,
         (layers.pairs_needed.slope > 0.0).into(),
         layers.coefficients.nearest.into(),
+        layers.deep_bands as u32,
     ]
 }
 

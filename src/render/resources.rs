@@ -87,7 +87,7 @@ pub struct Resources {
     /// Wavelength combs, for counting what a frame does.
     pub combs: Combs,
     /// What the shaders of the optics are specialised for.
-    pub specialization: [u32; 7],
+    pub specialization: [u32; 8],
     // Held for the descriptor set; fields go in order, so it goes first.
     _images: [Image; 4],
     edge: Sampler,

@@ -5,7 +5,7 @@ use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
 use crate::precompute::kernel::SPECKLE;
-use crate::precompute::{Budget, Settings};
+use crate::precompute::{Aim, Budget, Settings};
 use crate::vk::selection::Candidate;
 
 /// What a tolerance is promised for.
@@ -22,6 +22,18 @@ pub enum Purpose {
 /// the L2 error, is an intensity error of twice the amplitude error, where single dark directions err [`SPECKLE`] times as
 /// much as it.
 const PICTURE_GAIN: f64 = SPECKLE / 2.0;
+
+/// How much more linear interpolation errs midway between texels than on average (RMS): (1/8)/√(1/120). The one bright pixel
+/// of a picture may stand there.
+const MIDWAY: f64 = 1.369;
+
+/// Shares of a tolerance; their squares add up to 1 at the most, because the errors are independent. Reading between texels
+/// costs the most to lower and gets the largest, in pictures all the more: wavelengths cost the logarithm of their share.
+struct Shares {
+    interpolation: f64,
+    expansion: f64,
+    quadrature: f64,
+}
 
 /// Settings of the optics, validated.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,24 +72,37 @@ impl Shading {
         }
     }
 
-    /// What the layers may err by. Shares of the tolerance add up as squares; reading between texels costs the most to
-    /// lower and gets the largest.
+    /// What the layers may err by.
     pub fn budget(&self) -> Budget {
-        const EXPANSION: f64 = 0.35;
-        let interpolation = match self.purpose {
-            Purpose::Directions => 0.7,
-            Purpose::Picture => 0.9,
+        let shares = self.shares();
+        let place = match self.purpose {
+            Purpose::Directions => 1.0,
+            Purpose::Picture => MIDWAY,
         };
         Budget {
-            interpolation: self.gain() * interpolation * self.tolerance,
-            expansion: self.gain() * EXPANSION * self.tolerance,
+            interpolation: self.gain() * shares.interpolation * self.tolerance / place,
+            expansion: self.gain() * shares.expansion * self.tolerance,
+        }
+    }
+
+    /// What the layers shall save: a picture reads them a hundred million times, a few directions hardly.
+    pub fn aim(&self) -> Aim {
+        match self.purpose {
+            Purpose::Directions => Aim::FewTransforms,
+            Purpose::Picture => Aim::FewSamples,
         }
     }
 
     /// What the sum over wavelengths may err by, relative to the colour.
     pub fn quadrature(&self) -> f64 {
-        const SHARE: f64 = 0.6;
-        SHARE * self.tolerance
+        self.shares().quadrature * self.tolerance
+    }
+
+    fn shares(&self) -> Shares {
+        match self.purpose {
+            Purpose::Directions => Shares { interpolation: 0.7, expansion: 0.35, quadrature: 0.6 },
+            Purpose::Picture => Shares { interpolation: 0.7, expansion: 0.5, quadrature: 0.48 },
+        }
     }
 }
 
@@ -132,6 +157,7 @@ impl Shading {
             budget: self.budget(),
             basis: self.basis,
             terms: self.terms,
+            aim: self.aim(),
             memory_limit: (device.memory as f64 * DEVICE_SHARE) as usize,
             side_limit: device.max_side as usize,
         })

@@ -2,6 +2,7 @@
 //! is as good as the first.
 
 use crate::sandbox::{Outcome, SMALL, Sandbox, outcome};
+use diffract::random::Random;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -26,14 +27,6 @@ fn works() -> [(Vec<&'static str>, &'static str); 3] {
 
 /// A small sweep; it keeps each row as soon as it is measured, and goes on there.
 const TRADE: [&str; 7] = ["trade", "plate", "--quick", "--size", "4x4", "--folder", "trade"];
-
-/// A reproducible stream of numbers in 0 … 1.
-fn uniforms(mut state: u64) -> impl FnMut() -> f64 {
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as f64 / (1u64 << 31) as f64
-    }
-}
 
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::with_small_surface();
@@ -85,7 +78,7 @@ fn killed(sandbox: &Sandbox, arguments: &[&str], delay: Duration) -> bool {
 #[test]
 fn killed_at_ninety_random_moments_a_program_leaves_nothing_half() {
     let sandbox = sandbox();
-    let mut uniform = uniforms(0x5eed);
+    let mut random = Random::new(0x5eed);
     let (mut at_work, mut complete, mut kept_files) = (0, 0, 0);
     for ((arguments, output), kills) in works().into_iter().zip([KILLS / 2, KILLS * 3 / 10, KILLS / 10]) {
         remove(&sandbox.cache());
@@ -98,7 +91,7 @@ fn killed_at_ninety_random_moments_a_program_leaves_nothing_half() {
                 remove(&sandbox.cache());
             }
             remove(&sandbox.path(output));
-            at_work += usize::from(killed(&sandbox, &arguments, usual.mul_f64(uniform())));
+            at_work += usize::from(killed(&sandbox, &arguments, usual.mul_f64(random.share())));
             // Whole or not there: the result, and what the cache holds.
             if sandbox.path(output).exists() {
                 assert!(
@@ -126,10 +119,10 @@ fn killed_at_ninety_random_moments_a_program_leaves_nothing_half() {
 fn a_sweep_killed_at_ten_random_moments_keeps_its_rows_and_goes_on() {
     let sandbox = sandbox();
     let arguments = [&TRADE[..], &SMALL].concat();
-    let mut uniform = uniforms(0x7ade);
+    let mut random = Random::new(0x7ade);
     let mut rows = String::new();
     for kill in 0..KILLS / 10 {
-        killed(&sandbox, &arguments, Duration::from_secs_f64(0.2 + 2.5 * uniform()));
+        killed(&sandbox, &arguments, Duration::from_secs_f64(0.2 + 2.5 * random.share()));
         for (path, content) in files(&sandbox.path("trade")) {
             assert!(is_whole(&path, &content), "kill {kill}: {} is not whole", path.display());
         }

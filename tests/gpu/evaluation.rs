@@ -7,6 +7,7 @@ use diffract::optics::coherence::Coherence;
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::reference::Reference;
 use diffract::precompute::{Layers, Settings, compute};
+use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::shading::Shading;
 use diffract::surface::HeightField;
@@ -21,21 +22,11 @@ const DIRECTIONS: usize = 2000;
 /// What a display shows as black under a light of intensity 1 at exposure 0: DISPLAY_BLACK/π in f cos θ_i.
 const FLOOR: f64 = diffract::optics::color::DISPLAY_BLACK / std::f64::consts::PI;
 
-/// A reproducible stream of numbers in 0 … 1 (splitmix64).
-pub fn uniforms(mut state: u64) -> impl FnMut() -> f64 {
-    move || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
 /// Directions over both hemispheres and wavelengths over the visible, a third of them near the mirror direction, some
 /// below the horizon.
 pub fn queries(seed: u64, count: usize) -> Vec<Query> {
-    let mut uniform = uniforms(seed);
+    let mut random = Random::new(seed);
+    let mut uniform = || random.share();
     (0..count)
         .map(|i| {
             let (theta_i, phi_i) = (uniform().acos().to_degrees(), 360.0 * uniform());
@@ -67,6 +58,7 @@ pub fn layers(field: &HeightField, shading: &Shading) -> Layers {
         budget: shading.budget(),
         basis: shading.basis,
         terms: shading.terms,
+        aim: shading.aim(),
         memory_limit: 1 << 30,
         side_limit: 16_384,
     };

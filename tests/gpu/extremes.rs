@@ -2,7 +2,7 @@
 //! remedy where there is none, and nowhere a value that is not a number. What the runs print stands in docs/EXTREMES.md.
 
 use crate::device::with_device;
-use crate::evaluation::{patch, shading, uniforms};
+use crate::evaluation::{patch, shading};
 use diffract::error::Result;
 use diffract::expansion::Basis;
 use diffract::optics::brdf::{cosine_weighted, schlick};
@@ -11,6 +11,7 @@ use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::reference::Reference;
 use diffract::precompute::audit::FAINT;
 use diffract::precompute::{Layers, Settings, compute};
+use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::frame::View;
 use diffract::render::picture::Painter;
@@ -48,6 +49,7 @@ fn layers_of(field: &HeightField, shading: &Shading) -> Result<Layers> {
         shortest_wavelength: 0.38,
         budget: shading.budget(),
         basis: shading.basis,
+        aim: shading.aim(),
         terms: shading.terms,
         memory_limit: 64 << 20,
         side_limit: 4096,
@@ -177,8 +179,8 @@ fn directions_at_the_ends_keep_the_tolerance_and_are_numbers_everywhere() {
 
 /// A rough surface of `range` µm from peak to peak: every phase is in it.
 fn rough(columns: usize, rows: usize, spacing: [f64; 2], range: f64, seed: u64) -> HeightField {
-    let mut uniform = uniforms(seed);
-    let mut heights: Vec<f64> = (0..columns * rows).map(|_| range * uniform()).collect();
+    let mut random = Random::new(seed);
+    let mut heights: Vec<f64> = (0..columns * rows).map(|_| range * random.share()).collect();
     heights[0] = 0.0;
     if let Some(last) = heights.last_mut().filter(|_| columns * rows > 1) {
         *last = range;

@@ -4,7 +4,7 @@ use crate::device::with_device;
 use ash::vk;
 use bytemuck::Zeroable;
 use diffract::expansion::Basis;
-use diffract::precompute::{Budget, Settings, compute};
+use diffract::precompute::{Aim, Budget, Settings, compute};
 use diffract::render::interface::{FrameBlock, OpticsBlock, UV_BINS, binding};
 use diffract::render::resources::{Pigment, Resources};
 use diffract::render::shading::Shading;
@@ -67,6 +67,7 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             budget: Budget { interpolation: 0.07, expansion: 0.035 },
             basis: Basis::Taylor,
             terms: Some(1),
+            aim: Aim::FewTransforms,
             memory_limit: 1 << 28,
             side_limit: 16_384,
         };

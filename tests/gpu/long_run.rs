@@ -81,14 +81,15 @@ fn over_a_hundred_thousand_frames_memory_is_flat() {
         last.resident as f64 / MIB,
         last.on_device as f64 / MIB
     );
-    let line = |of: &dyn Fn(&Sample) -> u64| -> Vec<[f64; 2]> {
-        samples.iter().map(|s| [s.frames as f64, of(s) as f64 / MIB]).collect()
+    let line = |of: &dyn Fn(&Sample) -> f64| -> Vec<[f64; 2]> {
+        samples.iter().map(|s| [s.frames as f64 / 1e3, of(s)]).collect()
     };
-    let (host, ours) = (line(&|s| s.resident), line(&|s| s.on_device));
+    let (host, ours) = (line(&|s| s.resident as f64 / MIB), line(&|s| s.on_device as f64 / 1024.0));
     let most = |points: &[[f64; 2]]| points.iter().map(|p| p[1]).fold(0.0, f64::max);
     let panel = |label: &str, points: Vec<[f64; 2]>, color| {
         let y = Axis::linear(label, 0.0, most(&points) * 1.25);
-        Panel::new(Axis::linear("frames", 0.0, FRAMES as f64), y).mark(Mark::line(points, color))
+        Panel::new(Axis::linear("thousand frames", 0.0, FRAMES as f64 / 1e3), y)
+            .mark(Mark::line(points, color))
     };
     let caption = format!(
         "{FRAMES} pictures of 16 × 12 pixels, one after the other, each with the light moved: resident memory of the \
@@ -99,7 +100,7 @@ fn over_a_hundred_thousand_frames_memory_is_flat() {
     let figure = Figure::new("Memory over a hundred thousand frames")
         .row(vec![
             panel("resident memory [MiB]", host, palette::BLUE).titled("The process"),
-            panel("device memory in use [MiB]", ours, palette::ORANGE).titled("The device"),
+            panel("device memory in use [KiB]", ours, palette::ORANGE).titled("The device"),
         ])
         .panel_size(460.0, 320.0)
         .caption(caption);

@@ -3,19 +3,9 @@ use crate::optics::coherence::Coherence;
 use crate::optics::geometry::direction;
 use crate::optics::quadrature::SPAN;
 use crate::optics::spectrum::LONGEST;
+use crate::random::Random;
 use crate::surface::HeightField;
 use crate::surface::synth::{self, Kind, Spec};
-
-/// A reproducible stream of numbers in 0 … 1 (splitmix64).
-fn uniforms(mut state: u64) -> impl FnMut() -> f64 {
-    move || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
 
 fn patch(kind: Kind, size: f64) -> HeightField {
     synth::generate(&Spec { patch: Some([size; 2]), ..Spec::new(kind) }).unwrap()
@@ -23,7 +13,8 @@ fn patch(kind: Kind, size: f64) -> HeightField {
 
 /// Pairs of directions above the horizon, seven tenths of which are anywhere and the rest near the mirror direction.
 fn pairs(count: usize, seed: u64) -> Vec<Pair> {
-    let mut uniform = uniforms(seed);
+    let mut random = Random::new(seed);
+    let mut uniform = || random.share();
     (0..count)
         .map(|i| {
             let (theta, phi) = (85.0 * uniform(), 360.0 * uniform());
@@ -100,7 +91,8 @@ fn the_fine_spectra_are_the_direct_sum_in_every_direction() {
 #[test]
 fn odd_and_even_numbers_of_samples_on_oblong_grids_agree_too() {
     for (columns, rows) in [(31, 20), (20, 31), (17, 17)] {
-        let mut uniform = uniforms(3);
+        let mut random = Random::new(3);
+        let mut uniform = || random.share();
         let heights = (0..columns * rows).map(|_| 0.3 * uniform()).collect();
         let field = HeightField::new(columns, rows, [0.09, 0.13], heights).unwrap();
         for windows in [[1, 1], [2, 3]] {

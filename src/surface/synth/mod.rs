@@ -5,8 +5,8 @@
 
 mod analytic;
 mod grid;
-mod random;
 mod ridges;
+mod waves;
 
 use super::HeightField;
 use crate::error::{Error, Result};

@@ -7,8 +7,9 @@
 //! construction, longer and more regular. Dust, scratches and tilt are left out.
 
 use super::grid::Grid;
-use super::random::{Random, Waves};
+use super::waves::Waves;
 use crate::error::Result;
+use crate::random::Random;
 use crate::surface::HeightField;
 
 /// How one skin differs from another. Lengths across are in column pitches, along in row pitches, heights in that of a

@@ -1,0 +1,81 @@
+//! The heights that a surface really has, and what an expansion leaves of the light that they scatter.
+
+use super::{Expansion, HeightScale};
+use crate::surface::HeightField;
+use rustfft::num_complex::Complex64;
+
+/// Bins of the histogram: the phase in a bin changes by less than a hundredth for every surface that taylor can do, and
+/// the functions themselves are smooth in it.
+const BINS: usize = 512;
+/// Part of the weight that every height gets, seen or not: keeps functions tame where the histogram is empty.
+const UNSEEN: f64 = 1e-3;
+
+/// The histogram of the heights of a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Heights {
+    /// a: half of the range \[µm\].
+    pub half_range: f64,
+    /// t of each bin's centre, and its weight; the weights add up to 1.
+    pub bins: Vec<(f64, f64)>,
+}
+
+impl Heights {
+    /// The histogram of `field`.
+    pub fn of(field: &HeightField) -> Self {
+        let scale = HeightScale::of(field);
+        let mut counts = [0.0f64; BINS];
+        for &h in field.heights() {
+            let bin = ((scale.normalise(h) + 1.0) / 2.0 * BINS as f64) as usize;
+            counts[bin.min(BINS - 1)] += 1.0;
+        }
+        let samples = field.heights().len() as f64;
+        let weight = |count: f64| (1.0 - UNSEEN) * count / samples + UNSEEN / BINS as f64;
+        let bins = counts
+            .iter()
+            .enumerate()
+            .map(|(i, &count)| (2.0 * (i as f64 + 0.5) / BINS as f64 - 1.0, weight(count)))
+            .collect();
+        Self { half_range: scale.half_range, bins }
+    }
+
+    /// The part of the light that a mirror's direction does not get at `z` \[rad/µm\].
+    pub fn scattered(&self, z: f64) -> f64 {
+        /// A flat surface scatters nothing; then every z counts alike.
+        const LEAST: f64 = 1e-12;
+        let x = z * self.half_range;
+        let mean: Complex64 = self.bins.iter().map(|&(t, w)| Complex64::cis(x * t) * w).sum();
+        (1.0 - mean.norm_sqr()).max(LEAST)
+    }
+
+    /// Points of z from `from` to `to`: as many as e^{izh} has degrees of freedom there, and several times over. They stand
+    /// closer toward the ends, as Chebyshev's do, because functions that are best in the mean err most there.
+    pub fn points(&self, [from, to]: [f64; 2]) -> Vec<f64> {
+        let points = 24 + (2.5 * (to - from) * self.half_range) as usize;
+        let angle = |q: usize| (q as f64 + 0.5) / points as f64 * std::f64::consts::PI;
+        (0..points).map(|q| from + (1.0 - angle(q).cos()) / 2.0 * (to - from)).collect()
+    }
+
+    /// The largest RMS error over the heights that 1, 2, … `most` pairs of terms of `family` leave at any z of `z_range`,
+    /// relative to the light that is scattered there.
+    pub fn residuals(&self, family: &dyn Expansion, z_range: [f64; 2], most: usize) -> Vec<f64> {
+        let terms = (2 * most).min(family.most_terms());
+        let functions: Vec<Vec<Complex64>> =
+            (0..terms).map(|n| self.bins.iter().map(|&(t, _)| family.basis(n, t)).collect()).collect();
+        let mut c = vec![Complex64::ZERO; terms];
+        let mut worst = vec![0.0f64; terms.div_ceil(2)];
+        for z in self.points(z_range) {
+            family.coefficients(z, &mut c);
+            let mut left: Vec<Complex64> =
+                self.bins.iter().map(|(t, _)| Complex64::cis(z * self.half_range * t)).collect();
+            let scattered = self.scattered(z);
+            for ((c, functions), worst) in c.chunks(2).zip(functions.chunks(2)).zip(&mut worst) {
+                for (c, function) in c.iter().zip(functions) {
+                    left.iter_mut().zip(function).for_each(|(left, b)| *left -= c * b);
+                }
+                let square: f64 = left.iter().zip(&self.bins).map(|(e, (_, w))| e.norm_sqr() * w).sum();
+                *worst = worst.max((square / scattered).sqrt());
+            }
+        }
+        worst
+    }
+}
