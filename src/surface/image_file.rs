@@ -53,6 +53,7 @@ pub fn from_reader(
     let image = decode(reader)?;
     let (columns, rows) = (image.width() as usize, image.height() as usize);
     let codes = grey_codes(&image)?;
+    drop(image);
     let heights = codes.into_iter().map(|share| share * full_height).collect();
     HeightField::new(columns, rows, pixel_size, heights)
 }
@@ -192,7 +193,12 @@ fn shares<S: Code>(samples: &[S], channels: usize, colours: usize, columns: u32)
             "a height image is grey; ".to_owned() + EXPORT_GREY,
         ))
     };
-    samples.chunks_exact(channels).enumerate().map(share).collect()
+    // Room for all at once: what grows by doubling takes half as much again.
+    let mut shares = Vec::with_capacity(samples.len() / channels);
+    for pixel in samples.chunks_exact(channels).enumerate() {
+        shares.push(share(pixel)?);
+    }
+    Ok(shares)
 }
 
 /// A sample of an integer image.

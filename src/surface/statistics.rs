@@ -64,6 +64,7 @@ fn distinct(heights: &[f64]) -> usize {
     let sorted = |mut some: Vec<f64>| {
         some.par_sort_unstable_by(f64::total_cmp);
         some.dedup_by(|a, b| *a == *b); // 0 and −0 are one height
+        some.shrink_to_fit(); // or each keeps the room of what it was
         some
     };
     let parts: Vec<Vec<f64>> = heights.par_chunks(AT_ONCE).map(|part| sorted(part.to_vec())).collect();
