@@ -3,6 +3,8 @@
 //! Data flows one way: `surface` → `expansion` → `precompute` → `render` (with `scene` and `vk`) → picture, and
 //! `optics::reference` judges it. `docs/ARCHITECTURE.md` has the floors.
 
+#![deny(unsafe_code)]
+
 pub mod cli;
 pub mod error;
 pub mod expansion;
@@ -19,4 +21,5 @@ pub mod scene;
 pub mod surface;
 pub mod units;
 pub mod viewer;
+#[allow(unsafe_code, reason = "calls Vulkan; every block says why it is sound")]
 pub mod vk;

@@ -23,13 +23,25 @@ fn check(bytes: u64, available: Option<u64>, what: &str) -> Result<()> {
     }
 }
 
-/// What can still be taken without swapping: the system's own estimate, or the limit of the control group if that is
-/// lower.
+/// What can still be taken without swapping: the system's own estimate, the limit of the control group, or what the
+/// process' own limit (`ulimit -v`) leaves, whichever is lowest.
 fn available() -> Option<u64> {
     let system = fs::read_to_string("/proc/meminfo").ok().and_then(|text| meminfo_available(&text));
     let group =
         fs::read_to_string("/sys/fs/cgroup/memory.max").ok().and_then(|text| text.trim().parse().ok());
-    system.into_iter().chain(group).min()
+    let own = fs::read_to_string("/proc/self/limits").ok().zip(fs::read_to_string("/proc/self/status").ok());
+    let own = own.and_then(|(limits, status)| own_available(&limits, &status));
+    system.into_iter().chain(group).chain(own).min()
+}
+
+/// What the address space of `/proc/self/limits` leaves beside `VmSize` of `/proc/self/status` \[bytes\]; `None` where it has
+/// no limit.
+fn own_available(limits: &str, status: &str) -> Option<u64> {
+    let limit = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    let limit: u64 = limit.split_whitespace().next()?.parse().ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmSize:"))?;
+    let taken: u64 = line.split_whitespace().next()?.parse().ok()?;
+    Some(limit.saturating_sub(taken.checked_mul(1024)?))
 }
 
 /// `MemAvailable` of `/proc/meminfo` \[bytes\].
@@ -55,6 +67,15 @@ mod tests {
         assert!(e.contains("3.0 GiB") && e.contains("2.0 GiB"), "{e}");
         assert!(check(1, Some(2), "the field").is_ok());
         assert!(check(u64::MAX, None, "the field").is_ok());
+    }
+
+    #[test]
+    fn a_limit_of_the_process_leaves_what_is_not_taken() {
+        let limits =
+            "Limit  Soft Limit  Hard Limit  Units\nMax address space         10240  unlimited  bytes\n";
+        assert_eq!(own_available(limits, "VmPeak: 9 kB\nVmSize:\t    4 kB\n"), Some(6 * 1024));
+        assert_eq!(own_available(limits, "VmSize: 40 kB\n"), Some(0));
+        assert_eq!(own_available(&limits.replace("10240", "unlimited"), "VmSize: 4 kB\n"), None);
     }
 
     #[test]

@@ -71,7 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// The file's columns as they were, and what they ask.
-struct Table {
+pub(super) struct Table {
     header: Vec<String>,
     rows: Vec<Vec<String>>,
     queries: Vec<Query>,
@@ -84,7 +84,8 @@ impl Table {
         Self::parse(&text).map_err(|e| e.at(path.display()))
     }
 
-    fn parse(text: &str) -> Result<Self> {
+    /// The table in the text of a file.
+    pub fn parse(text: &str) -> Result<Self> {
         let remedy = "write the header theta_i,phi_i,theta_r,phi_r with wavelength (nm) or not, then numbers";
         let bad = |line: u64, what: String| Error::failed(format!("line {line}: {what}"), remedy);
         let text = text.strip_prefix('\u{feff}').unwrap_or(text); // spreadsheets write a byte order mark

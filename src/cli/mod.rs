@@ -14,6 +14,7 @@ mod repeated;
 mod stage;
 mod surface;
 mod trade;
+pub mod untrusted;
 mod usage;
 mod view;
 mod words;

@@ -13,12 +13,33 @@ use std::ffi::OsString;
 /// # Errors
 /// Words that cannot be meant: names the option, the value and where the help is.
 pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Option<Arguments>> {
+    match understand(words)? {
+        Wanted::Work(arguments) => Ok(Some(*arguments)),
+        Wanted::Words(help) => {
+            let _ = help.print(); // a reader that has gone away has what it wanted
+            Ok(None)
+        }
+    }
+}
+
+/// What a command line asks for.
+pub enum Wanted {
+    /// A command.
+    Work(Box<Arguments>),
+    /// Help or the version.
+    Words(clap::Error),
+}
+
+/// What `words` (the program's name first) ask for; prints nothing.
+///
+/// # Errors
+/// As [`parse`].
+pub fn understand(words: impl IntoIterator<Item = OsString>) -> Result<Wanted> {
     let words: Vec<OsString> = words.into_iter().collect();
     match Arguments::try_parse_from(&words) {
-        Ok(arguments) => Ok(Some(arguments)),
+        Ok(arguments) => Ok(Wanted::Work(Box::new(arguments))),
         Err(e) if matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
-            let _ = e.print(); // a reader that has gone away has what it wanted
-            Ok(None)
+            Ok(Wanted::Words(e))
         }
         Err(e) => Err(in_one_line(&e, &command(&words))),
     }

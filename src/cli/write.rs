@@ -37,22 +37,24 @@ pub fn picture(path: &Path, format: PictureFormat, picture: &Picture) -> Result<
         let encoded = match format {
             PictureFormat::Png => {
                 let rgb: Vec<u8> = picture.display.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
-                image::codecs::png::PngEncoder::new(file).write_image(
+                image::codecs::png::PngEncoder::new(&mut *file).write_image(
                     &rgb,
                     width,
                     height,
                     ExtendedColorType::Rgb8,
                 )
             }
-            PictureFormat::Exr => image::codecs::openexr::OpenExrEncoder::new(file).write_image(
+            PictureFormat::Exr => image::codecs::openexr::OpenExrEncoder::new(&mut *file).write_image(
                 bytemuck::cast_slice(&picture.radiance),
                 width,
                 height,
                 ExtendedColorType::Rgba32F,
             ),
         };
-        encoded.map_err(|e| {
-            Error::failed(format!("cannot be written ({e})"), "check the disk").at(path.display())
+        // Encoders wrap what the system says in words about their format; what is still to be written meets it again.
+        encoded.map_err(|e| match file.flush() {
+            Err(cause) => output::write_failed(path, &cause),
+            Ok(()) => output::write_failed(path, &std::io::Error::other(e)),
         })
     })
 }

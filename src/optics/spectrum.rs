@@ -111,17 +111,30 @@ impl Illuminant {
 
     fn from_file(path: &Path) -> Result<Self> {
         let text = crate::input::read_text(path, "d65, a, e or a CSV file of wavelength in nm and power")?;
-        let table = Table::<1>::parse(&text).map_err(|e| e.at(path.display()))?;
+        Self::from_text(&text).map_err(|e| e.at(path.display()))
+    }
+
+    /// The illuminant in the text of a CSV file of wavelength \[nm\] and power.
+    ///
+    /// # Errors
+    /// As [`Table::parse`]; a negative power; no light in 380–780 nm, or more than a number holds.
+    pub fn from_text(text: &str) -> Result<Self> {
+        let table = Table::<1>::parse(text)?;
         if table.values.iter().any(|v| v[0] < 0.0) {
-            return Err(Error::failed("an illuminant's power is negative", "give powers of at least 0")
-                .at(path.display()));
+            return Err(Error::failed("an illuminant's power is negative", "give powers of at least 0"));
         }
         let light = Self::Table(table);
-        if light.luminance() > 0.0 {
+        let luminance = light.luminance();
+        if luminance == f64::INFINITY {
+            return Err(Error::failed(
+                "the illuminant's powers are too large for a number",
+                "scale them down, only their ratios count",
+            ));
+        }
+        if luminance > 0.0 {
             Ok(light)
         } else {
-            Err(Error::failed("the illuminant has no light in 380–780 nm", "give powers in that range")
-                .at(path.display()))
+            Err(Error::failed("the illuminant has no light in 380–780 nm", "give powers in that range"))
         }
     }
 

@@ -9,6 +9,7 @@ use super::layers::{self, Errors, Layers, PairRule, Settings};
 use crate::error::{Error, Result};
 use crate::output;
 use crate::surface::HeightField;
+use rayon::prelude::*;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -83,7 +84,12 @@ pub fn load(folder: &Path, key: &blake3::Hash, memory_limit: usize) -> Option<La
     let place = path(folder, key);
     // Asked before opening, since opening a pipe waits for its other end.
     let size = std::fs::metadata(&place).ok().filter(std::fs::Metadata::is_file)?.len();
-    let mut file = File::open(&place).ok()?;
+    read(&mut File::open(&place).ok()?, size, key, memory_limit)
+}
+
+/// The layers of `key` in the next `size` bytes of `file`; `None` where they are not whole or not layers that this program
+/// makes.
+pub fn read(file: &mut impl Read, size: u64, key: &blake3::Hash, memory_limit: usize) -> Option<Layers> {
     let size = usize::try_from(size).ok()?;
     let overhead = MAGIC.len() + HASH + HEADER * 8 + HASH;
     // The texels, and behind them the coefficients, which are little.
@@ -97,11 +103,43 @@ pub fn load(folder: &Path, key: &blake3::Hash, memory_limit: usize) -> Option<La
     let mut sum = [0u8; HASH];
     file.read_exact(&mut sum).ok()?;
     let own = &head[..MAGIC.len() + HASH];
-    if own != [MAGIC.as_slice(), key.as_bytes().as_slice()].concat() || check_sum(&head, &[&payload]) != sum {
+    if own != preamble(key) || check_sum(&head, &[&payload]) != sum {
         return None;
     }
     let numbers: Vec<f64> = bytemuck::pod_collect_to_vec(&head[MAGIC.len() + HASH..]);
-    from_numbers(&numbers, payload)
+    from_numbers(&numbers, payload).filter(is_sound)
+}
+
+/// What a file of `key` begins with.
+fn preamble(key: &blake3::Hash) -> Vec<u8> {
+    [MAGIC.as_slice(), key.as_bytes()].concat()
+}
+
+/// A file of `key` whose numbers and texels are `body`, with the check sum that belongs to it: what a stranger would leave
+/// in the folder who knows the format.
+pub fn sealed(key: &blake3::Hash, body: &[u8]) -> Vec<u8> {
+    let mut file = [&preamble(key), body].concat();
+    let sum = *blake3::hash(&file).as_bytes();
+    file.extend(sum);
+    file
+}
+
+/// Whether `layers` are such as this program makes: what follows divides by their numbers, counts with them and makes
+/// images of their sizes. The check sum finds accidents; it does not know who wrote it.
+fn is_sound(layers: &Layers) -> bool {
+    let l = layers;
+    let positive = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite() && *x > 0.0);
+    let rule = [l.pairs_needed.slope, l.pairs_needed.fewest];
+    (0..2).all(|axis| l.origin[axis] < l.size[axis])
+        && positive(&[l.length, l.band, l.interpolation.ratios].concat())
+        && positive(&[l.z_max])
+        && l.sigma > 0.0
+        && l.terms >= 1
+        && l.z_bands >= 1
+        && l.coefficients.columns >= 2
+        && rule.iter().all(|x| x.is_finite())
+        && l.texels.par_iter().all(|x| x.is_finite())
+        && l.coefficients.values.iter().flatten().all(|x| x.is_finite())
 }
 
 /// Writes the layers of `key` into `folder`.
@@ -177,17 +215,21 @@ fn from_numbers(n: &[f64], mut payload: Vec<f32>) -> Option<Layers> {
     else {
         return None;
     };
-    let [z_bands, terms, columns] = [z_bands, terms, columns].map(|n| n as usize);
+    /// Counts beyond this are none of a file that fits into memory, and products of three of them fit a `usize`.
+    const MOST: f64 = 1e6;
+    let whole = |n: f64| ((0.0..=MOST).contains(&n) && n.fract() == 0.0).then_some(n as usize);
+    let [sx, sy, ox, oy] = [whole(sx)?, whole(sy)?, whole(ox)?, whole(oy)?];
+    let [z_bands, terms, columns] = [whole(z_bands)?, whole(terms)?, whole(columns)?];
     let layers = terms.div_ceil(2).checked_mul(z_bands)?;
-    let texels = (sx * sy) as usize * 4 * layers;
+    let texels = sx.checked_mul(sy)?.checked_mul(4)?.checked_mul(layers)?;
     if payload.len() != texels.checked_add(layers.checked_mul(columns)?.checked_mul(4)?)? {
         return None;
     }
     let values = bytemuck::pod_collect_to_vec(&payload.split_off(texels));
     let kernel = |cubic: f64| if cubic == 0.0 { Kernel::Linear } else { Kernel::Cubic };
     Some(Layers {
-        size: [sx as usize, sy as usize],
-        origin: [ox as usize, oy as usize],
+        size: [sx, sy],
+        origin: [ox, oy],
         length: [lx, ly],
         band: [bx, by],
         sigma,
@@ -247,6 +289,49 @@ mod tests {
         }
         store(folder.path(), &key, &layers).unwrap();
         assert!(load(folder.path(), &key, 1 << 28).is_some());
+    }
+
+    /// The file of `key` with number `at` of its header, or one of its floats behind that, set to `value`, and a check sum
+    /// that agrees.
+    fn forged(whole: &[u8], key: &blake3::Hash, at: usize, value: &[u8]) -> Vec<u8> {
+        let mut body = whole[MAGIC.len() + HASH..whole.len() - HASH].to_vec();
+        body[at..at + value.len()].copy_from_slice(value);
+        sealed(key, &body)
+    }
+
+    #[test]
+    fn numbers_that_no_layers_have_make_a_file_absent_in_spite_of_its_check_sum() {
+        let folder = tempfile::tempdir().unwrap();
+        let (field, settings, layers) = sample();
+        let key = key(&field, &settings);
+        store(folder.path(), &key, &layers).unwrap();
+        let whole = std::fs::read(path(folder.path(), &key)).unwrap();
+        let load = |file: Vec<u8>| read(&mut file.as_slice(), file.len() as u64, &key, 1 << 28);
+        let same = |at: usize| whole[MAGIC.len() + HASH..][at..at + 8].to_vec();
+        assert_eq!(load(forged(&whole, &key, 0, &same(0))), Some(layers));
+        let e = ["size", "size", "origin", "origin", "length", "length", "band", "band"];
+        let names =
+            [&e[..], &["sigma", "z_max", "kernel", "kernel", "ratio", "ratio", "half", "nearest"]].concat();
+        let names = [&names[..], &["z_bands", "terms", "columns", "slope", "fewest"]].concat();
+        for (number, name) in
+            names.iter().enumerate().filter(|(_, n)| !["kernel", "half", "nearest"].contains(n))
+        {
+            for value in [f64::NAN, f64::INFINITY, -1.0, 0.0, 0.5, 1e18, 1e300] {
+                let harmless = matches!(
+                    (*name, value),
+                    ("origin" | "slope" | "fewest", 0.0)
+                        | ("slope" | "fewest", -1.0)
+                        | ("sigma", f64::INFINITY)
+                ) || (value > 0.0
+                    && value.is_finite()
+                    && ["length", "band", "sigma", "z_max", "ratio", "slope", "fewest"].contains(name));
+                let found = load(forged(&whole, &key, number * 8, &value.to_le_bytes()));
+                assert_eq!(found.is_some(), harmless, "{name} {value}");
+            }
+        }
+        for place in [HEADER * 8, whole.len() - MAGIC.len() - 2 * HASH - 4] {
+            assert!(load(forged(&whole, &key, place, &f32::NAN.to_le_bytes())).is_none(), "{place}");
+        }
     }
 
     #[test]

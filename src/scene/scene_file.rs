@@ -124,7 +124,11 @@ impl Scene {
         Ok(scene)
     }
 
-    fn parse(text: &str, folder: &Path) -> Result<Self> {
+    /// The scene in the text of a scene file; names of files in it start from `folder`.
+    ///
+    /// # Errors
+    /// As [`Scene::open`].
+    pub fn parse(text: &str, folder: &Path) -> Result<Self> {
         let file: File = toml::from_str(text).map_err(|e| {
             let line =
                 e.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);

@@ -31,18 +31,31 @@ const EXPORT_GREY: &str = "export it as 8- or 16-bit grey PNG or TIFF";
 /// A file that is missing, not regular, damaged, of another format or pixel type, coloured, larger than [`MAX_SIDE`] on a
 /// side or than the memory; a `pixel_size` or `full_height` that is not a length.
 pub fn read(path: &Path, pixel_size: [f64; 2], full_height: f64) -> Result<HeightField> {
+    let read = || from_reader(open(path)?, pixel_size, full_height);
+    read().map_err(|e| e.at(path.display()))
+}
+
+/// Reads a height image as [`read`] does, from what is in memory or in a file that is open.
+///
+/// # Errors
+/// As [`read`]; no error names a place.
+pub fn from_reader(
+    reader: impl BufRead + Seek,
+    pixel_size: [f64; 2],
+    full_height: f64,
+) -> Result<HeightField> {
     if !full_height.is_finite() || full_height < 0.0 {
         return Err(Error::usage(
             format!("the full height {full_height} um cannot be"),
             "give what the largest grey code means, as in --height 434.7nm",
         ));
     }
-    let place = |e: Error| e.at(path.display());
-    let image = decode(path).map_err(place)?;
+    let image = decode(reader)?;
     let (columns, rows) = (image.width() as usize, image.height() as usize);
-    let codes = grey_codes(&image).map_err(place)?;
+    let codes = grey_codes(&image)?;
+    drop(image);
     let heights = codes.into_iter().map(|share| share * full_height).collect();
-    HeightField::new(columns, rows, pixel_size, heights).map_err(place)
+    HeightField::new(columns, rows, pixel_size, heights)
 }
 
 /// Writes `field` as a 16-bit grey image, PNG or TIFF by the extension of `path`, and returns the full height \[µm\]:
@@ -90,8 +103,7 @@ fn format_by_extension(path: &Path) -> Result<ImageFormat> {
 }
 
 /// The decoded picture, after everything that can be checked before decoding.
-fn decode(path: &Path) -> Result<DynamicImage> {
-    let reader = open(path)?;
+fn decode(reader: impl BufRead + Seek) -> Result<DynamicImage> {
     let guessed = ImageReader::new(reader)
         .with_guessed_format()
         .map_err(|e| Error::failed(format!("cannot read: {e}"), "check the file"))?;
@@ -181,7 +193,12 @@ fn shares<S: Code>(samples: &[S], channels: usize, colours: usize, columns: u32)
             "a height image is grey; ".to_owned() + EXPORT_GREY,
         ))
     };
-    samples.chunks_exact(channels).enumerate().map(share).collect()
+    // Room for all at once: what grows by doubling takes half as much again.
+    let mut shares = Vec::with_capacity(samples.len() / channels);
+    for pixel in samples.chunks_exact(channels).enumerate() {
+        shares.push(share(pixel)?);
+    }
+    Ok(shares)
 }
 
 /// A sample of an integer image.

@@ -31,7 +31,7 @@ impl Source {
             Some(kind) => synth::generate(&Spec { seed: self.seed, pixel_size, height, ..Spec::new(kind) })?,
             None => from_file(&self.name, pixel_size, height)?,
         };
-        field.levelled(self.level)
+        if self.level == Level::None { Ok(field) } else { field.levelled(self.level) }
     }
 }
 

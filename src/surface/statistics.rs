@@ -1,6 +1,7 @@
 //! What is in a height field, as numbers.
 
 use super::{HeightField, level};
+use rayon::prelude::*;
 use rustfft::{FftPlanner, num_complex::Complex};
 use std::f64::consts::TAU;
 
@@ -58,10 +59,16 @@ impl Statistics {
 }
 
 fn distinct(heights: &[f64]) -> usize {
-    let mut sorted = heights.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    sorted.dedup_by(|a, b| *a == *b); // 0 and −0 are one height
-    sorted.len()
+    /// Heights that are copied at once: those of an image are few different ones, a copy of all of them may be gigabytes.
+    const AT_ONCE: usize = 1 << 20;
+    let sorted = |mut some: Vec<f64>| {
+        some.par_sort_unstable_by(f64::total_cmp);
+        some.dedup_by(|a, b| *a == *b); // 0 and −0 are one height
+        some.shrink_to_fit(); // or each keeps the room of what it was
+        some
+    };
+    let parts: Vec<Vec<f64>> = heights.par_chunks(AT_ONCE).map(|part| sorted(part.to_vec())).collect();
+    sorted(parts.concat()).len()
 }
 
 fn periods(field: &HeightField, mean: f64) -> [Option<f64>; 2] {
@@ -78,13 +85,17 @@ fn periods(field: &HeightField, mean: f64) -> [Option<f64>; 2] {
 
 /// Power at 0, 1, … n/2 cycles a line, averaged over the `lines`, each less its own mean and under a Hann window, which
 /// keeps a scan's tilt from leaking into all frequencies. Scaled so that the sum is the mean square of what is left.
+///
+/// Of many lines some are enough, evenly spread: a walk down every column of a field of gigabytes takes minutes.
 fn line_spectrum(n: usize, lines: usize, sample: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+    const MOST_LINES: usize = 2048;
+    let step = lines.div_ceil(MOST_LINES);
     let transform = FftPlanner::new().plan_fft_forward(n);
     let window: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / n as f64).cos()).collect();
     let energy: f64 = window.iter().map(|w| w * w).sum();
     let mut power = vec![0.0; n / 2 + 1];
     let mut line_values = vec![Complex::default(); n];
-    for line in 0..lines {
+    for line in (0..lines).step_by(step) {
         let mean = (0..n).map(|i| sample(line, i)).sum::<f64>() / n as f64;
         for (i, value) in line_values.iter_mut().enumerate() {
             *value = Complex::new(window[i] * (sample(line, i) - mean), 0.0);
@@ -95,7 +106,7 @@ fn line_spectrum(n: usize, lines: usize, sample: impl Fn(usize, usize) -> f64) -
         }
     }
     // Both signs of the frequency, and Parseval's n.
-    let scale = 2.0 / (n as f64 * energy * lines as f64);
+    let scale = 2.0 / (n as f64 * energy * lines.div_ceil(step) as f64);
     power.iter().map(|p| p * scale).collect()
 }
 

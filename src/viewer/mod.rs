@@ -6,6 +6,7 @@
 mod app;
 mod compare;
 mod graph;
+#[allow(unsafe_code, reason = "hands Vulkan objects to the panel's renderer")]
 mod gui;
 mod hand;
 mod inset;

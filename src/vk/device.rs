@@ -11,12 +11,19 @@ use gpu_allocator::vulkan::{
     Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc,
 };
 use std::ffi::c_char;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
+
+/// The first block of device memory and the first of host memory that are taken from the driver, and the largest: later ones
+/// double. Small pictures get along with little, large ones with few blocks \[bytes\].
+const BLOCKS: [(u64, u64); 2] = [(16 << 20, 256 << 20), (8 << 20, 64 << 20)];
 
 /// A Vulkan device with its queue and its memory.
 pub struct Device {
     // Before the device: frees its blocks.
     allocator: Mutex<Option<Allocator>>,
+    // How many allocations succeed before one is refused, for tests.
+    until_refusal: AtomicU64,
     names: Option<ext::debug_utils::Device>,
     raw: ash::Device,
     queue: Mutex<vk::Queue>,
@@ -90,10 +97,13 @@ impl Device {
             physical_device: candidate.raw,
             debug_settings: gpu_allocator::AllocatorDebugSettings::default(),
             buffer_device_address: false,
-            allocation_sizes: gpu_allocator::AllocationSizes::default(),
+            allocation_sizes: gpu_allocator::AllocationSizes::new(BLOCKS[0].0, BLOCKS[1].0)
+                .with_max_device_memblock_size(BLOCKS[0].1)
+                .with_max_host_memblock_size(BLOCKS[1].1),
         });
         let mut device = Self {
             allocator: Mutex::new(None),
+            until_refusal: AtomicU64::new(instance.mask().allocation.map_or(u64::MAX, |n| n - 1)),
             names,
             raw,
             queue: Mutex::new(queue),
@@ -182,12 +192,27 @@ impl Device {
         location: MemoryLocation,
         linear: bool,
     ) -> Result<Allocation> {
+        use gpu_allocator::AllocationError::OutOfMemory;
+        let take = |left: u64| left.checked_sub(1).or(Some(u64::MAX));
+        if self.until_refusal.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take) == Ok(0) {
+            return Err(memory_failure(name, &OutOfMemory));
+        }
         let mut guard = self.allocator.lock().map_err(|_| poisoned())?;
         let allocator = guard.as_mut().ok_or_else(poisoned)?;
         let scheme = AllocationScheme::GpuAllocatorManaged;
         let request =
             AllocationCreateDesc { name, requirements, location, linear, allocation_scheme: scheme };
-        allocator.allocate(&request).map_err(|e| memory_failure(name, &e))
+        let allocation = allocator.allocate(&request).map_err(|e| memory_failure(name, &e))?;
+        if self.instance.mask().memory.is_some_and(|most| allocator.capacity() > most) {
+            let _ = allocator.free(allocation); // its own
+            return Err(memory_failure(name, &OutOfMemory));
+        }
+        Ok(allocation)
+    }
+
+    /// Makes the `n`-th allocation from now on (from 1) fail, and no other: for tests of what follows.
+    pub fn refuse_allocation(&self, n: u64) {
+        self.until_refusal.store(n.saturating_sub(1), Ordering::Relaxed);
     }
 
     /// Gives memory back.

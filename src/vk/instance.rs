@@ -1,6 +1,7 @@
 //! The Vulkan instance, and the ear for what validation says.
 
 use super::failure;
+use super::mask::Mask;
 use crate::error::{Error, Result};
 use ash::{ext, vk};
 use std::ffi::{CStr, c_char, c_void};
@@ -39,6 +40,8 @@ pub struct Instance {
     raw: ash::Instance,
     // Boxed: the messenger holds its address.
     messages: Box<Messages>,
+    // What its devices are made to lack.
+    mask: Mask,
     // Last: unloads the library.
     entry: ash::Entry,
 }
@@ -49,7 +52,15 @@ impl Instance {
     /// # Errors
     /// No Vulkan library, none of version 1.3, or validation asked for and not installed; each says what to install.
     pub fn new(validation: bool) -> Result<Self> {
-        Self::with_extensions(validation, &[])
+        Self::with_extensions(validation, &[], Mask::from_environment()?)
+    }
+
+    /// The same with devices that lack what `mask` takes away.
+    ///
+    /// # Errors
+    /// As [`Instance::new`].
+    pub fn masked(validation: bool, mask: Mask) -> Result<Self> {
+        Self::with_extensions(validation, &[], mask)
     }
 
     /// The same for windows on the display of `handle`.
@@ -59,10 +70,10 @@ impl Instance {
     pub fn for_windows(validation: bool, handle: RawDisplayHandle) -> Result<Self> {
         let names = ash_window::enumerate_required_extensions(handle)
             .map_err(|c| failure("name what windows of this kind need", c))?;
-        Self::with_extensions(validation, names)
+        Self::with_extensions(validation, names, Mask::from_environment()?)
     }
 
-    fn with_extensions(validation: bool, more: &[*const c_char]) -> Result<Self> {
+    fn with_extensions(validation: bool, more: &[*const c_char], mask: Mask) -> Result<Self> {
         // SAFETY: loading runs the system's Vulkan loader, which is what the user asked for; the entry outlives all use.
         let entry = unsafe { ash::Entry::load() }
             .map_err(|e| Error::failed(format!("there is no Vulkan on this machine ({e})"), INSTALL))?;
@@ -91,7 +102,7 @@ impl Instance {
             code => failure("start", code),
         })?;
         let messages = Box::<Messages>::default();
-        let mut instance = Self { debug: None, raw, messages, entry };
+        let mut instance = Self { debug: None, raw, messages, mask, entry };
         if validation {
             instance.debug = Some(instance.listen()?);
         }
@@ -129,6 +140,11 @@ impl Instance {
     /// What validation has said so far; empty without validation.
     pub fn messages(&self) -> Vec<String> {
         self.messages.all()
+    }
+
+    /// What its devices are made to lack.
+    pub fn mask(&self) -> &Mask {
+        &self.mask
     }
 
     /// Whether validation listens.

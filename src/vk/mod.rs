@@ -11,6 +11,7 @@ pub mod descriptors;
 pub mod device;
 pub mod image;
 pub mod instance;
+pub mod mask;
 pub mod pipeline;
 pub mod queries;
 pub mod sampler;

@@ -2,6 +2,7 @@
 
 use super::failure;
 use super::instance::{API_VERSION, INSTALL, Instance};
+use super::mask::Mask;
 use crate::error::{Error, Result};
 use ash::vk;
 
@@ -81,7 +82,7 @@ pub fn candidates(instance: &Instance) -> Result<Vec<Candidate>> {
 fn describe(instance: &Instance, raw: vk::PhysicalDevice) -> Candidate {
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
     let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
-    let instance = instance.raw();
+    let (mask, instance) = (instance.mask(), instance.raw());
     // SAFETY: the device belongs to the live instance; the chained structures live through the calls.
     let (memory, families) = unsafe {
         instance.get_physical_device_properties2(raw, &mut properties);
@@ -105,12 +106,13 @@ fn describe(instance: &Instance, raw: vk::PhysicalDevice) -> Candidate {
         kind: p.device_type,
         version: p.api_version,
         queue_family,
-        memory: local.map(|h| h.size).max().unwrap_or(0),
-        max_side: p.limits.max_image_dimension2_d,
-        max_layers: p.limits.max_image_array_layers,
+        memory: local.map(|h| h.size).max().unwrap_or(0).min(mask.memory.unwrap_or(u64::MAX)),
+        max_side: p.limits.max_image_dimension2_d.min(mask.side.unwrap_or(u32::MAX)),
+        max_layers: p.limits.max_image_array_layers.min(mask.layers.unwrap_or(u32::MAX)),
         timestamp_period: f64::from(p.limits.timestamp_period),
         missing: missing(
             instance,
+            mask,
             raw,
             p.api_version,
             queue_family.filter(|&i| families[i as usize].timestamp_valid_bits > 0),
@@ -122,13 +124,15 @@ fn describe(instance: &Instance, raw: vk::PhysicalDevice) -> Candidate {
 /// What `device` lacks of what the renderer needs.
 fn missing(
     instance: &ash::Instance,
+    mask: &Mask,
     device: vk::PhysicalDevice,
     version: u32,
     queue_family: Option<u32>,
 ) -> Vec<&'static str> {
     let mut missing = Vec::new();
-    if version < API_VERSION {
-        missing.push("Vulkan 1.3");
+    const VERSION: &str = "Vulkan 1.3";
+    if version < API_VERSION || mask.hides(VERSION) {
+        missing.push(VERSION);
         return missing; // the queries below are of 1.3
     }
     let mut v13 = vk::PhysicalDeviceVulkan13Features::default();
@@ -150,7 +154,7 @@ fn missing(
             "linear filtering and drawing of 32-bit float images",
         ),
     ] {
-        if !there {
+        if !there || mask.hides(name) {
             missing.push(name);
         }
     }

@@ -6,7 +6,10 @@
 mod device;
 mod display;
 mod evaluation;
+mod extremes;
+mod faults;
 mod interface;
+mod long_run;
 mod measure;
 mod picture;
 mod promise;

@@ -1,0 +1,125 @@
+//! What a device is made to lack, so that a machine with a good one can be tried as one with a poor one.
+//!
+//! `DIFFRACT_DEVICE_MASK` holds it, entries with semicolons between:
+//!
+//! | entry | effect |
+//! | --- | --- |
+//! | `memory=256MiB` | no more memory than that (`KiB`, `MiB`, `GiB`) is taken from the driver |
+//! | `allocation=7` | the seventh resource that asks for memory gets none |
+//! | `side=1024` | images are at most so long |
+//! | `layers=4` | images have at most so many array layers |
+//! | `without=synchronization2` | a feature, format or version is missing, by a part of the name that errors give it |
+//!
+//! A mask only takes away. The errors are those of a device that has no more.
+
+use crate::error::{Error, Result};
+
+/// The name of the variable.
+pub const VARIABLE: &str = "DIFFRACT_DEVICE_MASK";
+
+/// What is taken away.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Mask {
+    /// Most bytes of memory.
+    pub memory: Option<u64>,
+    /// Number of the allocation that fails, from 1.
+    pub allocation: Option<u64>,
+    /// Longest side of an image, in texels.
+    pub side: Option<u32>,
+    /// Most array layers of an image.
+    pub layers: Option<u32>,
+    /// Parts of names of what is missing.
+    pub without: Vec<String>,
+}
+
+impl Mask {
+    /// The mask that the environment asks for; none where it does not.
+    ///
+    /// # Errors
+    /// As [`Mask::parse`].
+    pub fn from_environment() -> Result<Self> {
+        match std::env::var_os(VARIABLE) {
+            None => Ok(Self::default()),
+            Some(text) => Self::parse(&text.to_string_lossy()).map_err(|e| e.at(VARIABLE)),
+        }
+    }
+
+    /// The mask in `text`.
+    ///
+    /// # Errors
+    /// An entry that is none of those above.
+    pub fn parse(text: &str) -> Result<Self> {
+        let mut mask = Self::default();
+        for entry in text.split(';').map(str::trim).filter(|entry| !entry.is_empty()) {
+            let refuse = || {
+                Error::usage(
+                    format!("`{entry}` takes nothing away"),
+                    "write memory=256MiB, allocation=7, side=1024, layers=4 or without=FEATURE, with ; between",
+                )
+            };
+            let (key, value) = entry.split_once('=').ok_or_else(refuse)?;
+            let (key, value) = (key.trim(), value.trim());
+            let count = || value.parse::<u32>().ok().filter(|n| *n > 0).ok_or_else(refuse);
+            match key {
+                "memory" => mask.memory = Some(bytes(value).ok_or_else(refuse)?),
+                "allocation" => mask.allocation = Some(count()?.into()),
+                "side" => mask.side = Some(count()?),
+                "layers" => mask.layers = Some(count()?),
+                "without" if !value.is_empty() => mask.without.push(value.to_owned()),
+                _ => return Err(refuse()),
+            }
+        }
+        Ok(mask)
+    }
+
+    /// Whether what errors call `name` is taken away.
+    pub fn hides(&self, name: &str) -> bool {
+        self.without.iter().any(|part| name.contains(part.as_str()))
+    }
+}
+
+/// `256MiB` in bytes.
+fn bytes(text: &str) -> Option<u64> {
+    let units = [("KiB", 1 << 10), ("MiB", 1 << 20), ("GiB", 1_u64 << 30)];
+    let (number, unit) = units.iter().find_map(|(name, unit)| Some((text.strip_suffix(name)?, *unit)))?;
+    number.trim_end().parse::<u64>().ok()?.checked_mul(unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mask_is_read_entry_by_entry() {
+        assert_eq!(Mask::parse(" ").unwrap(), Mask::default());
+        let mask =
+            Mask::parse("memory=3MiB; allocation=7;side=64 ;layers=2;without=dynamic;without=1.3;").unwrap();
+        assert_eq!(
+            (mask.memory, mask.allocation, mask.side, mask.layers),
+            (Some(3 << 20), Some(7), Some(64), Some(2))
+        );
+        assert!(mask.hides("dynamic rendering") && mask.hides("Vulkan 1.3") && !mask.hides("maintenance4"));
+        assert!(!Mask::default().hides("anything"));
+    }
+
+    #[test]
+    fn what_takes_nothing_away_is_refused() {
+        for text in [
+            "memory",
+            "memory=",
+            "memory=3",
+            "memory=-3MiB",
+            "memory=99999999999GiB",
+            "side=0",
+            "side=-1",
+            "layers=1.5",
+            "allocation=0",
+            "without=",
+            "x=1",
+            "=",
+            "memory=1MiB,side=4",
+        ] {
+            assert_eq!(Mask::parse(text).unwrap_err().exit_code(), 2, "{text}");
+        }
+    }
+}

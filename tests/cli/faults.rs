@@ -1,0 +1,285 @@
+//! A program that is killed, a disk that is full, a device that is poor: no half result is left or read, and the next run
+//! is as good as the first.
+
+use crate::sandbox::{Outcome, SMALL, Sandbox, outcome};
+use diffract::random::Random;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+/// Moments at which a program is killed.
+const KILLS: usize = 100;
+
+/// Small work of each kind, and the file that it leaves.
+fn works() -> [(Vec<&'static str>, &'static str); 3] {
+    let optics = ["--tolerance", "1e-1"];
+    let picture = ["render", "sphere", "--size", "24x18", "-o", "out.exr"];
+    let answers = ["eval", "--queries", "q.csv", "-o", "out.csv"];
+    let surface = ["surface", "synth", "bumps", "--patch", "3um", "-o", "out.tif"];
+    [
+        ([&picture[..], &SMALL, &optics].concat(), "out.exr"),
+        ([&answers[..], &SMALL, &optics].concat(), "out.csv"),
+        (surface.to_vec(), "out.tif"),
+    ]
+}
+
+/// A small sweep; it keeps each row as soon as it is measured, and goes on there.
+const TRADE: [&str; 7] = ["trade", "plate", "--quick", "--size", "4x4", "--folder", "trade"];
+
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::with_small_surface();
+    sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r,wavelength\n20,0,20,180,550\n70,0,10,30,400\n");
+    sandbox
+}
+
+/// Every file below `folder` by its path, without those that are still being written.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let temporary = entry.file_name().to_string_lossy().starts_with(".diffract-");
+        match entry.path() {
+            path if path.is_dir() => found.extend(files(&path)),
+            path if !temporary => drop(found.insert(path.clone(), fs::read(path).unwrap())),
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Whether a file of a trade is whole: times differ from run to run, so its bytes do.
+fn is_whole(path: &Path, content: &[u8]) -> bool {
+    let text = || std::str::from_utf8(content).unwrap_or_default();
+    match path.extension().and_then(|e| e.to_str()) {
+        Some("png") => image::load_from_memory(content).is_ok(),
+        Some("json") => serde_json::from_slice::<serde_json::Value>(content).is_ok(),
+        Some("svg") => text().trim_end().ends_with("</svg>"),
+        Some("exr") => image::load_from_memory(content).is_ok(),
+        _ => !content.is_empty() && text().ends_with('\n'),
+    }
+}
+
+fn remove(path: &Path) {
+    let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+}
+
+/// Starts `arguments` and kills the program after `delay`; whether it was still at work.
+fn killed(sandbox: &Sandbox, arguments: &[&str], delay: Duration) -> bool {
+    let mut command = sandbox.command(arguments);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    std::thread::sleep(delay);
+    let at_work = child.try_wait().unwrap().is_none();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    at_work
+}
+
+#[test]
+fn killed_at_ninety_random_moments_a_program_leaves_nothing_half() {
+    let sandbox = sandbox();
+    let mut random = Random::new(0x5eed);
+    let (mut at_work, mut complete, mut kept_files) = (0, 0, 0);
+    for ((arguments, output), kills) in works().into_iter().zip([KILLS / 2, KILLS * 3 / 10, KILLS / 10]) {
+        remove(&sandbox.cache());
+        let begun = Instant::now();
+        sandbox.run(&arguments).done();
+        let usual = begun.elapsed();
+        let (right, kept) = (sandbox.read(output), files(&sandbox.cache()));
+        for kill in 0..kills {
+            if kill % 3 == 0 {
+                remove(&sandbox.cache());
+            }
+            remove(&sandbox.path(output));
+            at_work += usize::from(killed(&sandbox, &arguments, usual.mul_f64(random.share())));
+            // Whole or not there: the result, and what the cache holds.
+            if sandbox.path(output).exists() {
+                assert!(
+                    sandbox.read(output) == right,
+                    "{arguments:?}: the result of kill {kill} is not whole"
+                );
+                complete += 1;
+            }
+            for (path, content) in files(&sandbox.cache()) {
+                assert!(kept.get(&path) == Some(&content), "{arguments:?}: kill {kill} left {path:?}");
+                kept_files += 1;
+            }
+        }
+        // On top of all that was left behind, the work is done as if nothing had been.
+        sandbox.run(&arguments).done();
+        assert!(sandbox.read(output) == right && files(&sandbox.cache()) == kept, "{arguments:?}");
+    }
+    eprintln!(
+        "{at_work} programs were killed at work, {complete} results and {kept_files} kept files were whole"
+    );
+    assert!(at_work > KILLS / 2, "only {at_work} programs were killed at work");
+}
+
+#[test]
+fn a_sweep_killed_at_ten_random_moments_keeps_its_rows_and_goes_on() {
+    let sandbox = sandbox();
+    let arguments = [&TRADE[..], &SMALL].concat();
+    let mut random = Random::new(0x7ade);
+    let mut rows = String::new();
+    for kill in 0..KILLS / 10 {
+        killed(&sandbox, &arguments, Duration::from_secs_f64(0.2 + 2.5 * random.share()));
+        for (path, content) in files(&sandbox.path("trade")) {
+            assert!(is_whole(&path, &content), "kill {kill}: {} is not whole", path.display());
+        }
+        let now = fs::read_to_string(sandbox.path("trade/trade.csv")).unwrap_or_default();
+        assert!(now.starts_with(&rows), "kill {kill} lost rows:\n{rows}\n{now}");
+        rows = now;
+    }
+    assert!(rows.lines().count() > 1, "no row was measured between all the kills");
+    // A sweep takes its time on a busy machine, longer than a sandbox waits for anything.
+    let mut last = sandbox.command(&arguments);
+    assert!(
+        last.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().unwrap().success()
+    );
+    let done = fs::read_to_string(sandbox.path("trade/trade.csv")).unwrap();
+    assert!(done.starts_with(&rows) && files(&sandbox.path("trade")).len() == 4, "{done}");
+}
+
+#[test]
+fn two_programs_fill_one_cache_at_once_again_and_again() {
+    let sandbox = sandbox();
+    let [(arguments, output), ..] = works();
+    sandbox.run(&arguments).done();
+    let (right, kept) = (sandbox.read(output), files(&sandbox.cache()));
+    for round in 0..4 {
+        remove(&sandbox.cache());
+        let start = |output: &str| {
+            let mut own = arguments.clone();
+            *own.iter_mut().find(|a| **a == "out.exr").unwrap() = output;
+            let mut command = sandbox.command(own);
+            command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+        };
+        let first = start("a.exr");
+        std::thread::sleep(Duration::from_millis(15 * round));
+        let second = start("b.exr");
+        outcome(first).done();
+        outcome(second).done();
+        assert!(sandbox.read("a.exr") == right && sandbox.read("b.exr") == right, "round {round}");
+        assert_eq!(files(&sandbox.cache()), kept, "round {round}");
+    }
+}
+
+/// Runs the program where no file may grow beyond `blocks` of 1024 bytes, with the signal for that ignored, so that a
+/// write fails as it does on a full disk.
+#[cfg(unix)]
+fn with_files_of_at_most(sandbox: &Sandbox, blocks: u32, arguments: &[&str]) -> Outcome {
+    let program = env!("CARGO_BIN_EXE_diffract");
+    let script = format!("trap '' XFSZ; ulimit -f {blocks} || exit 99; exec \"$0\" \"$@\"");
+    let command = sandbox.command(arguments);
+    let mut shell = std::process::Command::new("bash");
+    shell.arg("-c").arg(script).arg(program).args(arguments).current_dir(sandbox.path(""));
+    shell.envs(command.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    for (name, _) in command.get_envs().filter(|(_, value)| value.is_none()) {
+        shell.env_remove(name);
+    }
+    // Its own shader cache would be cut, too.
+    shell.env("MESA_SHADER_CACHE_DISABLE", "true").env("MESA_GLSL_CACHE_DISABLE", "true");
+    outcome(shell.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap())
+}
+
+#[cfg(unix)]
+#[test]
+fn where_the_disk_is_full_results_fail_whole_and_spectra_are_only_not_kept() {
+    let sandbox = sandbox();
+    let [(picture, output), _, (surface, tiff)] = works();
+    sandbox.run(&picture).done();
+    let right = sandbox.read(output);
+    let spectra: usize = files(&sandbox.cache()).values().map(Vec::len).sum();
+    assert!(
+        spectra > 8 * 1024 && right.len() < 7 * 1024,
+        "{spectra} bytes of spectra, {} of picture",
+        right.len()
+    );
+    remove(&sandbox.cache());
+    remove(&sandbox.path(output));
+    // Room for the picture and not for the spectra.
+    let done = with_files_of_at_most(&sandbox, 7, &picture);
+    assert_eq!(done.code, Some(0), "{done:?}");
+    assert!(
+        done.stderr.starts_with("diffract: the spectra are not kept") && done.stderr.lines().count() == 1
+    );
+    assert_eq!(sandbox.read(output), right);
+    assert_eq!(fs::read_dir(sandbox.cache()).unwrap().count(), 0, "nothing half in the cache");
+    // Room for neither.
+    remove(&sandbox.path(output));
+    for arguments in [&picture, &surface] {
+        let before = sandbox.content();
+        let failed = with_files_of_at_most(&sandbox, 1, arguments);
+        assert_eq!(failed.code, Some(1), "{failed:?}");
+        let line = failed.stderr.lines().last().unwrap();
+        assert!(line.contains("cannot write: File too large") && line.contains("free space"), "{line}");
+        assert_eq!(sandbox.content(), before, "{arguments:?}");
+    }
+    sandbox.run(&surface).done();
+    assert!(!sandbox.read(tiff).is_empty());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn answers_that_stdout_cannot_take_are_a_failure() {
+    let sandbox = sandbox();
+    let mut arguments = works()[1].0.clone();
+    arguments.truncate(arguments.len() - 2);
+    let arguments: Vec<&str> = arguments.into_iter().filter(|a| !["-o", "out.csv"].contains(a)).collect();
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let mut command = sandbox.command(arguments);
+    let child = command.stdin(Stdio::piped()).stdout(full).stderr(Stdio::piped()).spawn().unwrap();
+    let line = outcome(child).refused(1);
+    assert!(line.contains("stdout cannot be written") && line.contains("No space left"), "{line}");
+}
+
+/// Asserts that the picture fails under `mask` in a line with every one of `parts`, and leaves nothing.
+#[track_caller]
+fn fails_under(mask: &str, code: i32, parts: &[&str]) {
+    let sandbox = sandbox().with("DIFFRACT_DEVICE_MASK", mask);
+    let before = sandbox.content();
+    for (arguments, _) in &works()[..2] {
+        let line = sandbox.run(arguments).refused(code);
+        for part in parts {
+            assert!(line.contains(part), "{mask}: `{part}` is missing in: {line}");
+        }
+        assert_eq!(sandbox.content(), before, "{mask}: {arguments:?}");
+    }
+}
+
+#[test]
+fn a_device_without_what_is_needed_is_refused_with_its_reason_and_a_way_out() {
+    for lacking in
+        ["Vulkan 1.3", "dynamic rendering", "synchronization2", "maintenance4", "32-bit float", "timestamps"]
+    {
+        fails_under(
+            &format!("without={lacking}"),
+            1,
+            &["no Vulkan device here can be used", lacking, "install"],
+        );
+    }
+    let sandbox = Sandbox::new().with("DIFFRACT_DEVICE_MASK", "without=maintenance4");
+    let listed = sandbox.run(["devices"]);
+    assert!(listed.stdout.contains("cannot be used: it lacks maintenance4"), "{listed:?}");
+    assert_eq!((listed.code, listed.stderr.lines().count()), (Some(1), 1), "{listed:?}");
+}
+
+#[test]
+fn a_device_that_is_too_small_is_told_with_what_to_ask_for_instead() {
+    fails_under("memory=1MiB", 1, &["--"]);
+    fails_under("side=8", 1, &["8", "--"]);
+    fails_under("layers=1", 1, &["layers", "--tolerance"]);
+    fails_under("allocation=1", 1, &["no memory for the", "--size"]);
+    fails_under("nonsense", 2, &["DIFFRACT_DEVICE_MASK", "nonsense"]);
+}
+
+#[test]
+fn a_device_with_little_memory_does_small_work() {
+    let poor = sandbox().with("DIFFRACT_DEVICE_MASK", "memory=64MiB");
+    let rich = sandbox();
+    for (arguments, output) in &works()[..2] {
+        poor.run(arguments).done();
+        rich.run(arguments).done();
+        assert_eq!(poor.read(output), rich.read(output));
+    }
+}

@@ -1,0 +1,412 @@
+//! Numbers at the ends of their ranges: the device against the direct f64 sum where there is an answer, an error with a
+//! remedy where there is none, and nowhere a value that is not a number. What the runs print stands in docs/EXTREMES.md.
+
+use crate::device::with_device;
+use crate::evaluation::{patch, shading};
+use diffract::error::Result;
+use diffract::expansion::Basis;
+use diffract::optics::brdf::{cosine_weighted, schlick};
+use diffract::optics::coherence::Coherence;
+use diffract::optics::geometry::{Pair, direction};
+use diffract::optics::reference::Reference;
+use diffract::precompute::audit::FAINT;
+use diffract::precompute::{Layers, Settings, compute};
+use diffract::random::Random;
+use diffract::render::evaluator::{Evaluator, Query};
+use diffract::render::frame::View;
+use diffract::render::picture::Painter;
+use diffract::render::reference_picture::displayed;
+use diffract::render::resources::Pigment;
+use diffract::render::shading::Shading;
+use diffract::scene::{Light, Scene};
+use diffract::surface::HeightField;
+use diffract::surface::synth::Kind;
+use diffract::vk::device::Device;
+use glam::DVec3;
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestRunner};
+use std::cell::RefCell;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// What a display shows as black under a light of intensity 1 at exposure 0, in f cos θ_i.
+const FLOOR: f64 = diffract::optics::color::DISPLAY_BLACK / PI;
+
+/// A cosine below which the device takes a direction as below the horizon (`HORIZON` of diffraction.glsl), with room for
+/// the rounding of its 32-bit directions.
+const HORIZON: f64 = 2e-6;
+
+/// Polar angles with the ends over-weighted \[degrees\]: the normal, grazing, the horizon, below it.
+const POLAR: [f64; 14] =
+    [0.0, 1e-9, 1e-4, 30.0, 60.0, 85.0, 89.0, 89.9, 89.99, 89.999, 89.9999, 89.999_999, 90.0, 90.1];
+
+/// Views relative to the light: mirror side, retro side, across.
+const TURNS: [f64; 6] = [180.0, 180.0 - 1e-7, 0.0, 1e-7, 90.0, 37.0];
+
+fn layers_of(field: &HeightField, shading: &Shading) -> Result<Layers> {
+    let settings = Settings {
+        sigma: shading.coherence.sigma().unwrap(),
+        shortest_wavelength: 0.38,
+        budget: shading.budget(),
+        basis: shading.basis,
+        aim: shading.aim(),
+        terms: shading.terms,
+        memory_limit: 64 << 20,
+        side_limit: 4096,
+    };
+    compute(field, &settings, &|_, _| Ok(()))
+}
+
+/// Every polar angle against every other and every turn, at the ends and in the middle of the visible.
+fn end_queries() -> Vec<Query> {
+    let mut queries = Vec::new();
+    for (i, theta_i) in POLAR.into_iter().enumerate() {
+        for (j, theta_r) in POLAR.into_iter().enumerate() {
+            for (k, turn) in TURNS.into_iter().enumerate() {
+                let pair = Pair::new(direction(theta_i, 20.0), direction(theta_r, 20.0 + turn));
+                queries.push(Query { pair, wavelength: Some([0.38, 0.55, 0.78][(i + j + k) % 3]) });
+            }
+        }
+    }
+    queries
+}
+
+fn exact(field: &HeightField, shading: &Shading, queries: &[Query]) -> Vec<f64> {
+    let reference = Reference::new(field, shading.coherence, [1, 1], shading.ior);
+    let one = |q: &Query| {
+        let q0 = 1.0 / q.wavelength.unwrap();
+        reference.cosine_weighted_spectrum(&q.pair, q0, 0.0, 1)[0]
+    };
+    queries.iter().map(one).collect()
+}
+
+/// The device's answers; each is a number of at least 0, colours are numbers.
+fn answers(device: &Arc<Device>, layers: &Layers, shading: &Shading, queries: &[Query]) -> Vec<f64> {
+    let mut evaluator = Evaluator::new(device, layers, shading).unwrap();
+    let found = evaluator.cosine_weighted(queries).unwrap();
+    for (query, value) in queries.iter().zip(&found) {
+        assert!(value.x.is_finite() && value.x >= 0.0, "{query:?}: {value}");
+    }
+    let colours: Vec<Query> = queries.iter().map(|q| Query { wavelength: None, ..*q }).collect();
+    for (query, value) in colours.iter().zip(evaluator.cosine_weighted(&colours).unwrap()) {
+        assert!(value.is_finite(), "{query:?}: {value}");
+    }
+    found.iter().map(|v| v.x).collect()
+}
+
+/// Which queries the device promises to answer: both directions clear of the horizon.
+fn clear(query: &Query) -> bool {
+    query.pair.light.z > HORIZON && query.pair.view.z > HORIZON
+}
+
+/// The f cos θ_i that a tolerance is promised from: [`FAINT`] of the flat mirror's peak under this pair. 1/(w² cos θ_r) lifts
+/// the peak, and with it what is too faint to be judged, without end toward the horizon.
+fn promised(query: &Query, shading: &Shading) -> f64 {
+    let sigma = shading.coherence.sigma().unwrap();
+    let area = shading.coherence.area([0.0; 2]);
+    let reflectance = schlick(shading.ior, query.pair.cos_half_angle());
+    let peak = (2.0 * PI * sigma * sigma).powi(2);
+    reflectance * cosine_weighted(&query.pair, query.wavelength.unwrap(), area, FAINT * peak)
+}
+
+/// Errors of answers, relative to each direction's own value.
+#[derive(Debug, Default)]
+struct Errors {
+    /// RMS where a tolerance is promised.
+    rms: f64,
+    /// The worst there.
+    worst: f64,
+    /// The worst of all with both directions 1°, 0.1° and hardly above the horizon, what is too faint included, down to what
+    /// a display shows as black.
+    anywhere: [f64; 3],
+}
+
+impl std::fmt::Display for Errors {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [a, b, c] = self.anywhere;
+        write!(f, "RMS {:.1e}, worst {:.1e}, faint ones too {a:.1e} {b:.1e} {c:.1e}", self.rms, self.worst)
+    }
+}
+
+/// The errors; what is below the horizon is 0.
+fn errors(queries: &[Query], found: &[f64], exact: &[f64], shading: &Shading) -> Errors {
+    let mut errors = Errors::default();
+    let mut squares = vec![];
+    for ((query, &found), &exact) in queries.iter().zip(found).zip(exact) {
+        assert!(exact.is_finite() && exact >= 0.0, "{query:?}: the direct sum is {exact}");
+        if query.pair.light.z <= 0.0 || query.pair.view.z <= 0.0 {
+            assert!(found == 0.0 && exact == 0.0, "{query:?}: {found} below the horizon");
+        } else if clear(query) {
+            let relative = (found - exact).abs() / exact.max(FLOOR).max(promised(query, shading));
+            squares.push(relative * relative);
+            errors.worst = errors.worst.max(relative);
+            let lower = query.pair.light.z.min(query.pair.view.z);
+            for (worst, least) in errors.anywhere.iter_mut().zip([1f64, 0.1, 0.0]) {
+                if lower >= least.to_radians().sin() {
+                    *worst = worst.max((found - exact).abs() / exact.max(FLOOR));
+                }
+            }
+        }
+    }
+    errors.rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+    errors
+}
+
+#[test]
+fn directions_at_the_ends_keep_the_tolerance_and_are_numbers_everywhere() {
+    let field = patch(Kind::Bumps, 2.0);
+    let queries = end_queries();
+    let reference = exact(&field, &shading(8.0, 1.0), &queries);
+    with_device(|device| {
+        for basis in Basis::ALL {
+            for tolerance in [1e-1, 1e-3] {
+                let shading = Shading { basis, ..shading(8.0, tolerance) };
+                let layers = layers_of(&field, &shading).unwrap();
+                let found = answers(device, &layers, &shading, &queries);
+                let e = errors(&queries, &found, &reference, &shading);
+                eprintln!("directions: {} {tolerance:e}: {e}", basis.name());
+                assert!(e.rms <= tolerance, "{} at {tolerance:e}: {e:?}", basis.name());
+            }
+        }
+        // The check sees a surface that is a hundredth higher.
+        let shading = shading(8.0, 1e-3);
+        let heights = field.heights().iter().map(|h| h * 1.01).collect();
+        let higher = HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights).unwrap();
+        let found = answers(device, &layers_of(&higher, &shading).unwrap(), &shading, &queries);
+        assert!(errors(&queries, &found, &reference, &shading).rms > 1e-3);
+    });
+}
+
+/// A rough surface of `range` µm from peak to peak: every phase is in it.
+fn rough(columns: usize, rows: usize, spacing: [f64; 2], range: f64, seed: u64) -> HeightField {
+    let mut random = Random::new(seed);
+    let mut heights: Vec<f64> = (0..columns * rows).map(|_| range * random.share()).collect();
+    heights[0] = 0.0;
+    if let Some(last) = heights.last_mut().filter(|_| columns * rows > 1) {
+        *last = range;
+    }
+    HeightField::new(columns, rows, spacing, heights).unwrap()
+}
+
+#[test]
+fn heights_from_flat_to_ten_micrometres_are_done_or_refused_by_every_basis() {
+    let queries: Vec<Query> = end_queries().into_iter().step_by(3).collect();
+    with_device(|device| {
+        for basis in Basis::ALL {
+            let mut line = String::new();
+            for range in [0.0, 1e-4, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0] {
+                let field = rough(12, 9, [0.12, 0.1], range, 7);
+                let shading = Shading { basis, ..shading(3.0, 1e-2) };
+                let layers = match layers_of(&field, &shading) {
+                    Ok(layers) => layers,
+                    Err(e) => {
+                        let e = e.to_string();
+                        assert!(range >= 0.3, "{} refuses {range} um: {e}", basis.name());
+                        assert!(e.contains("; ") && e.contains("--"), "{e}");
+                        line += &format!(" {range}: refused");
+                        continue;
+                    }
+                };
+                let found = answers(device, &layers, &shading, &queries);
+                let e = errors(&queries, &found, &exact(&field, &shading, &queries), &shading);
+                line += &format!(" {range}: {} terms, {e};", layers.terms);
+                assert!(e.rms <= 1e-2, "{} at {range} um: {e:?}", basis.name());
+            }
+            eprintln!("heights: {}:{line}", basis.name());
+        }
+    });
+}
+
+#[test]
+fn terms_and_wavelengths_at_their_ends_give_numbers() {
+    let queries: Vec<Query> = end_queries().into_iter().step_by(5).collect();
+    with_device(|device| {
+        for basis in Basis::ALL {
+            for range in [0.0, 3.0] {
+                let field = rough(8, 8, [0.1, 0.1], range, 3);
+                for terms in [1, 37, 128] {
+                    let shading = Shading { basis, terms: Some(terms), ..shading(2.0, 1e-2) };
+                    match layers_of(&field, &shading) {
+                        Ok(layers) => drop(answers(device, &layers, &shading, &queries)),
+                        Err(e) => assert!(e.to_string().contains("; ask for"), "{e}"),
+                    }
+                }
+            }
+        }
+        let field = rough(8, 8, [0.1, 0.1], 0.3, 3);
+        for wavelengths in [4, 401] {
+            let shading = Shading { wavelengths: Some(wavelengths), ..shading(2.0, 1e-2) };
+            let layers = layers_of(&field, &shading).unwrap();
+            drop(answers(device, &layers, &shading, &queries));
+        }
+    });
+}
+
+/// A value out of `ends` three times in four, else between them on a logarithmic scale.
+fn ended(ends: &'static [f64]) -> impl Strategy<Value = f64> {
+    let (low, high) = (ends[0].max(1e-9), ends[ends.len() - 1]);
+    prop_oneof![3 => prop::sample::select(ends), 1 => (low.ln()..high.ln()).prop_map(f64::exp)]
+}
+
+#[derive(Clone, Debug)]
+struct Case {
+    size: (usize, usize),
+    spacing: (f64, f64),
+    range: f64,
+    length: f64,
+    tolerance: f64,
+    basis: Basis,
+    seed: u64,
+}
+
+fn case() -> impl Strategy<Value = Case> {
+    let side = prop_oneof![2 => Just(1usize), 1 => Just(2), 2 => 3usize..24, 1 => Just(97)];
+    let spacing = || ended(&[1e-3, 0.01, 0.095, 0.1, 0.2, 1.0, 10.0]);
+    (
+        (side.clone(), side),
+        (spacing(), spacing()),
+        ended(&[0.0, 1e-4, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0]),
+        ended(&[0.1, 0.4, 2.0, 6.0, 65.0, 1e4]),
+        ended(&[1e-6, 1e-3, 1e-2, 1e-1, 1.0]),
+        prop::sample::select(&Basis::ALL[..]),
+        any::<u64>(),
+    )
+        .prop_map(|(size, spacing, range, length, tolerance, basis, seed)| Case {
+            size,
+            spacing,
+            range,
+            length,
+            tolerance,
+            basis,
+            seed,
+        })
+}
+
+#[test]
+fn combinations_of_ends_are_done_within_their_tolerance_or_refused_with_a_remedy() {
+    const CASES: u32 = 48;
+    /// Directions that are compared with the direct sum, which takes long where samples are fine.
+    const COMPARED: usize = 40;
+    /// Of those that are done every so many is tried on the device, where making pipelines takes long.
+    const EACH: u32 = 4;
+    let queries = end_queries();
+    let tally = RefCell::new((0, 0, (0.0, String::new())));
+    with_device(|device| {
+        let config = Config { cases: CASES, failure_persistence: None, ..Config::default() };
+        let mut runner = TestRunner::new_with_rng(
+            config,
+            prop::test_runner::TestRng::deterministic_rng(prop::test_runner::RngAlgorithm::ChaCha),
+        );
+        let run = runner.run(&case(), |case| {
+            let field =
+                rough(case.size.0, case.size.1, [case.spacing.0, case.spacing.1], case.range, case.seed);
+            let shading = Shading {
+                basis: case.basis,
+                tolerance: case.tolerance,
+                coherence: Coherence::Gaussian { length: case.length },
+                ..Shading::default()
+            };
+            let layers = match layers_of(&field, &shading) {
+                Ok(layers) => layers,
+                Err(e) => {
+                    let e = e.to_string();
+                    prop_assert!(e.contains("; ") && !e.contains("NaN") && !e.contains("inf"), "{}", e);
+                    tally.borrow_mut().1 += 1;
+                    return Ok(());
+                }
+            };
+            prop_assert!(layers.texels.iter().all(|x| x.is_finite()));
+            tally.borrow_mut().0 += 1;
+            if tally.borrow().0 % EACH != 1 {
+                return Ok(());
+            }
+            let start = case.seed as usize % 7;
+            let some: Vec<Query> =
+                queries.iter().skip(start).step_by(queries.len() / COMPARED).copied().collect();
+            let found = answers(device, &layers, &shading, &some);
+            let rms = errors(&some, &found, &exact(&field, &shading, &some), &shading).rms;
+            let mut tally = tally.borrow_mut();
+            if rms / case.tolerance > tally.2.0 {
+                tally.2 = (rms / case.tolerance, format!("{rms:.1e} of {:.0e}: {case:?}", case.tolerance));
+            }
+            Ok(())
+        });
+        run.unwrap();
+    });
+    let (done, refused, worst) = tally.into_inner();
+    eprintln!("combinations: {done} done, {refused} refused; worst {worst:?}");
+    assert!(done >= CASES / 4 && refused > 0, "{done} done, {refused} refused");
+    assert!(worst.0 <= 1.0, "{worst:?}");
+}
+
+/// A mesh file with frames that are hard to interpolate between.
+fn meshes() -> [(&'static str, String); 6] {
+    let corners = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\n";
+    let two = |a: &str, b: &str| format!("f {a}\nf {b}\n");
+    [
+        (
+            "opposite normals",
+            format!(
+                "{corners}vn 0 1 0\nvn 0 -1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n{}",
+                two("3/3/2 2/2/1 1/1/1", "1/1/1 4/4/2 3/3/2")
+            ),
+        ),
+        (
+            "mirrored texture coordinates",
+            format!("{corners}vt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\n{}", two("3/3 2/2 1/1", "1/1 4/4 3/1")),
+        ),
+        (
+            "texture coordinates of no area",
+            format!("{corners}vt 0 0\nvt 1 1\nvt 2 2\nvt 0 0\n{}", two("3/3 2/2 1/1", "1/1 4/4 3/3")),
+        ),
+        ("a needle", format!("{corners}v 0 0 1.00001\n{}", two("3 2 1", "4 5 3"))),
+        (
+            "tangents that turn over",
+            format!("{corners}vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n{}", two("3/1 2/2 1/3", "1/3 4/2 3/4")),
+        ),
+        (
+            "a triangle seen from its edge",
+            format!("{corners}v 0 5 0\nv 0 5 1\nv 0 -5 0\n{}f 5 6 7\n", two("3 2 1", "1 4 3")),
+        ),
+    ]
+}
+
+#[test]
+fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_number() {
+    let field = patch(Kind::Bumps, 2.0);
+    let shading =
+        Shading { coherence: Coherence::Gaussian { length: 4.0 }, tolerance: 1e-1, ..Shading::default() };
+    let layers = layers_of(&field, &shading).unwrap();
+    with_device(|device| {
+        for (name, text) in meshes() {
+            let mesh =
+                diffract::scene::obj::from_bytes(text.as_bytes()).unwrap_or_else(|e| panic!("{name}: {e}"));
+            let mesh = mesh.turned(|[x, y, z]| [x, -z, y]);
+            let mut scene = Scene::open("plate").unwrap();
+            scene.mesh = mesh;
+            let lights = [[0.0, 0.0], [89.9999, 10.0], [90.0, 200.0], [45.0, -90.0]]
+                .map(|[theta, phi]| Light { theta, phi, intensity: 1.0 });
+            let mut view = View::of(&scene, lights.to_vec());
+            let size = [65, 49]; // odd: a pixel's centre lies on the axes of symmetry
+            let mut painter =
+                Painter::new(device, &layers, &shading, &scene.mesh, &Pigment::white(), size, 4).unwrap();
+            for eye in [[0.0, 0.0, 3.0], [3.0, 0.0, 1e-4], [2.0, -2.0, 1.0], [0.0, 0.0, -3.0]] {
+                view.camera = diffract::scene::Camera::looking(eye.into(), glam::Vec3::ZERO, 0.9).unwrap();
+                for exposure in [-40.0, 0.0, 40.0] {
+                    let picture = painter.paint(&view, exposure, DVec3::splat(0.01)).unwrap();
+                    for (i, pixel) in picture.radiance.iter().enumerate() {
+                        assert!(
+                            pixel.iter().all(|x| x.is_finite()),
+                            "{name} from {eye:?}: pixel {i} is {pixel:?}"
+                        );
+                    }
+                    let expected = displayed(&picture.radiance, exposure, DVec3::splat(0.01));
+                    for (a, b) in picture.display.iter().zip(&expected) {
+                        let far = (0..4).any(|c| a[c].abs_diff(b[c]) > 1);
+                        assert!(!far, "{name} at {exposure} EV: {a:?} is displayed for {b:?}");
+                    }
+                }
+            }
+        }
+    });
+}

@@ -1,0 +1,119 @@
+//! Devices that run out of memory: each allocation in turn fails, nothing is left behind, the next try succeeds.
+
+use crate::device::with_device;
+use crate::evaluation::{layers, patch, queries, shading};
+use diffract::error::Result;
+use diffract::precompute::Layers;
+use diffract::render::evaluator::Evaluator;
+use diffract::render::frame::View;
+use diffract::render::picture::{Painter, Picture};
+use diffract::render::resources::Pigment;
+use diffract::render::shading::Shading;
+use diffract::scene::{Light, Scene};
+use diffract::surface::synth::Kind;
+use diffract::vk::device::Device;
+use diffract::vk::instance::Instance;
+use diffract::vk::mask::Mask;
+use diffract::vk::selection::Wish;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Runs `work` with its first allocation failing, then its second, and so on, until none fails; the number that there are.
+fn with_each_allocation_failing<T>(device: &Arc<Device>, mut work: impl FnMut() -> Result<T>) -> (u64, T) {
+    for n in 1.. {
+        device.refuse_allocation(n);
+        match work() {
+            Ok(value) => {
+                device.refuse_allocation(u64::MAX);
+                return (n - 1, value);
+            }
+            Err(error) => {
+                let line = error.to_string();
+                assert_eq!(error.exit_code(), 1, "{line}");
+                assert!(line.contains("no memory for the") && line.contains("--size"), "{line}");
+                assert_eq!(device.memory_in_use(), 0, "allocation {n} left memory behind: {line}");
+            }
+        }
+    }
+    unreachable!("a picture takes a number of allocations")
+}
+
+fn paint(device: &Arc<Device>, layers: &Layers, shading: &Shading, scene: &Scene) -> Result<Picture> {
+    let view = View::of(scene, vec![Light { theta: 40.0, phi: 20.0, intensity: 1.0 }]);
+    let mut painter = Painter::new(device, layers, shading, &scene.mesh, &Pigment::white(), [16, 12], 1)?;
+    painter.paint(&view, 0.0, DVec3::ZERO)
+}
+
+#[test]
+fn a_picture_fails_cleanly_at_each_of_its_allocations_and_succeeds_afterwards() {
+    let shading = shading(4.0, 1e-1);
+    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
+    let scene = Scene::open("plate").unwrap();
+    with_device(|device| {
+        let undisturbed = paint(device, &layers, &shading, &scene).unwrap();
+        let (allocations, picture) =
+            with_each_allocation_failing(device, || paint(device, &layers, &shading, &scene));
+        eprintln!("{allocations} allocations make a picture");
+        assert!(allocations > 10, "{allocations}");
+        assert_eq!(picture, undisturbed);
+        assert_eq!(device.memory_in_use(), 0);
+    });
+}
+
+#[test]
+fn answers_fail_cleanly_at_each_of_their_allocations_and_succeed_afterwards() {
+    let shading = shading(4.0, 1e-1);
+    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
+    let queries = queries(5, 20);
+    with_device(|device| {
+        let ask = || Evaluator::new(device, &layers, &shading)?.cosine_weighted(&queries);
+        let undisturbed = ask().unwrap();
+        let (allocations, answers) = with_each_allocation_failing(device, ask);
+        assert!(allocations > 5, "{allocations}");
+        assert_eq!(answers, undisturbed);
+    });
+}
+
+#[test]
+fn a_painter_that_could_not_grow_still_paints() {
+    let shading = shading(4.0, 1e-1);
+    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
+    let scene = Scene::open("plate").unwrap();
+    let view = View::of(&scene, vec![Light { theta: 40.0, phi: 20.0, intensity: 1.0 }]);
+    with_device(|device| {
+        let mut painter =
+            Painter::new(device, &layers, &shading, &scene.mesh, &Pigment::white(), [16, 12], 1).unwrap();
+        let before = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
+        for n in 1.. {
+            device.refuse_allocation(n);
+            let grown = painter.resize([64, 48], 2);
+            device.refuse_allocation(u64::MAX);
+            if grown.is_ok() {
+                assert!(n > 5, "growing takes allocations");
+                break;
+            }
+            painter.resize([16, 12], 1).unwrap();
+            assert_eq!(painter.paint(&view, 0.0, DVec3::ZERO).unwrap(), before, "after failure {n}");
+        }
+    });
+}
+
+#[test]
+fn a_budget_of_memory_holds() {
+    const BUDGET: u64 = 48 << 20;
+    let mask = Mask { memory: Some(BUDGET), ..Mask::default() };
+    let instance = Arc::new(Instance::masked(true, mask).unwrap());
+    let device = Device::open(instance.clone(), &Wish::Any).unwrap();
+    assert_eq!(device.candidate().memory, BUDGET);
+    let shading = shading(4.0, 1e-1);
+    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
+    let scene = Scene::open("plate").unwrap();
+    paint(&device, &layers, &shading, &scene).unwrap();
+    // 4096² pixels of geometry alone take four times as much.
+    let large = Painter::new(&device, &layers, &shading, &scene.mesh, &Pigment::white(), [4096, 4096], 1);
+    let line = large.err().expect("more than the budget").to_string();
+    assert!(line.contains("no memory for the") && line.contains("--size"), "{line}");
+    paint(&device, &layers, &shading, &scene).unwrap();
+    drop(device);
+    assert_eq!(instance.messages(), [""; 0]);
+}

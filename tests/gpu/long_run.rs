@@ -1,0 +1,113 @@
+//! Frame after frame: what a program takes while it draws, and that it takes no more and more.
+
+use crate::device::with_device;
+use crate::evaluation::{layers, patch, shading};
+use diffract::figure::{Axis, Figure, Mark, Panel, palette};
+use diffract::render::frame::View;
+use diffract::render::picture::Painter;
+use diffract::render::resources::Pigment;
+use diffract::scene::{Light, Scene};
+use diffract::surface::synth::Kind;
+use diffract::vk::device::Device;
+use diffract::vk::instance::Instance;
+use diffract::vk::selection::Wish;
+use glam::DVec3;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What is taken after a number of frames.
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    frames: usize,
+    /// Of the process, as the system counts it \[bytes\].
+    resident: u64,
+    /// Of the device, by this program's resources \[bytes\].
+    on_device: u64,
+}
+
+/// Memory of this process that is in RAM \[bytes\]; 0 where the system does not say.
+fn resident() -> u64 {
+    let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+    let pages: u64 = text.split_whitespace().nth(1).and_then(|n| n.parse().ok()).unwrap_or(0);
+    pages * 4096
+}
+
+/// Draws `frames` frames, the light a little further each time, and looks `looks` times.
+fn run(device: &Arc<Device>, frames: usize, looks: usize) -> Vec<Sample> {
+    let shading = shading(4.0, 1e-1);
+    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
+    let scene = Scene::open("plate").unwrap();
+    let mut view = View::of(&scene, vec![Light { theta: 40.0, phi: 0.0, intensity: 1.0 }]);
+    let mut painter =
+        Painter::new(device, &layers, &shading, &scene.mesh, &Pigment::white(), [16, 12], 1).unwrap();
+    let mut samples = Vec::with_capacity(looks + 1);
+    for frame in 0..=frames {
+        view.lights[0].phi = (frame % 360) as f64;
+        painter.draw(&view, 0.0, DVec3::ZERO).unwrap();
+        if frame % (frames / looks) == 0 {
+            samples.push(Sample { frames: frame, resident: resident(), on_device: device.memory_in_use() });
+        }
+    }
+    samples
+}
+
+#[test]
+fn frame_after_frame_the_device_holds_the_same() {
+    with_device(|device| {
+        let samples = run(device, 400, 20);
+        assert!(samples[0].on_device > 0);
+        assert!(samples.iter().all(|s| s.on_device == samples[0].on_device), "{samples:?}");
+    });
+}
+
+/// `tools/test.sh --test gpu long_run -- --ignored` measures anew and draws docs/images/long-run.
+#[test]
+#[ignore = "takes some minutes"]
+fn over_a_hundred_thousand_frames_memory_is_flat() {
+    const FRAMES: usize = 100_000;
+    const MIB: f64 = 1024.0 * 1024.0;
+    let instance = Arc::new(Instance::new(false).unwrap()); // validation keeps notes of its own
+    let device = Device::open(instance, &Wish::Any).unwrap();
+    let begun = Instant::now();
+    let samples = run(&device, FRAMES, 200);
+    let seconds = begun.elapsed().as_secs_f64();
+    let (warm, last) = (samples[samples.len() / 10], samples[samples.len() - 1]);
+    let growth = last.resident as f64 / MIB - warm.resident as f64 / MIB;
+    eprintln!(
+        "{FRAMES} frames in {seconds:.0} s; resident {:.1} MiB after {} frames, {:.1} MiB at the end, on the device {:.3} MiB",
+        warm.resident as f64 / MIB,
+        warm.frames,
+        last.resident as f64 / MIB,
+        last.on_device as f64 / MIB
+    );
+    let line = |of: &dyn Fn(&Sample) -> f64| -> Vec<[f64; 2]> {
+        samples.iter().map(|s| [s.frames as f64 / 1e3, of(s)]).collect()
+    };
+    let (host, ours) = (line(&|s| s.resident as f64 / MIB), line(&|s| s.on_device as f64 / 1024.0));
+    let most = |points: &[[f64; 2]]| points.iter().map(|p| p[1]).fold(0.0, f64::max);
+    let panel = |label: &str, points: Vec<[f64; 2]>, color| {
+        let y = Axis::linear(label, 0.0, most(&points) * 1.25);
+        Panel::new(Axis::linear("thousand frames", 0.0, FRAMES as f64 / 1e3), y)
+            .mark(Mark::line(points, color))
+    };
+    let caption = format!(
+        "{FRAMES} pictures of 16 × 12 pixels, one after the other, each with the light moved: resident memory of the \
+         process (left; {growth:+.1} MiB after the first tenth) and what the program's resources take of the device \
+         (right; the same in every sample). {}.",
+        device.candidate().name
+    );
+    let figure = Figure::new("Memory over a hundred thousand frames")
+        .row(vec![
+            panel("resident memory [MiB]", host, palette::BLUE).titled("The process"),
+            panel("device memory in use [KiB]", ours, palette::ORANGE).titled("The device"),
+        ])
+        .panel_size(460.0, 320.0)
+        .caption(caption);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/images");
+    for name in ["long-run.svg", "long-run.png"] {
+        figure.save(&folder.join(name)).unwrap();
+    }
+    assert!(samples.iter().all(|s| s.on_device == samples[0].on_device));
+    assert!(growth < 4.0, "{growth} MiB more after {FRAMES} frames");
+}
