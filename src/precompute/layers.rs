@@ -2,7 +2,7 @@
 //! by comparing against the transform of e^{izh} itself.
 
 use super::audit::{Audit, FAINT, PLANES, PlaneTerms};
-use super::bands::{self, Bands};
+use super::bands::Bands;
 use super::coefficients::Coefficients;
 use super::kernel::Interpolation;
 use super::transform::{PaddedAxis, Pair, Transformer};
@@ -258,11 +258,6 @@ pub fn compute_at(
     let scale = HeightScale::of(field);
     let z_max = largest_z(settings.shortest_wavelength);
     let budget = settings.budget;
-    let x = z_max * scale.half_range;
-    if settings.basis == Basis::Taylor && settings.terms.is_none() && !bands::tried(settings, x) {
-        // Refuses what is hopeless before any work.
-        terms_for(x, budget.expansion, F32_ROUNDOFF)?;
-    }
     let (interpolation, interpolation_error) = if settings.sigma.is_finite() {
         let gaussian = Interpolation::for_tolerance(budget.interpolation);
         (gaussian, gaussian.relative_error())
@@ -282,6 +277,10 @@ pub fn compute_at(
     let guard = interpolation.kernels[0].guard();
     let room = settings.memory_limit / (x.kept() * y.kept() * TEXEL);
     let mut bands = Bands::choose(field, settings, z_max, room);
+    if settings.basis == Basis::Taylor && settings.terms.is_none() && bands.real {
+        // Refuses what is hopeless before any work.
+        terms_for(z_max * scale.half_range, budget.expansion, F32_ROUNDOFF)?;
+    }
     let most_terms = most_terms(&bands, settings, z_max);
     let count = bands.families.len();
     let half_plane = bands.real;
