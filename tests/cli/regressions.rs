@@ -38,7 +38,8 @@ fn every_seed_and_every_former_finding_is_read_or_refused_in_a_line() {
 fn every_folder_of_findings_belongs_to_a_reader_and_every_reader_has_seeds_that_it_takes() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     for folder in ["fuzz/seeds", "tests/regressions"] {
-        for entry in fs::read_dir(root.join(folder)).unwrap() {
+        // Nothing was ever found where there is no folder of findings.
+        for entry in fs::read_dir(root.join(folder)).into_iter().flatten() {
             let name = entry.unwrap().file_name();
             assert!(
                 READERS.iter().any(|reader| reader.name == name),
