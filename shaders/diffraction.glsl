@@ -56,6 +56,11 @@ vec4 coefficients_at(float column, int layer) {
     return textureLod(coefficients, vec3((column + 0.5) / (optics.last_column + 1.0), 0.5, layer), 0.0);
 }
 
+// Pairs of terms that k|w| = z needs.
+int pairs_at(float z) {
+    return min(int(ceil(z * optics.pairs_per_z + optics.fewest_pairs)), PAIRS);
+}
+
 // |P|^2 relative to the flat mirror's peak, at a wavenumber 1/lambda [1/um] within the band.
 float power(Pair pair, float wavenumber) {
     Read read = read_at(pair.toward * wavenumber);
@@ -63,7 +68,7 @@ float power(Pair pair, float wavenumber) {
     float place = z * optics.bands_per_z;
     int layer = min(int(place), Z_BANDS - 1);
     float column = min(place - float(layer), 1.0) * optics.last_column;
-    int count = FEWER_PAIRS ? min(int(ceil(z * optics.pairs_per_z + optics.fewest_pairs)), PAIRS) : PAIRS;
+    int count = FEWER_PAIRS ? pairs_at(z) : PAIRS;
     vec2 p = vec2(0.0);
     // Tested at its end: software devices run a loop's body until every lane has failed the test, and a test in front would
     // run it once more for nobody. There is always a pair.
@@ -86,11 +91,19 @@ float cosine_weighted(Pair pair, float wavenumber) {
     return seen ? pair.factor * wavenumber * wavenumber * power(pair, wavenumber) : 0.0;
 }
 
-// XYZ of f cos(theta_i) [1/sr]: the comb that |(u, v)| needs, over the wavelengths that are in the band.
+#include "lines.glsl"
+
+// XYZ of f cos(theta_i) [1/sr], over the wavelengths that are in the band: where the ray crosses lines, or by the comb that
+// |(u, v)| needs.
 vec3 cosine_weighted_xyz(Pair pair) {
-    vec3 xyz = vec3(0.0);
-    ivec2 comb = combs[min(int(pair.uv * (0.5 * float(UV_BINS))), UV_BINS - 1)];
     float largest = pair.factor != 0.0 ? largest_wavenumber(pair) : 0.0;
+    vec3 xyz = vec3(0.0);
+    if (LINES) {
+        bool crosses = crosses_lines(pair);
+        xyz = sum_over_lines(pair, crosses ? largest : 0.0);
+        largest = crosses ? 0.0 : largest;
+    }
+    ivec2 comb = combs[min(int(pair.uv * (0.5 * float(UV_BINS))), UV_BINS - 1)];
     for (int node = 0; node < comb.y; ++node) {
         vec4 weight_and_wavenumber = texelFetch(nodes, ivec2(node, comb.x), 0);
         float wavenumber = weight_and_wavenumber.w;

@@ -40,3 +40,24 @@ layout(set = 0, binding = 4, std430) readonly buffer Combs { ivec2 combs[]; };
 layout(set = 0, binding = 5) uniform sampler2D nodes;
 
 layout(set = 0, binding = 6) uniform sampler2D pigment;
+
+layout(set = 0, binding = 19, std140) uniform Lines {
+    vec2 across;                    // L across the lines of constant f_x and of constant f_y [um]: they stand at m/L
+    vec2 along;                     // L along them [um]
+    vec2 origin;                    // number of the point and of the line of f = 0
+    float from;                     // max(|u|, |v|) from which on lines are read
+    float unit;                     // intensities on lines over those of the plane
+    float first_column;             // wavenumber of the first column of the weights [1/um]
+    float columns_per_wavenumber;   // [um]
+    float first_row;                // log2 of the first row's distance of nodes [1/um]
+    float rows_per_octave;
+    float last_column;
+} lines_at;
+
+// Spectra on lines: layer (pair / GROUPED) Z_BANDS + band, those of constant f_y behind all of constant f_x; row by line,
+// column by point and, side by side, by pair of a group. RGBA as in `layers`.
+layout(set = 0, binding = 17) uniform sampler2DArray lines;
+
+// Weights of nodes that stand where a ray crosses lines: XYZ times the squared wavenumber, per distance of the nodes. W of the
+// first two texels of a row: the wavenumbers between which the eye sees enough [1/um].
+layout(set = 0, binding = 18) uniform sampler2D line_weights;

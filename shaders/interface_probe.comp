@@ -22,4 +22,8 @@ void main() {
     answers[n++] = vec4(optics.texels_per_frequency, optics.band);
     answers[n++] = vec4(optics.sigma, optics.normal_reflectance, optics.bands_per_z, optics.last_column);
     answers[n++] = vec4(optics.pairs_per_z, optics.fewest_pairs, float(MAX_LIGHTS), float(UV_BINS));
+    answers[n++] = vec4(lines_at.across, lines_at.along);
+    answers[n++] = vec4(lines_at.origin, lines_at.from, lines_at.unit);
+    answers[n++] = vec4(lines_at.first_column, lines_at.columns_per_wavenumber, lines_at.first_row, lines_at.rows_per_octave);
+    answers[n++] = vec4(lines_at.last_column, 0.0, 0.0, 0.0);
 }

@@ -5,6 +5,7 @@
 // read neighbours, or each pixel reads somewhere else.
 #include "interface.glsl"
 #include "spectrum.glsl"
+#include "diffraction.glsl"
 
 layout(location = 0) out vec4 sum;
 
@@ -24,8 +25,28 @@ void main() {
     sum = vec4(0.0);
     vec2 beside = (gl_FragCoord.xy * 0.25 + optics.origin) / optics.texture_size;
     vec2 place = mix(beside, elsewhere(uvec2(gl_FragCoord.xy)), float(probe.scattered));
-    vec2 walk = vec2(1.5) / optics.texture_size;
     int layer = 0;
+    if (LINES) {
+        // As the frame reads them: neighbours along a line, pair beside pair.
+        ivec3 size = textureSize(lines, 0);
+        ivec2 points = size.xy / ivec2(GROUPED, 1) - 4;
+        ivec2 at = ivec2(fract(place) * vec2(points)) + 2;
+        int pair = 0;
+        for (int i = 0; i < probe.samples; ++i) {
+            sum += read_line(ivec3(at.x * GROUPED + pair, at.y, layer), place.x);
+            pair += 1;
+            if (pair == GROUPED) {
+                pair = 0;
+                layer += 1;
+                if (layer == size.z) {
+                    layer = 0;
+                    at.y = at.y < points.y ? at.y + 1 : 2;
+                }
+            }
+        }
+        return;
+    }
+    vec2 walk = vec2(1.5) / optics.texture_size;
     for (int i = 0; i < probe.samples; ++i) {
         sum += textureLod(layers, vec3(fract(place), layer), 0.0);
         layer += 1;

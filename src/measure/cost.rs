@@ -15,7 +15,7 @@ pub struct Cost {
     pub covered: usize,
     /// Wavelengths summed, over all pixels and lights.
     pub wavelengths: usize,
-    /// Hardware samples of the layers, over all pixels and lights.
+    /// Samples of the layers, over all pixels and lights: of the hardware, or interpolated along a line.
     pub samples: usize,
 }
 
@@ -90,14 +90,21 @@ fn of_pair(layers: &Layers, combs: &Combs, pair: &Pair) -> (usize, usize) {
         return (0, 0);
     }
     let uvw = pair.uvw();
-    let nodes = combs.nodes_at(uvw.truncate().length());
-    let in_band = |q: f64| (uvw.x * q).abs() <= layers.band[0] && (uvw.y * q).abs() <= layers.band[1];
+    let along = uvw.truncate().abs();
+    let largest = (layers.band[0] / along.x.max(1e-9)).min(layers.band[1] / along.y.max(1e-9));
+    let pairs_at = |q: f64| layers.pairs_at(2.0 * PI * q * -uvw.z);
+    if let (Some(lines), Some(sliding)) = (&layers.lines, &combs.sliding)
+        && along.max_element() >= lines.from
+    {
+        let per = if along.y > along.x { along.y * lines.across[1] } else { along.x * lines.across[0] };
+        let numbers = sliding.nodes(per, largest);
+        return numbers.fold((0, 0), |(count, samples), m| (count + 1, samples + pairs_at(m as f64 / per)));
+    }
+    let nodes = combs.nodes_at(along.length());
     let per_read = layers.interpolation.samples() as usize;
-    nodes.iter().map(|node| f64::from(node[3])).take_while(|&q| in_band(q)).fold(
-        (0, 0),
-        |(count, samples), q| {
-            let pairs = layers.pairs_at(2.0 * PI * q * -uvw.z);
-            (count + 1, samples + pairs * per_read)
-        },
-    )
+    nodes
+        .iter()
+        .map(|node| f64::from(node[3]))
+        .take_while(|&q| q <= largest)
+        .fold((0, 0), |(count, samples), q| (count + 1, samples + pairs_at(q) * per_read))
 }

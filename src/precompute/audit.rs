@@ -1,5 +1,6 @@
 //! The judge of the layers: terms against the transform of e^{izh} itself, where directions can see it.
 
+use super::texels::Texels;
 use super::transform::{PaddedAxis, Pair, Spectrum, Transformer};
 use crate::error::{Error, Result};
 use crate::expansion::Expansion;
@@ -132,6 +133,20 @@ impl Audit {
         self.planes.iter().map(|plane| plane.error(families, terms)).fold(0.0, f64::max)
     }
 
+    /// The same with every number rounded to 16 bits.
+    pub fn error_of_halves(&self, families: &[Box<dyn Expansion>], terms: usize) -> f64 {
+        let rounded = |v: &Complex32| Complex32::new(Texels::halved(v.re), Texels::halved(v.im));
+        let error = |plane: &Plane| {
+            let terms_there = plane
+                .terms
+                .iter()
+                .map(|term| term.iter().map(rounded).collect::<Vec<_>>())
+                .collect::<Vec<_>>();
+            plane.error_of(&terms_there, families, terms)
+        };
+        self.planes.iter().map(error).fold(0.0, f64::max)
+    }
+
     /// The smallest number of terms, of `terms`, that keeps each plane within `allowed`; never fewer than a lower plane.
     pub fn terms_by_z(
         &self,
@@ -151,13 +166,18 @@ impl Audit {
 impl Plane {
     /// RMS relative intensity error with the first `terms` terms, summed in f32 as the shader does.
     fn error(&self, families: &[Box<dyn Expansion>], terms: usize) -> f64 {
+        self.error_of(&self.terms, families, terms)
+    }
+
+    /// The same of terms that are stored as `stored`.
+    fn error_of(&self, stored: &[Vec<Complex32>], families: &[Box<dyn Expansion>], terms: usize) -> f64 {
         let mut c = vec![Complex64::ZERO; terms];
         families[self.band].coefficients(self.z, &mut c);
         let c: Vec<Complex32> = c.iter().map(|c| Complex32::new(c.re as f32, c.im as f32)).collect();
         // Where nothing is seen, nothing can be wrong: such texels would only dilute the mean.
         let seen = self.exact.iter().enumerate().filter(|(_, exact)| exact.norm_sqr() >= self.faint);
         let (count, squares) = seen.fold((0usize, 0.0), |(count, squares), (t, exact)| {
-            let sum: Complex32 = c.iter().zip(&self.terms).map(|(c, term)| c * term[t]).sum();
+            let sum: Complex32 = c.iter().zip(stored).map(|(c, term)| c * term[t]).sum();
             let truth = exact.norm_sqr();
             (count + 1, squares + ((f64::from(sum.norm_sqr()) - truth) / truth).powi(2))
         });

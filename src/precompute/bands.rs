@@ -144,6 +144,7 @@ mod tests {
             basis,
             terms: None,
             aim,
+            lines: None,
             memory_limit: 1 << 30,
             side_limit: 16_384,
         };

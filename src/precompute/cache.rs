@@ -5,22 +5,24 @@
 
 use super::coefficients::Coefficients;
 use super::kernel::{Interpolation, Kernel};
-use super::layers::{self, Errors, Layers, PairRule, Settings};
+use super::layers::{self, Errors, Layers, Settings};
+use super::lines::Lines;
+use super::pairs::PairRule;
+use super::texels::Texels;
 use crate::error::{Error, Result};
 use crate::output;
 use crate::surface::HeightField;
-use rayon::prelude::*;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// First bytes of a file; the number changes whenever the layers of the same key would change.
-const MAGIC: &[u8; 20] = b"diffract layers 0006";
+const MAGIC: &[u8; 20] = b"diffract layers 0007";
 /// Bytes of the check sum and of the key.
 const HASH: usize = blake3::OUT_LEN;
 /// Numbers of 8 bytes that describe the layers in front of the texels.
-const HEADER: usize = 25;
+const HEADER: usize = 41;
 
 /// The folder: `$XDG_CACHE_HOME/diffract`, else `~/.cache/diffract`; `None` where the user has neither.
 pub fn folder() -> Option<PathBuf> {
@@ -48,8 +50,12 @@ pub fn key(field: &HeightField, settings: &Settings) -> blake3::Hash {
         terms,
         f64::from(settings.basis as u8),
         f64::from(settings.aim as u8),
+        settings.side_limit as f64,
     ];
     hasher.update(bytemuck::cast_slice(&numbers));
+    if let Some(lines) = &settings.lines {
+        hasher.update(bytemuck::cast_slice(&lines.numbers()));
+    }
     hasher.update(bytemuck::cast_slice(field.heights()));
     hasher.finalize()
 }
@@ -91,23 +97,26 @@ pub fn load(folder: &Path, key: &blake3::Hash, memory_limit: usize) -> Option<La
 /// makes.
 pub fn read(file: &mut impl Read, size: u64, key: &blake3::Hash, memory_limit: usize) -> Option<Layers> {
     let size = usize::try_from(size).ok()?;
-    let overhead = MAGIC.len() + HASH + HEADER * 8 + HASH;
+    let head_bytes = MAGIC.len() + HASH + HEADER * 8;
     // The texels, and behind them the coefficients, which are little.
     const COEFFICIENTS: usize = 64 << 20;
     let limit = memory_limit.saturating_add(COEFFICIENTS);
-    let payload_bytes = size.checked_sub(overhead).filter(|n| n % 4 == 0 && *n <= limit)?;
-    let mut head = vec![0u8; MAGIC.len() + HASH + HEADER * 8];
+    let payload = size.checked_sub(head_bytes + HASH).filter(|n| *n <= limit)?;
+    let mut head = vec![0u8; head_bytes];
     file.read_exact(&mut head).ok()?;
-    let mut payload = vec![0f32; payload_bytes / 4];
-    file.read_exact(bytemuck::cast_slice_mut(&mut payload)).ok()?;
-    let mut sum = [0u8; HASH];
-    file.read_exact(&mut sum).ok()?;
-    let own = &head[..MAGIC.len() + HASH];
-    if own != preamble(key) || check_sum(&head, &[&payload]) != sum {
+    if head[..MAGIC.len() + HASH] != preamble(key) {
         return None;
     }
     let numbers: Vec<f64> = bytemuck::pod_collect_to_vec(&head[MAGIC.len() + HASH..]);
-    from_numbers(&numbers, payload).filter(is_sound)
+    let mut layers = from_numbers(&numbers, payload)?;
+    file.read_exact(layers.texels.bytes_mut()).ok()?;
+    if let Some(lines) = &mut layers.lines {
+        file.read_exact(lines.texels.bytes_mut()).ok()?;
+    }
+    file.read_exact(bytemuck::cast_slice_mut(&mut layers.coefficients.values)).ok()?;
+    let mut sum = [0u8; HASH];
+    file.read_exact(&mut sum).ok()?;
+    (check_sum(&head, &layers) == sum).then_some(layers).filter(is_sound)
 }
 
 /// What a file of `key` begins with.
@@ -138,7 +147,13 @@ fn is_sound(layers: &Layers) -> bool {
         && l.z_bands >= 1
         && l.coefficients.columns >= 2
         && rule.iter().all(|x| x.is_finite())
-        && l.texels.par_iter().all(|x| x.is_finite())
+        && l.texels.are_finite()
+        && l.lines.iter().all(|lines| {
+            (0..2).all(|axis| lines.origin[axis] < lines.size[axis])
+                && positive(&[lines.across, lines.along, [lines.from, lines.level]].concat())
+                && (1..=l.pairs()).contains(&lines.grouped)
+                && lines.texels.are_finite()
+        })
         && l.coefficients.values.iter().flatten().all(|x| x.is_finite())
 }
 
@@ -153,11 +168,11 @@ pub fn store(folder: &Path, key: &blake3::Hash, layers: &Layers) -> Result<()> {
     let mut head = MAGIC.to_vec();
     head.extend_from_slice(key.as_bytes());
     head.extend_from_slice(bytemuck::cast_slice(&to_numbers(layers)));
-    let coefficients = bytemuck::cast_slice(&layers.coefficients.values);
-    let sum = check_sum(&head, &[&layers.texels, coefficients]);
+    let sum = check_sum(&head, layers);
     output::write_atomically(&place, |file| {
-        [&head, bytemuck::cast_slice(&layers.texels), bytemuck::cast_slice(coefficients), &sum]
-            .into_iter()
+        std::iter::once(head.as_slice())
+            .chain(payload(layers))
+            .chain(std::iter::once(sum.as_slice()))
             .try_for_each(|part| file.write_all(part))
             .map_err(|e| output::write_failed(&place, &e))
     })
@@ -175,11 +190,20 @@ pub fn sweep(folder: &Path) {
     }
 }
 
-fn check_sum(head: &[u8], payload: &[&[f32]]) -> [u8; HASH] {
+/// What stands behind the numbers, in order.
+fn payload(layers: &Layers) -> [&[u8]; 3] {
+    [
+        layers.texels.bytes(),
+        layers.lines.as_ref().map_or(&[], |lines| lines.texels.bytes()),
+        bytemuck::cast_slice(&layers.coefficients.values),
+    ]
+}
+
+fn check_sum(head: &[u8], layers: &Layers) -> [u8; HASH] {
     let mut hasher = blake3::Hasher::new();
     hasher.update(head);
-    for part in payload {
-        hasher.update_rayon(bytemuck::cast_slice(part));
+    for part in payload(layers) {
+        hasher.update_rayon(part);
     }
     *hasher.finalize().as_bytes()
 }
@@ -192,6 +216,25 @@ fn to_numbers(l: &Layers) -> [f64; HEADER] {
     let flag = |b: bool| f64::from(b);
     let e = &l.errors;
     let counts = [l.z_bands, l.terms, l.coefficients.columns].map(|n| n as f64);
+    let lines = l.lines.as_ref().map_or([0.0; LINES], |lines| {
+        let counts = [lines.size, lines.origin].map(|pair| pair.map(|n| n as f64));
+        [
+            1.0,
+            flag(lines.texels.is_half()),
+            flag(lines.kernel == Kernel::Cubic),
+            counts[0][0],
+            counts[0][1],
+            counts[1][0],
+            counts[1][1],
+            lines.grouped as f64,
+            lines.across[0],
+            lines.across[1],
+            lines.along[0],
+            lines.along[1],
+            lines.from,
+            lines.level,
+        ]
+    });
     [
         [sx, sy, ox, oy, l.length[0], l.length[1], l.band[0], l.band[1]].as_slice(),
         &[l.sigma, l.z_max, kx, ky, rx, ry],
@@ -199,50 +242,89 @@ fn to_numbers(l: &Layers) -> [f64; HEADER] {
         &counts,
         &[l.pairs_needed.slope, l.pairs_needed.fewest],
         &[e.expansion, e.interpolation, e.truncation_bound, e.rounding_bound],
+        &[flag(l.texels.is_half()), 0.0],
+        &lines,
     ]
     .concat()
     .try_into()
     .unwrap_or([0.0; HEADER])
 }
 
-fn from_numbers(n: &[f64], mut payload: Vec<f32>) -> Option<Layers> {
-    let &[sx, sy, ox, oy, lx, ly, bx, by, sigma, z_max, kx, ky, rx, ry, half, nearest, ref rest @ ..] = n
-    else {
-        return None;
-    };
-    let &[z_bands, terms, columns, slope, fewest, expansion, interpolation, truncation_bound, rounding_bound] =
-        rest
-    else {
-        return None;
-    };
-    /// Counts beyond this are none of a file that fits into memory, and products of three of them fit a `usize`.
+/// Numbers that describe the lines; all 0 where there are none.
+const LINES: usize = 14;
+
+/// A count of a file that fits into memory; products of four of them, and sixteen, fit a `u128`.
+fn whole(n: f64) -> Option<usize> {
     const MOST: f64 = 1e6;
-    let whole = |n: f64| ((0.0..=MOST).contains(&n) && n.fract() == 0.0).then_some(n as usize);
+    ((0.0..=MOST).contains(&n) && n.fract() == 0.0).then_some(n as usize)
+}
+
+/// The product of `counts`, where it is no more than `most`.
+fn product(counts: &[usize], most: usize) -> Option<usize> {
+    counts.iter().try_fold(1usize, |all, n| all.checked_mul(*n)).filter(|n| *n <= most)
+}
+
+/// Lines of `pairs` pairs in each of `bands` bands, with room for no more texels than `most` bytes hold.
+fn lines_from(n: &[f64], pairs: usize, bands: usize, most: usize) -> Option<Lines> {
+    let &[_, half, cubic, points, rows, point, row, grouped, ax, ay, lx, ly, from, level] = n else {
+        return None;
+    };
+    let lines = Lines {
+        from,
+        level,
+        across: [ax, ay],
+        along: [lx, ly],
+        kernel: if cubic == 0.0 { Kernel::Linear } else { Kernel::Cubic },
+        size: [whole(points)?, whole(rows)?],
+        origin: [whole(point)?, whole(row)?],
+        grouped: whole(grouped)?.max(1),
+        texels: Texels::zeroed(false, 0),
+    };
+    let counts = [lines.size[0], lines.size[1], lines.grouped, lines.layers(pairs, bands), 4];
+    Some(Lines { texels: Texels::zeroed(half != 0.0, product(&counts, most / 2)?), ..lines })
+}
+
+/// Layers of these numbers with room for their texels, which are `payload` bytes in all.
+fn from_numbers(n: &[f64], payload: usize) -> Option<Layers> {
+    let &[sx, sy, ox, oy, lx, ly, bx, by, sigma, z_max, kx, ky, rx, ry, half_plane, nearest, ref rest @ ..] =
+        n
+    else {
+        return None;
+    };
+    let &[z_bands, terms, columns, slope, fewest, expansion, interpolation, ref rest @ ..] = rest else {
+        return None;
+    };
+    let &[truncation_bound, rounding_bound, half, _, ref lines @ ..] = rest else { return None };
     let [sx, sy, ox, oy] = [whole(sx)?, whole(sy)?, whole(ox)?, whole(oy)?];
     let [z_bands, terms, columns] = [whole(z_bands)?, whole(terms)?, whole(columns)?];
-    let layers = terms.div_ceil(2).checked_mul(z_bands)?;
-    let texels = sx.checked_mul(sy)?.checked_mul(4)?.checked_mul(layers)?;
-    if payload.len() != texels.checked_add(layers.checked_mul(columns)?.checked_mul(4)?)? {
-        return None;
-    }
-    let values = bytemuck::pod_collect_to_vec(&payload.split_off(texels));
+    let pairs = terms.div_ceil(2);
     let kernel = |cubic: f64| if cubic == 0.0 { Kernel::Linear } else { Kernel::Cubic };
-    Some(Layers {
+    let layers = Layers {
         size: [sx, sy],
         origin: [ox, oy],
         length: [lx, ly],
         band: [bx, by],
         sigma,
-        half_plane: half != 0.0,
+        half_plane: half_plane != 0.0,
         z_bands,
         terms,
-        coefficients: Coefficients { columns, nearest: nearest != 0.0, values },
+        coefficients: Coefficients {
+            columns,
+            nearest: nearest != 0.0,
+            values: vec![[0.0; 4]; product(&[pairs, z_bands, columns], payload / 16)?],
+        },
         z_max,
         pairs_needed: PairRule { slope, fewest },
         interpolation: Interpolation { kernels: [kernel(kx), kernel(ky)], ratios: [rx, ry] },
         errors: Errors { expansion, interpolation, truncation_bound, rounding_bound },
-        texels: payload,
-    })
+        texels: Texels::zeroed(half != 0.0, product(&[sx, sy, pairs, z_bands, 4], payload / 2)?),
+        lines: match lines.first() {
+            Some(there) if *there != 0.0 => Some(lines_from(lines, pairs, z_bands, payload)?),
+            _ => None,
+        },
+    };
+    let bytes: usize = self::payload(&layers).iter().map(|part| part.len()).sum();
+    (bytes == payload).then_some(layers)
 }
 
 #[cfg(test)]
@@ -260,6 +342,7 @@ mod tests {
             basis: crate::expansion::Basis::Taylor,
             terms: None,
             aim: Aim::FewTransforms,
+            lines: None,
             memory_limit: 1 << 28,
             side_limit: 16_384,
         };

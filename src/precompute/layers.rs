@@ -1,11 +1,14 @@
 //! The layers: spectra of the basis functions under the window, packed for the shader, with the number of terms chosen
 //! by comparing against the transform of e^{izh} itself.
 
-use super::audit::{Audit, FAINT, PLANES, PlaneTerms};
+use super::audit::{Audit, FAINT, PLANES};
 use super::bands::Bands;
 use super::coefficients::Coefficients;
 use super::kernel::Interpolation;
-use super::transform::{PaddedAxis, Pair, Transformer};
+use super::lines::{self, Lines};
+use super::pairs::PairRule;
+use super::texels::Texels;
+use super::transform::{PaddedAxis, Pair, Samples, Transformer};
 use crate::error::{Error, Result};
 use crate::expansion::taylor::{F32_ROUNDOFF, terms_for};
 use crate::expansion::{Basis, Expansion, HeightScale};
@@ -30,6 +33,8 @@ pub struct Settings {
     pub terms: Option<usize>,
     /// What there shall be little of.
     pub aim: Aim,
+    /// Lines for colours, where nothing else is asked of the layers.
+    pub lines: Option<lines::Spacing>,
     /// Most bytes that the layers may take.
     pub memory_limit: usize,
     /// Most texels along a side of a layer.
@@ -104,7 +109,9 @@ pub struct Layers {
     pub errors: Errors,
     /// RGBA texels (Re, Im of term 2p; Re, Im of term 2p + 1), pair by pair, in each band by band, row by row in growing
     /// f_y; in units of the flat mirror's peak amplitude.
-    pub texels: Vec<f32>,
+    pub texels: Texels,
+    /// The same on lines, for colours away from the mirror direction; then the texels hold the plane's centre alone.
+    pub lines: Option<Lines>,
 }
 
 impl Layers {
@@ -118,102 +125,90 @@ impl Layers {
         self.pairs() * self.z_bands
     }
 
+    /// Bytes of all texels.
+    pub fn bytes(&self) -> usize {
+        self.texels.bytes().len() + self.lines.as_ref().map_or(0, |lines| lines.texels.bytes().len())
+    }
+
     /// Pairs of terms that are summed at k|w| = `z` \[rad/µm\].
     pub fn pairs_at(&self, z: f64) -> usize {
         self.pairs_needed.at(z).clamp(1, self.pairs())
     }
 }
 
-/// How many pairs of terms k|w| = z needs: ⌈`slope`·z + `fewest`⌉, because a formula costs the shader less than a table.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PairRule {
-    /// Pairs per unit of z \[µm\].
-    pub slope: f64,
-    /// Pairs at z = 0.
-    pub fewest: f64,
+/// The transforms' axes for `settings`.
+struct Plan {
+    /// Of the whole plane, or of its centre where there are lines.
+    plane: [PaddedAxis; 2],
+    /// Of the lines of constant f_x and of constant f_y.
+    lines: Option<(lines::Spacing, [[PaddedAxis; 2]; 2])>,
 }
 
-impl PairRule {
-    /// All of `pairs` everywhere.
-    fn constant(pairs: usize) -> Self {
-        Self { slope: 0.0, fewest: pairs as f64 }
-    }
-
-    /// The lowest line that nowhere gives fewer than the audited planes need. What a plane needs is needed from the plane
-    /// below it on: scattering fades with z as fast as the terms do, so the sup bound, which is relative to the mirror
-    /// peak, would drop terms that are seen.
-    fn over(planes: &[PlaneTerms; PLANES]) -> Self {
-        /// Rounding up reaches the number from anywhere above the one before.
-        const ABOVE: f64 = 1e-3;
-        let corner = |i: usize| {
-            let z = if i == 0 { 0.0 } else { planes[i - 1].z };
-            (z, planes[i].terms.div_ceil(2) as f64 - 1.0 + ABOVE)
-        };
-        let corners: [(f64, f64); PLANES] = std::array::from_fn(corner);
-        let mut best = Self::constant(planes.iter().map(|p| p.terms.div_ceil(2)).max().unwrap_or(1));
-        let end = planes[PLANES - 1].z;
-        for &(za, na) in &corners {
-            for &(zb, nb) in corners.iter().filter(|(zb, _)| *zb > za) {
-                let slope = ((nb - na) / (zb - za)).max(0.0);
-                let line = Self { slope, fewest: na - slope * za };
-                let suffices = corners.iter().all(|&(z, n)| slope * z + line.fewest >= n - 1e-9);
-                if suffices && line.middle(end) < best.middle(end) {
-                    best = line;
-                }
+impl Plan {
+    /// The axes, checked against the memory limit of `settings` before any of it is taken.
+    fn new(
+        field: &HeightField,
+        settings: &Settings,
+        interpolation: Interpolation,
+        shift: [f64; 2],
+    ) -> Result<Self> {
+        let band = bands_of(field, settings.shortest_wavelength);
+        let own = Samples::of(field, shift);
+        let sigma = settings.sigma;
+        if let Some(spacing) = settings.lines.filter(|_| sigma.is_finite()) {
+            let plan = Self {
+                plane: [0, 1].map(|i| {
+                    let reach = band[i].min(spacing.from / settings.shortest_wavelength);
+                    let length = interpolation.ratios[i] * sigma;
+                    PaddedAxis::new(&own[i], sigma, length, Some(interpolation.kernels[i]), reach)
+                }),
+                lines: Some((spacing, spacing.axes(&own, sigma, band))),
+            };
+            if plan.longest() <= settings.side_limit {
+                return plan.checked(&own).map(|()| plan);
             }
         }
-        best
+        // Whether it fits is known before the axes, which are as long as the window, are made.
+        let extent = |axis: usize| if sigma.is_finite() { sigma } else { own[axis].period() };
+        let texels = |axis: usize| 2.0 * band[axis] * interpolation.ratios[axis] * extent(axis);
+        let plane = if settings.basis.is_real() { 0.5 } else { 1.0 };
+        let bytes = texels(0) * texels(1) * plane * 8.0 * settings.terms.unwrap_or(2) as f64;
+        if bytes > settings.memory_limit as f64 {
+            return Err(too_large(bytes, settings));
+        }
+        let axis = |i: usize| {
+            let length = interpolation.ratios[i] * extent(i);
+            PaddedAxis::new(&own[i], sigma, length, Some(interpolation.kernels[i]), band[i])
+        };
+        let plan = Self { plane: [axis(0), axis(1)], lines: None };
+        if plan.longest() > settings.side_limit {
+            return Err(Error::failed(
+                format!(
+                    "the spectra would be {} texels long, the device holds {}",
+                    plan.longest(),
+                    settings.side_limit
+                ),
+                "ask for a shorter --coherence or a larger --tolerance, or use --method reference",
+            ));
+        }
+        plan.checked(&own).map(|()| plan)
     }
 
-    fn middle(&self, end: f64) -> f64 {
-        self.slope * end / 2.0 + self.fewest
+    /// Every pair of axes.
+    fn axes(&self) -> impl Iterator<Item = &[PaddedAxis; 2]> {
+        std::iter::once(&self.plane).chain(self.lines.iter().flat_map(|(_, axes)| axes))
     }
 
-    fn at(&self, z: f64) -> usize {
-        (self.slope * z + self.fewest).ceil().max(1.0) as usize
+    /// Texels along the longest side of a layer.
+    fn longest(&self) -> usize {
+        self.axes().flatten().map(PaddedAxis::kept).max().unwrap_or(0)
     }
-}
 
-/// The padded grid for `settings`, checked against its memory limit before any of it is taken.
-fn plan(
-    field: &HeightField,
-    settings: &Settings,
-    interpolation: Interpolation,
-    shift: [f64; 2],
-) -> Result<[PaddedAxis; 2]> {
-    let samples = [field.columns(), field.rows()];
-    let band = bands_of(field, settings.shortest_wavelength);
-    // Whether it fits is known before the axes, which are as long as the window, are made.
-    let patch = field.patch_size();
-    let extent = |axis: usize| if settings.sigma.is_finite() { settings.sigma } else { patch[axis] };
-    let texels = |axis: usize| 2.0 * band[axis] * interpolation.ratios[axis] * extent(axis);
-    let plane = if settings.basis.is_real() { 0.5 } else { 1.0 };
-    let bytes = texels(0) * texels(1) * plane * 8.0 * settings.terms.unwrap_or(2) as f64;
-    if bytes > settings.memory_limit as f64 {
-        return Err(too_large(bytes, settings));
+    /// Fails where the host has no room for the transforms.
+    fn checked(&self, own: &[Samples; 2]) -> Result<()> {
+        let needed = self.axes().map(|[x, y]| Transformer::memory(x, y, &own[1])).max();
+        memory::ensure_room(needed.unwrap_or(0), "the Fourier transforms")
     }
-    let axis = |i: usize| {
-        PaddedAxis::new(
-            samples[i],
-            field.pixel_size()[i],
-            settings.sigma,
-            interpolation.ratios[i],
-            interpolation.kernels[i],
-            band[i],
-            i == 1,
-            shift[i],
-        )
-    };
-    let axes = [axis(0), axis(1)];
-    let longest = axes[0].kept().max(axes[1].kept());
-    if longest > settings.side_limit {
-        return Err(Error::failed(
-            format!("the spectra would be {longest} texels long, the device holds {}", settings.side_limit),
-            "ask for a shorter --coherence or a larger --tolerance, or use --method reference",
-        ));
-    }
-    memory::ensure_room(Transformer::memory(&axes[0], &axes[1]), "the Fourier transforms")?;
-    Ok(axes)
 }
 
 fn too_large(bytes: f64, settings: &Settings) -> Error {
@@ -273,9 +268,11 @@ pub fn compute_at(
             "ask for a larger --tolerance, or use --method reference",
         ));
     }
-    let [x, y] = plan(field, settings, interpolation, shift)?;
+    let Plan { plane: [x, y], lines } = Plan::new(field, settings, interpolation, shift)?;
     let guard = interpolation.kernels[0].guard();
-    let room = settings.memory_limit / (x.kept() * y.kept() * TEXEL);
+    let on_lines: usize =
+        lines.iter().flat_map(|(_, axes)| axes).map(|[x, y]| x.kept() * y.kept() * TEXEL).sum();
+    let room = settings.memory_limit / (x.kept() * y.kept() * TEXEL + on_lines);
     let mut bands = Bands::choose(field, settings, z_max, room);
     if settings.basis == Basis::Taylor && settings.terms.is_none() && bands.real {
         // Refuses what is hopeless before any work.
@@ -287,28 +284,40 @@ pub fn compute_at(
     // Texels left of f_x = 0 exist for the kernel alone where the other half plane follows.
     let first_column = if half_plane { x.bins - guard } else { 0 };
     let size = [x.kept() - first_column, y.kept()];
-    let layer_bytes = size[0] * size[1] * TEXEL;
+    let layer_bytes = size[0] * size[1] * TEXEL + if half_plane { on_lines / 2 } else { on_lines };
+    let mut maker = lines.as_ref().map(|(spacing, axes)| lines::Maker::new(spacing, axes, half_plane, count));
     let transformer = Transformer::new(field, x, y);
+    let along_lines = lines.map(|(_, axes)| axes.map(|[x, y]| Transformer::new(field, x, y)));
+    // Lines hold every frequency, where the plane may be its centre alone.
+    let judged = along_lines.as_ref().map_or(&transformer, |[first, _]| first);
     let heights: Vec<f64> = field.heights().iter().map(|&h| scale.normalise(h)).collect();
 
     let guess = if half_plane { settings.terms.unwrap_or(GUESSED_TERMS).div_ceil(2) } else { bands.layers() };
     let steps = |layers: usize| PLANES + guess.max(layers);
-    let mut audit =
-        Audit::new(&transformer, &heights, scale.half_range, z_max, count, |i| progress(i, steps(0)))?;
+    let mut audit = Audit::new(judged, &heights, scale.half_range, z_max, count, |i| progress(i, steps(0)))?;
     let mut texels: Vec<f32> = Vec::new();
     let mut made = 0;
     let terms = loop {
         let wanted = bands.layers();
         while made < wanted {
             progress(PLANES + made, steps(wanted))?;
-            if texels.len() * 4 + layer_bytes > settings.memory_limit {
-                return Err(too_large((texels.len() * 4 + layer_bytes) as f64, settings));
+            if (made + 1) * layer_bytes > settings.memory_limit {
+                return Err(too_large(((made + 1) * layer_bytes) as f64, settings));
             }
             let (first_term, band) = (made / count * 2, made % count);
             let family = &bands.families[band];
-            let pair = transformer.pair(half_plane, |n, i| family.basis(first_term + n, heights[i]));
+            let value = |n: usize, i: usize| family.basis(first_term + n, heights[i]);
+            let pair = transformer.pair(half_plane, value);
             texels.extend(pack(&pair, size, first_column));
-            audit.add(band, &pair);
+            match (&mut maker, &along_lines) {
+                (Some(maker), Some([first, second])) => {
+                    let pair = first.pair(half_plane, value);
+                    maker.add(0, &pair);
+                    audit.add(band, &pair);
+                    maker.add(1, &second.pair(half_plane, value));
+                }
+                _ => audit.add(band, &pair),
+            }
             made += 1;
         }
         let terms = (2 * bands.pairs).min(most_terms);
@@ -319,7 +328,14 @@ pub fn compute_at(
         bands.pairs += 1;
     };
     let families = &bands.families;
-    let expansion_error = audit.error(families, terms);
+    // Half the memory to keep and to read, where the rounding is within the budget too; powers of the height about z = 0 cancel
+    // each other by orders of magnitude.
+    let in_halves = audit.error_of_halves(families, terms);
+    let half = in_halves <= budget.expansion
+        && settings.terms.is_none()
+        && Texels::fit_halves(&texels)
+        && maker.as_ref().is_none_or(lines::Maker::fit_halves);
+    let expansion_error = if half { in_halves } else { audit.error(families, terms) };
     if settings.terms.is_none() && expansion_error > budget.expansion {
         return Err(Error::failed(
             format!(
@@ -332,6 +348,8 @@ pub fn compute_at(
         ));
     }
     progress(steps(made), steps(made))?;
+    let error_on_lines =
+        settings.lines.filter(|_| maker.is_some()).map_or(0.0, |spacing| spacing.interpolation_error());
     let worst =
         |of: &dyn Fn(&dyn Expansion) -> f64| families.iter().map(|f| of(f.as_ref())).fold(0.0, f64::max);
     Ok(Layers {
@@ -353,11 +371,18 @@ pub fn compute_at(
         interpolation,
         errors: Errors {
             expansion: expansion_error,
-            interpolation: interpolation_error,
+            interpolation: interpolation_error.max(error_on_lines),
             truncation_bound: worst(&|f| f.truncation_bound(z_max, terms)),
             rounding_bound: worst(&|f| f.rounding_bound(z_max, F32_ROUNDOFF)),
         },
-        texels,
+        texels: if half {
+            let mut halves = Texels::zeroed(true, 0);
+            halves.extend(&texels);
+            halves
+        } else {
+            Texels::Single(texels)
+        },
+        lines: maker.map(|maker| maker.finish(terms.div_ceil(2), half, settings.side_limit)),
     })
 }
 
@@ -387,7 +412,7 @@ fn pack(pair: &Pair, size: [usize; 2], first_column: usize) -> Vec<f32> {
     texels
 }
 
-/// Bytes of a texel: two complex numbers.
+/// Bytes of a texel: two complex numbers of 32-bit floats.
 const TEXEL: usize = 16;
 /// What the progress counts on before the number of terms is known.
 const GUESSED_TERMS: usize = 16;
@@ -414,6 +439,7 @@ mod tests {
             basis: Basis::Taylor,
             terms: None,
             aim: Aim::FewTransforms,
+            lines: None,
             memory_limit: 1 << 30,
             side_limit: 16_384,
         }
@@ -462,6 +488,7 @@ mod tests {
         assert!(layers.terms <= 2);
         let peak = (layers.origin[1] * layers.size[0] + layers.origin[0]) * 4;
         // Deapodisation lifts the sum of the weights above the window's integral by the kernel's own loss at the peak.
-        assert!((layers.texels[peak] - 1.0).abs() < 0.1, "{}", layers.texels[peak]);
+        let peak = layers.texels.at(peak);
+        assert!((peak - 1.0).abs() < 0.1, "{peak}");
     }
 }

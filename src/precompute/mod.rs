@@ -6,6 +6,9 @@ pub mod cache;
 pub mod coefficients;
 pub mod kernel;
 pub mod layers;
+pub mod lines;
+pub mod pairs;
+pub mod texels;
 mod transform;
 
 pub use layers::{Aim, Budget, Layers, Settings, compute, compute_at};

@@ -10,7 +10,49 @@ use rustfft::{Fft, FftPlanner, num_complex::Complex64};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// One axis of the padded grid: the patch repeated over a length L that holds the Gaussian window.
+/// The samples of a height field along an axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Samples {
+    /// Their number, over one period.
+    pub count: usize,
+    /// Distance \[µm\].
+    pub spacing: f64,
+    /// Sample 0 has the largest coordinate, as rows of an image have.
+    pub upward: bool,
+    /// The window's centre from that of the patch \[µm\].
+    pub centre: f64,
+}
+
+impl Samples {
+    /// Along x (0) and y (1) of `field` under a window `shift` \[µm\] from the patch's centre.
+    pub fn of(field: &HeightField, shift: [f64; 2]) -> [Self; 2] {
+        let counts = [field.columns(), field.rows()];
+        [0, 1].map(|i| Self {
+            count: counts[i],
+            spacing: field.pixel_size()[i],
+            upward: i == 1,
+            centre: shift[i],
+        })
+    }
+
+    /// T: one period \[µm\].
+    pub fn period(&self) -> f64 {
+        self.count as f64 * self.spacing
+    }
+}
+
+/// One sample of the patch under the window.
+#[derive(Clone, Copy, Debug)]
+struct Tap {
+    /// Where it goes in the transform.
+    slot: usize,
+    /// Its column or row in the patch.
+    patch: usize,
+    /// Window over the kernel's transform, normalised to Σ g = 1.
+    weight: f64,
+}
+
+/// One axis of the transform's grid: the patch repeated over a length L, under the Gaussian window.
 #[derive(Clone, Debug)]
 pub struct PaddedAxis {
     /// Samples over L.
@@ -19,73 +61,59 @@ pub struct PaddedAxis {
     pub length: f64,
     /// Bins −`bins` … `bins` are kept: the band and the kernel's guard.
     pub bins: usize,
-    /// Window over the kernel's transform at each padded sample, normalised to Σ g = 1.
-    window: Vec<f64>,
-    /// Column or row of the patch under each padded sample.
-    patch_index: Vec<usize>,
+    /// What the window sees.
+    taps: Vec<Tap>,
     /// Sub-sample shift of the origin: the centre of an even number of samples, for one, lies between two.
     shift: f64,
 }
 
 impl PaddedAxis {
-    /// The axis of a patch of `samples` samples `spacing` \[µm\] apart under a Gaussian of standard deviation `sigma`
-    /// \[µm\] padded to at least `ratio`·σ, keeping frequencies up to `band` \[µm⁻¹\]; an infinite σ is one period
-    /// alone without a window, padded to at least `ratio`·T. `upward`: sample 0 of the patch
-    /// has the largest coordinate, as rows of an image have. The window's centre is `centre` \[µm\] from the patch's.
-    #[allow(clippy::too_many_arguments, reason = "each is a number of its own kind")]
-    pub fn new(
-        samples: usize,
-        spacing: f64,
-        sigma: f64,
-        ratio: f64,
-        kernel: Kernel,
-        band: f64,
-        upward: bool,
-        centre: f64,
-    ) -> Self {
+    /// The axis of `own` samples under a Gaussian of standard deviation `sigma` \[µm\] on a length of at least `length` \[µm\],
+    /// keeping frequencies up to `band` \[µm⁻¹\]; an infinite σ is one period alone without a window. With `kernel` the spectrum
+    /// may be read between its bins, and the window ends where L does; without, it is read at its bins alone, and what of
+    /// the window lies beyond L is folded back, which leaves the values at the bins what they are.
+    pub fn new(own: &Samples, sigma: f64, length: f64, kernel: Option<Kernel>, band: f64) -> Self {
         /// A transform this short costs nothing and still holds every kernel's guard.
         const FEWEST: usize = 8;
-        let patch = samples as f64 * spacing;
+        /// Where a folded window ends: its amplitude is 3e-6 there.
+        const REACH: f64 = 5.0;
+        let Samples { count, spacing, upward, centre } = *own;
+        let patch = own.period();
         let windowed = sigma.is_finite();
-        let extent = if windowed { sigma } else { patch };
-        let padded = fast_size(((ratio * extent / spacing).ceil() as usize).max(FEWEST));
+        let padded = fast_size(((length / spacing).ceil() as usize).max(FEWEST));
         let length = padded as f64 * spacing;
         // The window's centre in samples of the patch, and how far the next sample stands above it.
-        let centre = (samples as f64 - 1.0) / 2.0 + centre / spacing;
+        let centre = (count as f64 - 1.0) / 2.0 + centre / spacing;
         let middle = centre.ceil() as i64;
         let shift = centre.ceil() - centre;
-        // Padded sample m stands at (m + shift)·spacing, the upper half of m wrapped to negative positions.
-        let place = |m: usize| {
-            let signed = if m < padded.div_ceil(2) { m as i64 } else { m as i64 - padded as i64 };
-            (signed, (signed as f64 + shift) * spacing)
-        };
-        let window_at = |x: f64| match windowed {
+        let window = |x: f64| match windowed {
             true => (-0.5 * (x / sigma).powi(2)).exp(),
             false => f64::from(u8::from(x.abs() < patch / 2.0)),
         };
         // The continuous integral of g, so that a flat surface's mirror peak is 1 by definition.
         let scale = spacing / if windowed { (2.0 * PI).sqrt() * sigma } else { patch };
-        let window = (0..padded)
-            .map(|m| {
-                let x = place(m).1;
-                window_at(x) / kernel.transform(x / length) * scale
+        let places = match kernel {
+            Some(_) => padded.div_ceil(2) as i64 - padded as i64..padded.div_ceil(2) as i64,
+            None => {
+                let reach = (REACH * sigma.min(patch) / spacing).ceil() as i64;
+                -reach..reach + 1
+            }
+        };
+        let taps = places
+            .map(|place| {
+                let x = (place as f64 + shift) * spacing;
+                let weight = window(x) * scale / kernel.map_or(1.0, |kernel| kernel.transform(x / length));
+                // Position (j + shift)·spacing is column centre + shift + j = middle + j of the patch.
+                let index = (middle + place).rem_euclid(count as i64) as usize;
+                Tap {
+                    slot: place.rem_euclid(padded as i64) as usize,
+                    patch: if upward { count - 1 - index } else { index },
+                    weight,
+                }
             })
             .collect();
-        // Position (j + shift)·spacing is column centre + shift + j = middle + j of the patch.
-        let patch_index = (0..padded)
-            .map(|m| {
-                let index = (middle + place(m).0).rem_euclid(samples as i64) as usize;
-                if upward { samples - 1 - index } else { index }
-            })
-            .collect();
-        Self {
-            samples: padded,
-            length,
-            bins: (band * length).ceil() as usize + kernel.guard(),
-            window,
-            patch_index,
-            shift,
-        }
+        let guard = kernel.map_or(0, Kernel::guard);
+        Self { samples: padded, length, bins: (band * length).ceil() as usize + guard, taps, shift }
     }
 
     /// Bins kept along the whole axis, negative frequencies included.
@@ -171,6 +199,9 @@ pub struct Transformer<'a> {
     pub x: PaddedAxis,
     /// Along y.
     pub y: PaddedAxis,
+    /// Rows of the patch that the window sees, and the place of every row of the patch among them.
+    rows: Vec<usize>,
+    row_place: Vec<usize>,
     along_x: Arc<dyn Fft<f64>>,
     along_y: Arc<dyn Fft<f64>>,
 }
@@ -180,12 +211,18 @@ impl<'a> Transformer<'a> {
     pub fn new(field: &'a HeightField, x: PaddedAxis, y: PaddedAxis) -> Self {
         let mut planner = FftPlanner::new();
         let (along_x, along_y) = (planner.plan_fft_inverse(x.samples), planner.plan_fft_inverse(y.samples));
-        Self { field, x, y, along_x, along_y }
+        let mut rows: Vec<usize> = y.taps.iter().map(|tap| tap.patch).collect();
+        rows.sort_unstable();
+        rows.dedup();
+        let mut row_place = vec![0; field.rows()];
+        rows.iter().enumerate().for_each(|(place, &row)| row_place[row] = place);
+        Self { field, x, y, rows, row_place, along_x, along_y }
     }
 
-    /// Host memory that a transform takes at its worst \[bytes\]: all rows at the kept columns, and the kept spectrum.
-    pub fn memory(x: &PaddedAxis, y: &PaddedAxis) -> u64 {
-        ((y.samples + y.kept()) * x.kept() * size_of::<Complex64>()) as u64
+    /// Host memory that a transform takes at its worst \[bytes\]: the rows of the patch at the kept columns, and the kept
+    /// spectrum.
+    pub fn memory(x: &PaddedAxis, y: &PaddedAxis, own: &Samples) -> u64 {
+        ((own.count + y.kept()) * x.kept() * size_of::<Complex64>()) as u64
     }
 
     /// The spectra of window · `value`(0 or 1, sample of the patch); real functions share one transform.
@@ -201,8 +238,8 @@ impl<'a> Transformer<'a> {
     pub fn spectrum(&self, value: impl Fn(usize) -> Complex64 + Sync) -> Spectrum {
         let (x, y) = (&self.x, &self.y);
         let columns = x.kept();
-        // Every padded row, transformed; only the kept columns stay.
-        let mut rows_done = vec![Complex64::ZERO; y.samples * columns];
+        // Rows of the patch, transformed once however often they repeat; only the kept columns stay.
+        let mut rows_done = vec![Complex64::ZERO; self.rows.len() * columns];
         rows_done.par_chunks_mut(columns).enumerate().for_each_init(
             || {
                 (
@@ -211,9 +248,10 @@ impl<'a> Transformer<'a> {
                 )
             },
             |(buffer, scratch), (row, kept)| {
-                let first = y.patch_index[row] * self.field.columns();
-                for (m, slot) in buffer.iter_mut().enumerate() {
-                    *slot = value(first + x.patch_index[m]) * (x.window[m] * y.window[row]);
+                let first = self.rows[row] * self.field.columns();
+                buffer.fill(Complex64::ZERO);
+                for tap in &x.taps {
+                    buffer[tap.slot] += value(first + tap.patch) * tap.weight;
                 }
                 self.along_x.process_with_scratch(buffer, scratch);
                 for (k, slot) in kept.iter_mut().enumerate() {
@@ -233,10 +271,11 @@ impl<'a> Transformer<'a> {
             },
             |(buffer, scratch), (block, out)| {
                 let here = out.len() / y.kept();
-                for row in 0..y.samples {
-                    let begin = row * columns + block * TOGETHER;
+                buffer.fill(Complex64::ZERO);
+                for tap in &y.taps {
+                    let begin = self.row_place[tap.patch] * columns + block * TOGETHER;
                     for (c, v) in rows_done[begin..begin + here].iter().enumerate() {
-                        buffer[c * y.samples + row] = *v;
+                        buffer[c * y.samples + tap.slot] += *v * tap.weight;
                     }
                 }
                 self.along_y.process_with_scratch(&mut buffer[..here * y.samples], scratch);
@@ -267,8 +306,8 @@ mod tests {
             let field = HeightField::new(columns, rows, [0.2, 0.3], heights).unwrap();
             // Linear deapodisation is divided out again below: the plain window is what is compared.
             let (sigma, kernel) = (1.0, Kernel::Linear);
-            let x = PaddedAxis::new(columns, 0.2, sigma, 10.0, kernel, 1.5, false, shift[0]);
-            let y = PaddedAxis::new(rows, 0.3, sigma, 10.0, kernel, 1.5, true, shift[1]);
+            let [x, y] =
+                Samples::of(&field, shift).map(|own| PaddedAxis::new(&own, sigma, 10.0, Some(kernel), 1.5));
             let transformer = Transformer::new(&field, x, y);
             let spectrum = transformer.spectrum(|i| Complex64::cis(9.0 * field.heights()[i]));
             let (x, y) = (&transformer.x, &transformer.y);
@@ -295,6 +334,30 @@ mod tests {
                 let error = (sum - spectrum.at(column, row)).norm();
                 assert!(error < 1e-5, "{columns}x{rows} bin {column},{row}: {error:e}");
             }
+        }
+    }
+
+    #[test]
+    fn a_folded_window_has_the_same_spectrum_at_its_bins() {
+        let heights: Vec<f64> = (0..35).map(|i| (f64::from(i * 37 % 11)).sin() * 0.1).collect();
+        let field = HeightField::new(7, 5, [0.2, 0.3], heights).unwrap();
+        let sigma = 1.0;
+        let own = Samples::of(&field, [0.07, -0.4]);
+        let spectrum = |lengths: [f64; 2]| {
+            let [x, y] = [0, 1].map(|i| PaddedAxis::new(&own[i], sigma, lengths[i], None, 1.2));
+            let transformer = Transformer::new(&field, x, y);
+            let values = transformer.spectrum(|i| Complex64::cis(9.0 * field.heights()[i]));
+            (values, transformer)
+        };
+        // 4.8 is 24 samples along x and 16 along y, 9.6 twice as many: every second bin of these is a bin of those.
+        let ((folded, f), (whole, w)) = (spectrum([4.8; 2]), spectrum([9.6; 2]));
+        assert!((w.x.length / f.x.length - 2.0).abs() < 1e-9 && (w.y.length / f.y.length - 2.0).abs() < 1e-9);
+        for (i, j) in [(0i64, 0i64), (1, 2), (-3, 4), (5, -5)] {
+            let at = |bins: usize, k: i64| (bins as i64 + k) as usize;
+            let folded = folded.at(at(f.x.bins, i), at(f.y.bins, j));
+            let whole = whole.at(at(w.x.bins, 2 * i), at(w.y.bins, 2 * j));
+            assert!((folded - whole).norm() < 1e-5, "{i},{j}: {folded} {whole}");
+            assert!(folded.norm() > 1e-3, "{i},{j}");
         }
     }
 }

@@ -41,6 +41,12 @@ pub mod binding {
     pub const COLOR_TABLE: u32 = 15;
     /// Where its texels stand.
     pub const TABLE: u32 = 16;
+    /// The lines' texture.
+    pub const LINES: u32 = 17;
+    /// Weights of nodes that stand where rays cross lines.
+    pub const LINE_WEIGHTS: u32 = 18;
+    /// Where the lines and the weights stand.
+    pub const LINES_BLOCK: u32 = 19;
 }
 
 /// The `Frame` block (std140).
@@ -87,11 +93,11 @@ pub struct OpticsBlock {
     pub padding: [f32; 2],
 }
 
-/// What the shaders are specialised for, by `constant_id`; see `shaders/spectrum.glsl`. A branch on such a constant costs
-/// nothing, where software devices run both sides of one on a uniform.
-pub fn specialization(layers: &Layers) -> [u32; 7] {
+/// What the shaders are specialised for, by `constant_id`; see `shaders/spectrum.glsl` and `shaders/lines.glsl`. A branch on such
+/// a constant costs nothing, where software devices run both sides of one on a uniform.
+pub fn specialization(layers: &Layers) -> Vec<u32> {
     let cubic = layers.interpolation.kernels.map(|kernel| u32::from(kernel == Kernel::Cubic));
-    [
+    let mut constants = vec![
         cubic[0],
         cubic[1],
         layers.half_plane.into(),
@@ -99,7 +105,40 @@ pub fn specialization(layers: &Layers) -> [u32; 7] {
         layers.pairs() as u32,
         (layers.pairs_needed.slope > 0.0).into(),
         layers.coefficients.nearest.into(),
-    ]
+    ];
+    if let Some(lines) = &layers.lines {
+        // Numbers 7 and 8 belong to shaders of colour tables.
+        constants.extend([0, 0, 1, lines.grouped as u32, u32::from(lines.kernel == Kernel::Cubic)]);
+    }
+    constants
+}
+
+/// The `Lines` block (std140).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LinesBlock {
+    /// L across the lines of constant f_x and of constant f_y \[µm\].
+    pub across: [f32; 2],
+    /// L along them \[µm\].
+    pub along: [f32; 2],
+    /// Number of the point and of the line of f = 0.
+    pub origin: [f32; 2],
+    /// max(|u|, |v|) from which on lines are read.
+    pub from: f32,
+    /// Intensities on lines over those of the plane.
+    pub unit: f32,
+    /// First wavenumber of the weights \[µm⁻¹\].
+    pub first_column: f32,
+    /// Columns of the weights per wavenumber \[µm\].
+    pub columns_per_wavenumber: f32,
+    /// log₂ of the first row's distance of nodes \[µm⁻¹\].
+    pub first_row: f32,
+    /// Rows of the weights per octave of the distance.
+    pub rows_per_octave: f32,
+    /// Number of the last column.
+    pub last_column: f32,
+    /// std140 rounds a block up to 16 bytes.
+    pub padding: [f32; 3],
 }
 
 /// The `Table` block (std140).
@@ -159,6 +198,9 @@ pub fn optics_bindings() -> Vec<Binding> {
         (binding::ANSWERS, T::STORAGE_BUFFER),
         (binding::COLOR_TABLE, T::COMBINED_IMAGE_SAMPLER),
         (binding::TABLE, T::UNIFORM_BUFFER),
+        (binding::LINES, T::COMBINED_IMAGE_SAMPLER),
+        (binding::LINE_WEIGHTS, T::COMBINED_IMAGE_SAMPLER),
+        (binding::LINES_BLOCK, T::UNIFORM_BUFFER),
     ]
     .into_iter()
     .chain(geometry)

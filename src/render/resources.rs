@@ -2,7 +2,8 @@
 
 use super::color_table::{ColorTable, Filter, grid::LEVELS, pyramid::in_layers};
 use super::interface::{
-    FrameBlock, OpticsBlock, TableBlock, binding, optics_bindings, specialization, table_specialization,
+    FrameBlock, LinesBlock, OpticsBlock, TableBlock, binding, optics_bindings, specialization,
+    table_specialization,
 };
 use super::shading::Shading;
 use super::tables::{Combs, Table};
@@ -11,7 +12,9 @@ use super::upload;
 use crate::error::{Error, Result};
 use crate::input;
 use crate::optics::brdf::schlick;
+use crate::optics::quadrature::Sliding;
 use crate::precompute::Layers;
+use crate::precompute::texels::Texels;
 use crate::scene::MAX_LIGHTS;
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::Descriptors;
@@ -164,7 +167,7 @@ impl Resources {
         shading: &Shading,
         pigment: &Pigment,
     ) -> Result<Self> {
-        let combs = Combs::new(&shading.illuminant, layers.sigma, shading.quadrature(), shading.wavelengths);
+        let combs = Combs::of(layers, shading);
         let float = vk::Format::R32G32B32A32_SFLOAT;
         let table = |name, table: &Table| {
             texture(device, name, float, table.size, None, bytemuck::cast_slice(&table.values))
@@ -172,7 +175,14 @@ impl Resources {
         let count = layers.count() as u32;
         let pigment_size = pigment.size.map(|n| n as usize);
         let images = vec![
-            texture(device, "layers", float, layers.size, Some(count), bytemuck::cast_slice(&layers.texels))?,
+            texture(
+                device,
+                "layers",
+                format(&layers.texels),
+                layers.size,
+                Some(count),
+                layers.texels.bytes(),
+            )?,
             texture(
                 device,
                 "coefficients",
@@ -183,16 +193,19 @@ impl Resources {
             )?,
             table("nodes", &combs.nodes)?,
             texture(device, "pigment", vk::Format::R8G8B8A8_SRGB, pigment_size, None, &pigment.texels)?,
+            lines_texture(device, layers)?,
+            table("weights of lines", &combs.line_weights())?,
         ];
         let edge = Sampler::linear(device, "table sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         let repeat = Sampler::linear(device, "pigment sampler", vk::SamplerAddressMode::REPEAT)?;
-        let specialization = specialization(layers).to_vec();
+        let specialization = specialization(layers);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let optics = optics_block(layers, shading.ior);
         let buffers = vec![
             upload::buffer(device, "optics", uniform, bytemuck::bytes_of(&optics))?,
             upload::buffer(device, "combs", storage, bytemuck::cast_slice(&combs.bins))?,
+            upload::buffer(device, "lines", uniform, bytemuck::bytes_of(&lines_block(layers, &combs)))?,
         ];
         let frame =
             Buffer::new(device, "frame", size_of::<FrameBlock>() as u64, uniform, MemoryLocation::CpuToGpu)?;
@@ -213,6 +226,9 @@ impl Resources {
         }
         descriptors.image(binding::COLOR_TABLE, &images[0], &edge);
         descriptors.buffer(binding::TABLE, &buffers[0]);
+        descriptors.image(binding::LINES, &images[4], &edge);
+        descriptors.image(binding::LINE_WEIGHTS, &images[5], &edge);
+        descriptors.buffer(binding::LINES_BLOCK, &buffers[2]);
         Ok(Self {
             descriptors,
             frame,
@@ -305,9 +321,12 @@ impl Resources {
         descriptors.image(binding::COLOR_TABLE, &images[0], &levels);
         descriptors.image(binding::PIGMENT, &images[1], &repeat);
         let geometry = binding::VIEW_DIRECTIONS..binding::LIGHT_DIRECTIONS + MAX_LIGHTS as u32;
-        for number in [binding::COEFFICIENTS, binding::LAYERS, binding::NODES].into_iter().chain(geometry) {
+        let of_layers = [binding::COEFFICIENTS, binding::LAYERS, binding::NODES];
+        let of_lines = [binding::LINES, binding::LINE_WEIGHTS];
+        for number in of_layers.into_iter().chain(of_lines).chain(geometry) {
             descriptors.image(number, &images[0], &edge);
         }
+        descriptors.buffer(binding::LINES_BLOCK, &buffers[0]);
         Ok(Self {
             descriptors,
             frame,
@@ -347,7 +366,8 @@ pub fn optics_block(layers: &Layers, ior: f64) -> OpticsBlock {
         origin: layers.origin.map(|n| n as f32 + 0.5),
         texels_per_frequency: pair(layers.length),
         band: pair(layers.band),
-        sigma: layers.sigma as f32,
+        // The shaders square what they read, and multiply by σ².
+        sigma: layers.sigma as f32 * layers.texels.unit(),
         normal_reflectance: schlick(ior, 1.0) as f32,
         bands_per_z: (layers.z_bands as f64 / layers.z_max) as f32,
         last_column: (layers.coefficients.columns - 1) as f32,
@@ -355,6 +375,41 @@ pub fn optics_block(layers: &Layers, ior: f64) -> OpticsBlock {
         fewest_pairs: layers.pairs_needed.fewest as f32,
         padding: [0.0; 2],
     }
+}
+
+/// The `Lines` block of `layers` and the weights of `combs`.
+fn lines_block(layers: &Layers, combs: &Combs) -> LinesBlock {
+    let (Some(lines), Some(sliding)) = (&layers.lines, &combs.sliding) else { return LinesBlock::default() };
+    let pair = |v: [f64; 2]| v.map(|x| x as f32);
+    let [first, last] = sliding.columns;
+    LinesBlock {
+        across: pair(lines.across),
+        along: pair(lines.along),
+        origin: lines.origin.map(|n| n as f32),
+        from: lines.from as f32,
+        unit: (lines.texels.unit() / layers.texels.unit()).powi(2),
+        first_column: first as f32,
+        columns_per_wavenumber: (Sliding::COLUMNS as f64 / (last - first)) as f32,
+        first_row: sliding.steps.0.log2() as f32,
+        rows_per_octave: (1.0 / sliding.steps.1) as f32,
+        last_column: (Sliding::COLUMNS - 1) as f32,
+        padding: [0.0; 3],
+    }
+}
+
+/// The lines of `layers`, or one texel where there are none.
+fn lines_texture(device: &Arc<Device>, layers: &Layers) -> Result<Image> {
+    let Some(lines) = &layers.lines else {
+        return texture(device, "no lines", vk::Format::R8G8B8A8_UNORM, [1, 1], Some(1), &[0; 4]);
+    };
+    let size = [lines.size[0] * lines.grouped, lines.size[1]];
+    let count = lines.layers(layers.pairs(), layers.z_bands) as u32;
+    texture(device, "lines", format(&lines.texels), size, Some(count), lines.texels.bytes())
+}
+
+/// The format of `texels`.
+fn format(texels: &Texels) -> vk::Format {
+    if texels.is_half() { vk::Format::R16G16B16A16_SFLOAT } else { vk::Format::R32G32B32A32_SFLOAT }
 }
 
 /// A texture that holds tightly packed `data`, ready for shaders; an array where `layers` says of how many.

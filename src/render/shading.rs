@@ -3,8 +3,10 @@
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
+use crate::optics::quadrature::{Rule, SPAN, Sliding};
 use crate::optics::spectrum::Illuminant;
 use crate::precompute::kernel::SPECKLE;
+use crate::precompute::lines::Spacing;
 use crate::precompute::{Aim, Budget, Settings};
 use crate::vk::selection::Candidate;
 
@@ -93,6 +95,17 @@ impl Shading {
         }
     }
 
+    /// Lines for colours through a Gaussian of standard deviation `sigma` \[µm\]: where nothing but colours is asked for, at
+    /// wavelengths of the program's choice.
+    fn lines(&self, sigma: f64) -> Option<Spacing> {
+        if self.purpose != Purpose::Picture || self.wavelengths.is_some() || !sigma.is_finite() {
+            return None;
+        }
+        let rule = Rule::gaussian(&self.illuminant, sigma, self.quadrature());
+        let lines = (rule.level, Sliding::across(rule.level));
+        Spacing::new(sigma, lines, Sliding::fewest(&rule), SPAN, self.budget().interpolation)
+    }
+
     /// What the sum over wavelengths may err by, relative to the colour.
     pub fn quadrature(&self) -> f64 {
         self.shares().quadrature * self.tolerance
@@ -158,6 +171,7 @@ impl Shading {
             basis: self.basis,
             terms: self.terms,
             aim: self.aim(),
+            lines: self.lines(sigma),
             memory_limit: (device.memory as f64 * DEVICE_SHARE) as usize,
             side_limit: device.max_side as usize,
         })

@@ -50,7 +50,7 @@ impl Made {
     /// Layers of the texture, texels along its sides, and its bytes.
     pub fn texture(&self) -> (usize, [usize; 2], u64) {
         match self {
-            Self::Layers(layers) => (layers.count(), layers.size, layers.texels.len() as u64 * 4),
+            Self::Layers(layers) => (layers.count(), layers.size, layers.bytes() as u64),
             Self::Table(table, _) => (table.grid.layers(), [table.grid.side; 2], table.grid.bytes()),
         }
     }

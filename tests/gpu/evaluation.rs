@@ -59,6 +59,7 @@ pub fn layers(field: &HeightField, shading: &Shading) -> Layers {
         basis: shading.basis,
         terms: shading.terms,
         aim: shading.aim(),
+        lines: None,
         memory_limit: 1 << 30,
         side_limit: 16_384,
     };

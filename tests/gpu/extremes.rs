@@ -50,6 +50,7 @@ fn layers_of(field: &HeightField, shading: &Shading) -> Result<Layers> {
         budget: shading.budget(),
         basis: shading.basis,
         aim: shading.aim(),
+        lines: None,
         terms: shading.terms,
         memory_limit: 64 << 20,
         side_limit: 4096,
@@ -315,7 +316,7 @@ fn combinations_of_ends_are_done_within_their_tolerance_or_refused_with_a_remedy
                     return Ok(());
                 }
             };
-            prop_assert!(layers.texels.iter().all(|x| x.is_finite()));
+            prop_assert!(layers.texels.are_finite());
             tally.borrow_mut().0 += 1;
             if tally.borrow().0 % EACH != 1 {
                 return Ok(());

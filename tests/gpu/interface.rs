@@ -5,7 +5,7 @@ use ash::vk;
 use bytemuck::Zeroable;
 use diffract::expansion::Basis;
 use diffract::precompute::{Aim, Budget, Settings, compute};
-use diffract::render::interface::{FrameBlock, OpticsBlock, UV_BINS, binding};
+use diffract::render::interface::{FrameBlock, LinesBlock, OpticsBlock, UV_BINS, binding};
 use diffract::render::resources::{Pigment, Resources};
 use diffract::render::shading::Shading;
 use diffract::scene::MAX_LIGHTS;
@@ -60,6 +60,26 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             [113.0, 114.0, MAX_LIGHTS as f32, UV_BINS as f32],
         ]);
 
+        let lines = LinesBlock {
+            across: [201.0, 202.0],
+            along: [203.0, 204.0],
+            origin: [205.0, 206.0],
+            from: 207.0,
+            unit: 208.0,
+            first_column: 209.0,
+            columns_per_wavenumber: 210.0,
+            first_row: 211.0,
+            rows_per_octave: 212.0,
+            last_column: 213.0,
+            padding: [0.0; 3],
+        };
+        expected.extend([
+            [201.0, 202.0, 203.0, 204.0],
+            [205.0, 206.0, 207.0, 208.0],
+            [209.0, 210.0, 211.0, 212.0],
+            [213.0, 0.0, 0.0, 0.0],
+        ]);
+
         let field = HeightField::new(4, 4, [0.1, 0.1], vec![0.0; 16]).unwrap();
         let settings = Settings {
             sigma: 1.0,
@@ -68,6 +88,7 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             basis: Basis::Taylor,
             terms: Some(1),
             aim: Aim::FewTransforms,
+            lines: None,
             memory_limit: 1 << 28,
             side_limit: 16_384,
         };
@@ -77,6 +98,8 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let block = Buffer::with_data(device, "optics probe", uniform, bytemuck::bytes_of(&optics)).unwrap();
         resources.descriptors.buffer(binding::OPTICS, &block);
+        let block = Buffer::with_data(device, "lines probe", uniform, bytemuck::bytes_of(&lines)).unwrap();
+        resources.descriptors.buffer(binding::LINES_BLOCK, &block);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let bytes = (expected.len() * 16) as u64;
         let answers = Buffer::new(device, "probe answers", bytes, storage, MemoryLocation::GpuToCpu).unwrap();

@@ -9,6 +9,7 @@ mod evaluation;
 mod extremes;
 mod faults;
 mod interface;
+mod lines;
 mod long_run;
 mod measure;
 mod picture;

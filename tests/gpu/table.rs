@@ -33,13 +33,13 @@ fn table(device: &Arc<Device>, field: &HeightField, shading: &Shading) -> ColorT
 }
 
 /// Directions of colours over both hemispheres.
-fn colours(seed: u64, count: usize) -> Vec<Query> {
+pub fn colours(seed: u64, count: usize) -> Vec<Query> {
     queries(seed, count).into_iter().map(|q| Query { wavelength: None, ..q }).collect()
 }
 
 /// ‖found − exact‖/‖exact‖ over all directions, then median and 99th percentile of the errors of single directions that a
 /// display does not show as black, each relative to its own value.
-fn errors(found: &[DVec3], exact: &[DVec3]) -> [f64; 3] {
+pub fn errors(found: &[DVec3], exact: &[DVec3]) -> [f64; 3] {
     assert!(found.iter().all(|f| f.is_finite()));
     let pairs = || found.iter().zip(exact);
     let mut single: Vec<f64> =

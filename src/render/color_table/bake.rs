@@ -72,6 +72,8 @@ pub fn bake(
     samples: &mut Samples,
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<()> {
+    // The layers' own unit, in which the device squares them.
+    let share = share * layers.texels.unit().powi(2);
     let for_combs = Shading { tolerance: COMB_SHARE * shading.tolerance, ..shading.clone() };
     let resources = Resources::new(device, layers, &for_combs, &Pigment::white())?;
     let places = rings.places();
@@ -148,5 +150,5 @@ pub fn layer_settings(shading: &Shading, device: &Candidate) -> Result<Settings>
     };
     let settings = for_layers.layer_settings(SHORTEST, device)?;
     // All of z is read at once: one band of polynomials serves it.
-    Ok(Settings { aim: Aim::FewTransforms, ..settings })
+    Ok(Settings { aim: Aim::FewTransforms, lines: None, ..settings })
 }

@@ -14,7 +14,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// First bytes of a file; the number changes whenever the table of the same key would change.
-const MAGIC: &[u8; 20] = b"diffract colours 003";
+const MAGIC: &[u8; 20] = b"diffract colours 004";
 /// Numbers of 8 bytes behind magic and key: side, spacing, pieces, σ, unit.
 const HEADER: usize = 5;
 const HASH: usize = blake3::OUT_LEN;
@@ -149,6 +149,7 @@ mod tests {
             basis: Basis::Taylor,
             terms: None,
             aim: Aim::FewTransforms,
+            lines: None,
             memory_limit: 1 << 28,
             side_limit: 16_384,
         };

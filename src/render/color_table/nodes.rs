@@ -129,8 +129,9 @@ impl<'a> Judge<'a> {
         let sign = if turned { -1.0 } else { 1.0 };
         let (mut before, mut own) = (x, 1.0); // T_{−1} = T_1
         let mut sum = Complex64::ZERO;
-        for pair in self.layers.texels.chunks(plane) {
-            let [a, b, c, d] = std::array::from_fn(|i| f64::from(pair[index * 4 + i]));
+        for pair in 0..self.layers.count() {
+            let [a, b, c, d] =
+                std::array::from_fn(|i| f64::from(self.layers.texels.at(pair * plane + index * 4 + i)));
             sum += own * (Complex64::new(a, sign * b) + Complex64::I * Complex64::new(c, sign * d));
             (before, own) = (own, 2.0 * x * own - before);
         }

@@ -1,0 +1,204 @@
+//! Spectra on the lines of a grid, for colours alone.
+//!
+//! A direction (u, v) and all wavelengths make a ray through the plane of frequencies, f = −(u, v)/λ. A colour is an integral along
+//! it, and where its nodes stand is free: they are put where the ray crosses the lines f_x = m/L_x of a grid (lines f_y = m/L_y
+//! where |v| > |u|). Across the lines nothing is interpolated then, so that they may stand as far apart as the nodes do, and what is
+//! read of a node are neighbours along one line.
+//!
+//! Rays of small |u| and |v| cross few lines; they are read from the plane's centre, as single wavelengths are.
+
+use super::kernel::{self, Kernel, SPECKLE};
+use super::texels::Texels;
+use super::transform::{PaddedAxis, Pair, Samples};
+use rayon::prelude::*;
+
+/// How lines are spaced, and which rays they serve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spacing {
+    /// Level of the aliases that nodes may leave (see [`crate::optics::quadrature::Rule`]).
+    pub level: f64,
+    /// max(|u|, |v|) from which on a ray crosses enough lines.
+    pub from: f64,
+    /// L/σ across the lines.
+    across: f64,
+    kernel: Kernel,
+    /// L/σ along them.
+    along: f64,
+}
+
+impl Spacing {
+    /// Lines for a Gaussian of standard deviation `sigma` \[µm\], L = `across`·σ, whose nodes leave aliases of `level` and are at least
+    /// `fewest` over `span` \[µm⁻¹\], and which are read along themselves with a relative intensity error of `interpolation`. `None`
+    /// where hardly a ray would cross enough.
+    pub fn new(
+        sigma: f64,
+        (level, across): (f64, f64),
+        fewest: f64,
+        span: f64,
+        interpolation: f64,
+    ) -> Option<Self> {
+        /// Beyond, the centre is most of the plane.
+        const MOST: f64 = 0.5;
+        let from = fewest / (span * across * sigma);
+        let (kernel, along) = kernel::along_lines(interpolation);
+        (across > 0.0 && from <= MOST).then_some(Self { level, from, across, kernel, along })
+    }
+
+    /// All that lines follow from.
+    pub(super) fn numbers(&self) -> [f64; 5] {
+        [self.level, self.from, self.across, self.along, f64::from(u8::from(self.kernel == Kernel::Cubic))]
+    }
+
+    /// RMS relative intensity error of reading along the lines.
+    pub fn interpolation_error(&self) -> f64 {
+        SPECKLE * self.kernel.amplitude_error(self.along)
+    }
+
+    /// The transforms' axes: for lines of constant f_x, and of constant f_y.
+    pub(super) fn axes(&self, own: &[Samples; 2], sigma: f64, band: [f64; 2]) -> [[PaddedAxis; 2]; 2] {
+        [0, 1].map(|set| {
+            [0, 1].map(|axis| {
+                let (ratio, kernel) =
+                    if axis == set { (self.across, None) } else { (self.along, Some(self.kernel)) };
+                PaddedAxis::new(&own[axis], sigma, ratio * sigma, kernel, band[axis])
+            })
+        })
+    }
+}
+
+/// Spectra of the basis functions on lines of constant f_x and on lines of constant f_y.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lines {
+    /// max(|u|, |v|) from which on they are read.
+    pub from: f64,
+    /// Level of the nodes' aliases.
+    pub level: f64,
+    /// L of both sets across the lines \[µm\]: lines stand at m/L.
+    pub across: [f64; 2],
+    /// L of both sets along the lines \[µm\].
+    pub along: [f64; 2],
+    /// How to read between texels of a line.
+    pub kernel: Kernel,
+    /// Points of a line, and lines, of either set: as many as the larger takes.
+    pub size: [usize; 2],
+    /// The point and the line of f = 0.
+    pub origin: [usize; 2],
+    /// Pairs of terms that stand beside each other at a point, so that they come from one place of the memory.
+    pub grouped: usize,
+    /// RGBA texels: set by set, group by group of pairs, band by band of z, line by line, point by point, pair by pair.
+    pub texels: Texels,
+}
+
+/// Lines that are being made.
+pub(super) struct Maker {
+    lines: Lines,
+    /// Bins of each set's axes: [set][across, along].
+    bins: [[usize; 2]; 2],
+    half_plane: bool,
+    bands: usize,
+    /// Layers of both sets, `[set][pair × bands + band]`.
+    made: [Vec<Vec<f32>>; 2],
+}
+
+impl Maker {
+    /// For `axes` of `spacing`; of real functions on the half plane where `half_plane`.
+    pub(super) fn new(
+        spacing: &Spacing,
+        axes: &[[PaddedAxis; 2]; 2],
+        half_plane: bool,
+        bands: usize,
+    ) -> Self {
+        let [x_lines, y_lines] = axes;
+        let (across, along) = ([&x_lines[0], &y_lines[1]], [&x_lines[1], &y_lines[0]]);
+        let bins = [0, 1].map(|set| [across[set].bins, along[set].bins]);
+        let largest = |which: usize| bins[0][which].max(bins[1][which]);
+        let lines = if half_plane { largest(0) + 1 } else { 2 * largest(0) + 1 };
+        Self {
+            lines: Lines {
+                from: spacing.from,
+                level: spacing.level,
+                across: across.map(|axis| axis.length),
+                along: along.map(|axis| axis.length),
+                kernel: spacing.kernel,
+                size: [2 * largest(1) + 1, lines],
+                origin: [largest(1), if half_plane { 0 } else { largest(0) }],
+                grouped: 1,
+                texels: Texels::zeroed(false, 0),
+            },
+            bins,
+            half_plane,
+            bands,
+            made: [Vec::new(), Vec::new()],
+        }
+    }
+
+    /// Takes the next pair of terms in, as transformed for set number `set`.
+    pub(super) fn add(&mut self, set: usize, pair: &Pair) {
+        let [points, _] = self.lines.size;
+        let [across, along] = self.bins[set];
+        let first_line = if self.half_plane { 0 } else { -(across as i64) };
+        let [origin_point, origin_line] = self.lines.origin;
+        let mut texels = vec![0f32; points * self.lines.size[1] * 4];
+        texels.par_chunks_mut(points * 4).enumerate().for_each(|(row, out)| {
+            let line = row as i64 - origin_line as i64;
+            if line < first_line || line > across as i64 {
+                return;
+            }
+            let line = (line + across as i64) as usize;
+            for point in 0..=2 * along {
+                let [a, b] = if set == 0 { pair.at(line, point) } else { pair.at(point, line) };
+                let texel = [a.re as f32, a.im as f32, b.re as f32, b.im as f32];
+                out[(origin_point - along + point) * 4..][..4].copy_from_slice(&texel);
+            }
+        });
+        self.made[set].push(texels);
+    }
+
+    /// Whether 16 bits hold all of them.
+    pub(super) fn fit_halves(&self) -> bool {
+        self.made.par_iter().flatten().all(|layer| Texels::fit_halves(layer))
+    }
+
+    /// The lines of `pairs` pairs of terms in each band, in 16 bits where `half`, no row longer than `side_limit` texels.
+    pub(super) fn finish(self, pairs: usize, half: bool, side_limit: usize) -> Lines {
+        let Self { mut lines, bands, made, .. } = self;
+        let [points, rows] = lines.size;
+        lines.grouped = (side_limit / points).clamp(1, pairs);
+        lines.texels = Texels::zeroed(half, lines.layers(pairs, bands) * points * rows * lines.grouped * 4);
+        let texel = if half { 8 } else { 16 };
+        let mut room = lines.texels.bytes_mut().chunks_mut(points * rows * lines.grouped * texel);
+        for mut set in made {
+            for first in (0..pairs).step_by(lines.grouped) {
+                for band in 0..bands {
+                    // Taken one after the other, so that no more than one group exists twice.
+                    let own: Vec<Texels> = (first..pairs.min(first + lines.grouped))
+                        .map(|pair| {
+                            let layer = std::mem::take(&mut set[pair * bands + band]);
+                            if half {
+                                let mut halves = Texels::zeroed(true, 0);
+                                halves.extend(&layer);
+                                halves
+                            } else {
+                                Texels::Single(layer)
+                            }
+                        })
+                        .collect();
+                    let Some(layer) = room.next() else { continue };
+                    layer.par_chunks_mut(lines.grouped * texel).enumerate().for_each(|(place, out)| {
+                        for (out, own) in out.chunks_mut(texel).zip(&own) {
+                            out.copy_from_slice(&own.bytes()[place * texel..][..texel]);
+                        }
+                    });
+                }
+            }
+        }
+        lines
+    }
+}
+
+impl Lines {
+    /// Layers of the texture, of `pairs` pairs of terms in each of `bands` bands.
+    pub fn layers(&self, pairs: usize, bands: usize) -> usize {
+        2 * bands * pairs.div_ceil(self.grouped)
+    }
+}

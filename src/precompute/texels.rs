@@ -1,0 +1,129 @@
+//! Numbers of the layers in the width that they need.
+
+use half::f16;
+use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
+
+/// RGBA texels (Re, Im of a term, Re, Im of the next), one after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Texels {
+    /// 32-bit floats.
+    Single(Vec<f32>),
+    /// The bits of 16-bit floats in units of [`HALF_UNIT`]: half the memory to read, and a rounding of up to 4.9e-4.
+    Half(Vec<u16>),
+}
+
+/// What a stored 1 of 16-bit floats stands for: 16 times the mirror's peak is below their end, 65504, and what is 1e-8 of it
+/// above where they lose precision, 6.1e-5.
+pub const HALF_UNIT: f32 = 1.0 / 4096.0;
+
+impl Texels {
+    /// What 16 bits make of `value`.
+    pub fn halved(value: f32) -> f32 {
+        f16::from_f32(value / HALF_UNIT).to_f32() * HALF_UNIT
+    }
+
+    /// Appends `values`, which 16 bits have to hold where these are of 16 bits.
+    pub fn extend(&mut self, values: &[f32]) {
+        match self {
+            Self::Single(own) => own.extend_from_slice(values),
+            Self::Half(own) => {
+                let scaled: Vec<f32> = values.iter().map(|v| v / HALF_UNIT).collect();
+                let from = own.len();
+                own.resize(from + values.len(), 0);
+                own[from..].reinterpret_cast_mut::<f16>().convert_from_f32_slice(&scaled);
+            }
+        }
+    }
+
+    /// Whether 16 bits hold `values`.
+    pub fn fit_halves(values: &[f32]) -> bool {
+        let most = f16::MAX.to_f32() * HALF_UNIT;
+        values.iter().all(|v| v.abs() <= most)
+    }
+
+    /// Numbers, four to a texel.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Single(own) => own.len(),
+            Self::Half(own) => own.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether they are 16-bit floats.
+    pub fn is_half(&self) -> bool {
+        matches!(self, Self::Half(_))
+    }
+
+    /// Number `index`.
+    pub fn at(&self, index: usize) -> f32 {
+        match self {
+            Self::Single(own) => own[index],
+            Self::Half(own) => f16::from_bits(own[index]).to_f32() * HALF_UNIT,
+        }
+    }
+
+    /// What a stored 1 stands for.
+    pub fn unit(&self) -> f32 {
+        if self.is_half() { HALF_UNIT } else { 1.0 }
+    }
+
+    /// As they are stored.
+    pub fn bytes(&self) -> &[u8] {
+        match self {
+            Self::Single(own) => bytemuck::cast_slice(own),
+            Self::Half(own) => bytemuck::cast_slice(own),
+        }
+    }
+
+    /// Room for `count` numbers, of 16 bits where `half`, and its bytes, to be read into.
+    pub fn zeroed(half: bool, count: usize) -> Self {
+        if half { Self::Half(vec![0; count]) } else { Self::Single(vec![0.0; count]) }
+    }
+
+    /// Their bytes, to be read into.
+    pub fn bytes_mut(&mut self) -> &mut [u8] {
+        match self {
+            Self::Single(own) => bytemuck::cast_slice_mut(own),
+            Self::Half(own) => bytemuck::cast_slice_mut(own),
+        }
+    }
+
+    /// Whether every number is one.
+    pub fn are_finite(&self) -> bool {
+        use rayon::prelude::*;
+        match self {
+            Self::Single(own) => own.par_iter().all(|x| x.is_finite()),
+            Self::Half(own) => own.par_iter().all(|x| f16::from_bits(*x).is_finite()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_the_width_rounds_by_less_than_a_thousandth_from_the_peak_to_what_is_too_faint_to_judge() {
+        let values: Vec<f32> = (0..200).map(|i| 10f32.powf(-7.0 * i as f32 / 200.0)).collect();
+        let mut texels = Texels::zeroed(true, 0);
+        texels.extend(&values);
+        assert!(texels.bytes().len() == 400 && texels.are_finite());
+        for (i, v) in values.iter().enumerate() {
+            assert!((texels.at(i) / v - 1.0).abs() < 5e-4, "{v}");
+            assert_eq!(texels.at(i), Texels::halved(*v));
+        }
+    }
+
+    #[test]
+    fn what_sixteen_bits_cannot_hold_is_known_beforehand() {
+        assert!(Texels::fit_halves(&[0.5, -15.9]) && !Texels::fit_halves(&[17.0]));
+        let mut texels = Texels::zeroed(true, 0);
+        texels.extend(&[17.0]);
+        assert!(!texels.are_finite());
+    }
+}

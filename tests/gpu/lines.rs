@@ -1,0 +1,129 @@
+//! Colours that are read along the lines of a grid, against the direct f64 sum.
+
+use crate::device::with_device;
+use crate::evaluation::{patch, shading};
+use crate::table::{colours, errors};
+use diffract::expansion::Basis;
+use diffract::measure::cost::Cost;
+use diffract::optics::quadrature::Rule;
+use diffract::optics::reference::Reference;
+use diffract::precompute::{Layers, compute};
+use diffract::render::evaluator::Evaluator;
+use diffract::render::picture::Directions;
+use diffract::render::shading::Shading;
+use diffract::render::tables::Combs;
+use diffract::surface::HeightField;
+use diffract::surface::synth::Kind;
+use diffract::vk::device::Device;
+use glam::DVec3;
+
+/// Layers of `field` for pictures, which have lines.
+fn layers(device: &Device, field: &HeightField, shading: &Shading) -> Layers {
+    let settings = shading.layer_settings(0.38, device.candidate()).unwrap();
+    let layers = compute(field, &settings, &|_, _| Ok(())).unwrap();
+    assert!(layers.lines.is_some());
+    layers
+}
+
+fn meet_their_tolerance(kind: Kind, side: f64, length: f64, seed: u64, bases: &[(Basis, f64)]) {
+    let field = patch(kind, side);
+    let queries = colours(seed, 300);
+    let light = shading(length, 1.0);
+    let reference = Reference::new(&field, light.coherence, [1, 1], light.ior);
+    let exact: Vec<DVec3> =
+        queries.iter().map(|q| reference.cosine_weighted_xyz(&q.pair, &light.illuminant).unwrap()).collect();
+    with_device(|device| {
+        for &(basis, tolerance) in bases {
+            let shading = Shading { basis, ..shading(length, tolerance) }.for_pictures();
+            let layers = layers(device, &field, &shading);
+            let found = Evaluator::new(device, &layers, &shading).unwrap().cosine_weighted(&queries).unwrap();
+            let [whole, median, p99] = errors(&found, &exact);
+            eprintln!(
+                "{} by {}, {} terms in {} bands, {}-bit, at {tolerance:e}: {whole:.2e}, median {median:.2e}, p99 {p99:.2e}",
+                kind.name(),
+                basis.name(),
+                layers.terms,
+                layers.z_bands,
+                if layers.texels.is_half() { 16 } else { 32 }
+            );
+            // Between a grating's orders there are but the tails of its lobes, of which a picture promises nothing.
+            let single = if kind == Kind::Blaze { 0.0 } else { median };
+            assert!(
+                whole <= tolerance && single <= tolerance,
+                "{basis:?} at {tolerance}: {whole:e}, {median:e}"
+            );
+            // The comparison sees a surface that is a tenth higher.
+            let heights = field.heights().iter().map(|h| h * 1.1).collect();
+            let higher =
+                HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights).unwrap();
+            let other = self::layers(device, &higher, &shading);
+            let wrong = Evaluator::new(device, &other, &shading).unwrap().cosine_weighted(&queries).unwrap();
+            assert!(errors(&wrong, &exact)[1] > 2.0 * median.max(tolerance / 4.0));
+        }
+    });
+}
+
+#[test]
+fn colours_along_lines_meet_their_tolerance_on_an_elaphe_skin() {
+    use Basis::{Chebyshev, Optimal, Taylor};
+    let bases = [(Optimal, 1e-1), (Optimal, 1e-2), (Optimal, 1e-3), (Taylor, 1e-2), (Chebyshev, 1e-2)];
+    meet_their_tolerance(Kind::Elaphe, 24.0, 30.0, 41, &bases);
+}
+
+#[test]
+fn colours_along_lines_meet_their_tolerance_on_a_blaze() {
+    meet_their_tolerance(Kind::Blaze, 20.0, 40.0, 42, &[(Basis::Optimal, 1e-2), (Basis::Taylor, 1e-2)]);
+}
+
+#[test]
+fn colours_along_lines_meet_their_tolerance_where_samples_and_sides_are_not_square() {
+    // Its samples are 1.3 times as far apart along y.
+    let square = patch(Kind::Elaphe, 12.0);
+    let [dx, _] = square.pixel_size();
+    let heights = square.heights().to_vec();
+    let field = HeightField::new(square.columns(), square.rows(), [dx, dx * 0.7], heights).unwrap();
+    let queries = colours(43, 200);
+    let light = shading(32.0, 1e-2);
+    let reference = Reference::new(&field, light.coherence, [1, 1], light.ior);
+    let exact: Vec<DVec3> =
+        queries.iter().map(|q| reference.cosine_weighted_xyz(&q.pair, &light.illuminant).unwrap()).collect();
+    with_device(|device| {
+        for terms in [None, Some(14)] {
+            let shading = Shading { terms, ..light.clone() }.for_pictures();
+            let layers = layers(device, &field, &shading);
+            assert_eq!(layers.half_plane, terms.is_some());
+            let found = Evaluator::new(device, &layers, &shading).unwrap().cosine_weighted(&queries).unwrap();
+            let [whole, median, p99] = errors(&found, &exact);
+            eprintln!("terms {terms:?}: {whole:.2e}, median {median:.2e}, p99 {p99:.2e}");
+            assert!(
+                whole <= light.tolerance && median <= light.tolerance,
+                "{terms:?}: {whole:e}, {median:e}"
+            );
+        }
+    });
+}
+
+#[test]
+fn nodes_on_lines_are_counted_as_the_rule_has_them() {
+    let field = patch(Kind::Elaphe, 12.0);
+    let shading = Shading { basis: Basis::Optimal, ..shading(65.0, 1e-2) }.for_pictures();
+    with_device(|device| {
+        let layers = layers(device, &field, &shading);
+        let combs = Combs::of(&layers, &shading);
+        let cost = |u: f32, v: f32| {
+            let light = [u, v, (1.0 - u * u - v * v).sqrt(), 1.0];
+            let seen = Directions { light: vec![light], view: vec![[0.0, 0.0, 1.0, 1.0]] };
+            Cost::of(&layers, &combs, &[seen])
+        };
+        // L is 2 sqrt(2 ln(1/(0.7 level))) sigma = 103 um, and the eye sees 1.2 per micron of wavenumbers; a node more at both ends.
+        let along = cost(0.6, 0.1);
+        assert!((75..=84).contains(&along.wavelengths), "{along:?}");
+        assert_eq!(along.samples, along.wavelengths * layers.pairs());
+        assert_eq!(cost(0.1, 0.6).wavelengths, along.wavelengths);
+        assert_eq!(cost(0.6, 0.5).wavelengths, along.wavelengths);
+        // In the centre the comb does it.
+        let rule = Rule::gaussian(&shading.illuminant, layers.sigma, shading.quadrature());
+        let near = cost(0.05, 0.03);
+        assert!(near.wavelengths >= rule.count(0.0) && near.wavelengths < rule.count(0.2), "{near:?}");
+    });
+}
