@@ -1,6 +1,7 @@
 //! What a frame does, counted: the same loops as `shaders/diffraction.glsl`, in f64.
 
 use crate::optics::geometry::Pair;
+use crate::optics::orders::{Colours, Repeats};
 use crate::precompute::Layers;
 use crate::render::color_table::{Filter, Grid};
 use crate::render::picture::Directions;
@@ -32,6 +33,14 @@ impl Cost {
 
     /// Counts a frame that shades `directions` (one entry per light) from `layers` and `combs`.
     pub fn of(layers: &Layers, combs: &Combs, directions: &[Directions]) -> Self {
+        Self::counted(directions, |pair| {
+            let nodes = combs.nodes_at(pair.uvw().truncate().length());
+            of_wavenumbers(layers, pair, nodes.iter().map(|node| f64::from(node[3])))
+        })
+    }
+
+    /// Counts what `of_pair` says of each pair of directions above the horizon: wavelengths and samples.
+    fn counted(directions: &[Directions], of_pair: impl Fn(&Pair) -> (usize, usize)) -> Self {
         let mut cost = Self::default();
         for (index, seen) in directions.iter().enumerate() {
             for (light, view) in seen.light.iter().zip(&seen.view) {
@@ -40,12 +49,29 @@ impl Cost {
                 }
                 cost.covered += usize::from(index == 0);
                 let vector = |v: &[f32; 4]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
-                let (wavelengths, samples) = of_pair(layers, combs, &Pair::new(vector(light), vector(view)));
+                let pair = Pair::new(vector(light), vector(view));
+                let (wavelengths, samples) = if pair.above_horizon() { of_pair(&pair) } else { (0, 0) };
                 cost.wavelengths += wavelengths;
                 cost.samples += samples;
             }
         }
         cost
+    }
+}
+
+impl Cost {
+    /// Counts a frame that shades `directions` (one entry per light) from `layers` of one period through `repeats`, against
+    /// `colours` at a relative error of `tolerance`.
+    pub fn of_repeats(
+        layers: &Layers,
+        (repeats, colours, tolerance): (&Repeats, &Colours, f64),
+        directions: &[Directions],
+    ) -> Self {
+        Self::counted(directions, |pair| {
+            let uv = pair.uvw().truncate();
+            let sampling = repeats.sampling(uv, colours.lag, tolerance);
+            of_wavenumbers(layers, pair, sampling.wavenumbers())
+        })
     }
 }
 
@@ -84,20 +110,13 @@ impl Cost {
     }
 }
 
-/// Wavelengths and samples of one pair of directions.
-fn of_pair(layers: &Layers, combs: &Combs, pair: &Pair) -> (usize, usize) {
-    if !pair.above_horizon() {
-        return (0, 0);
-    }
+/// Wavelengths and samples of `pair` over `wavenumbers`, which grow.
+fn of_wavenumbers(layers: &Layers, pair: &Pair, wavenumbers: impl Iterator<Item = f64>) -> (usize, usize) {
     let uvw = pair.uvw();
-    let nodes = combs.nodes_at(uvw.truncate().length());
     let in_band = |q: f64| (uvw.x * q).abs() <= layers.band[0] && (uvw.y * q).abs() <= layers.band[1];
     let per_read = layers.interpolation.samples() as usize;
-    nodes.iter().map(|node| f64::from(node[3])).take_while(|&q| in_band(q)).fold(
-        (0, 0),
-        |(count, samples), q| {
-            let pairs = layers.pairs_at(2.0 * PI * q * -uvw.z);
-            (count + 1, samples + pairs * per_read)
-        },
-    )
+    wavenumbers.take_while(|&q| in_band(q)).fold((0, 0), |(count, samples), q| {
+        let pairs = layers.pairs_at(2.0 * PI * q * -uvw.z);
+        (count + 1, samples + pairs * per_read)
+    })
 }

@@ -102,6 +102,20 @@ pub fn specialization(layers: &Layers) -> [u32; 7] {
     ]
 }
 
+/// What `shaders/repeats.glsl` takes as push constants.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct CopiesBlock {
+    /// Copies of the patch along x and y.
+    pub count: [f32; 2],
+    /// T_x, T_y \[µm\].
+    pub period: [f32; 2],
+    /// Lag beyond which the colour functions have little \[µm\].
+    pub colour_lag: f32,
+    /// Relative error of the sum over wavelengths.
+    pub tolerance: f32,
+}
+
 /// The `Table` block (std140).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

@@ -2,7 +2,8 @@
 
 use super::color_table::{ColorTable, Filter, grid::LEVELS, pyramid::in_layers};
 use super::interface::{
-    FrameBlock, OpticsBlock, TableBlock, binding, optics_bindings, specialization, table_specialization,
+    CopiesBlock, FrameBlock, OpticsBlock, TableBlock, binding, optics_bindings, specialization,
+    table_specialization,
 };
 use super::shading::Shading;
 use super::tables::{Combs, Table};
@@ -11,6 +12,7 @@ use super::upload;
 use crate::error::{Error, Result};
 use crate::input;
 use crate::optics::brdf::schlick;
+use crate::optics::orders::{Colours, Repeats};
 use crate::precompute::Layers;
 use crate::scene::MAX_LIGHTS;
 use crate::vk::buffer::Buffer;
@@ -86,6 +88,8 @@ fn no_pigment(cause: &dyn std::fmt::Display) -> Error {
 pub enum Optics<'a> {
     /// Layers, whose spectrum is summed for every pixel.
     Layers(&'a Layers),
+    /// Layers of one period, which repeats so many times.
+    Repeats(&'a Layers, Repeats),
     /// A colour table, and how a picture reads it.
     Table(&'a ColorTable, Filter),
 }
@@ -134,6 +138,8 @@ pub struct Resources {
     pub specialization: Vec<u32>,
     /// What the shaders read.
     pub reads: Reads,
+    /// How the patch repeats, where the layers are of one period.
+    pub copies: Option<CopiesBlock>,
     // Held for the descriptor set; fields go in order, so it goes first.
     _images: Vec<Image>,
     edge: Sampler,
@@ -153,18 +159,35 @@ impl Resources {
         pigment: &Pigment,
     ) -> Result<Self> {
         match optics.into() {
-            Optics::Layers(layers) => Self::of_layers(device, layers, shading, pigment),
+            Optics::Layers(layers) => {
+                let tolerance = shading.quadrature();
+                let combs = Combs::new(&shading.illuminant, layers.sigma, tolerance, shading.wavelengths);
+                Self::of_layers(device, (layers, layers.sigma), combs, shading, pigment)
+            }
+            Optics::Repeats(layers, repeats) => {
+                let tolerance = shading.quadrature();
+                let colours = Colours::new(&shading.illuminant, tolerance);
+                let block = CopiesBlock {
+                    count: repeats.copies.map(|n| n as f32),
+                    period: repeats.period.map(|x| x as f32),
+                    colour_lag: colours.lag as f32,
+                    tolerance: tolerance as f32,
+                };
+                let (optics, combs) = ((layers, repeats.sigma()), Combs::densities(&colours));
+                let resources = Self::of_layers(device, optics, combs, shading, pigment)?;
+                Ok(Self { copies: Some(block), ..resources })
+            }
             Optics::Table(table, filter) => Self::of_table(device, table, filter, shading, pigment),
         }
     }
 
     fn of_layers(
         device: &Arc<Device>,
-        layers: &Layers,
+        (layers, sigma): (&Layers, f64),
+        combs: Combs,
         shading: &Shading,
         pigment: &Pigment,
     ) -> Result<Self> {
-        let combs = Combs::new(&shading.illuminant, layers.sigma, shading.quadrature(), shading.wavelengths);
         let float = vk::Format::R32G32B32A32_SFLOAT;
         let table = |name, table: &Table| {
             texture(device, name, float, table.size, None, bytemuck::cast_slice(&table.values))
@@ -189,7 +212,7 @@ impl Resources {
         let specialization = specialization(layers).to_vec();
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
-        let optics = optics_block(layers, shading.ior);
+        let optics = OpticsBlock { sigma: sigma as f32, ..optics_block(layers, shading.ior) };
         let buffers = vec![
             upload::buffer(device, "optics", uniform, bytemuck::bytes_of(&optics))?,
             upload::buffer(device, "combs", storage, bytemuck::cast_slice(&combs.bins))?,
@@ -219,6 +242,7 @@ impl Resources {
             combs,
             specialization,
             reads: Reads::Layers,
+            copies: None,
             _images: images,
             edge,
             _samplers: vec![repeat],
@@ -314,6 +338,7 @@ impl Resources {
             combs: Combs::none(),
             specialization: table_specialization(grid, filter),
             reads: Reads::Table,
+            copies: None,
             _images: images,
             edge,
             _samplers: vec![repeat, levels],

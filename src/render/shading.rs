@@ -133,8 +133,8 @@ impl Shading {
     pub fn layer_settings(&self, shortest: f64, device: &Candidate) -> Result<Settings> {
         let Coherence::Gaussian { length } = self.coherence else {
             return Err(Error::usage(
-                "pictures by --method spectral do not do --coherence repeats",
-                "use --coherence gaussian:LENGTH or --method reference",
+                "a window is Gaussian, and --coherence repeats has none",
+                "use --coherence gaussian:LENGTH",
             ));
         };
         self.windowed_settings(length / 4.0, shortest, device)

@@ -1,6 +1,7 @@
 //! The small tables that the shaders read beside the layers, computed in f64.
 
 use super::interface::UV_BINS;
+use crate::optics::orders::Colours;
 use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
 use crate::optics::spectrum::Illuminant;
 
@@ -40,6 +41,13 @@ impl Combs {
             })
             .collect();
         Self { bins, nodes: table(&levels) }
+    }
+
+    /// The colour functions as a density over wavenumbers, in place of combs: wavelengths stand where the orders do.
+    pub fn densities(colours: &Colours) -> Self {
+        let values: Vec<[f32; 4]> =
+            colours.densities.iter().map(|d| d.as_vec3().extend(0.0).to_array()).collect();
+        Self { nodes: Table { size: [values.len(), 1], values }, ..Self::none() }
     }
 
     /// No wavelengths: their sum is made already.
