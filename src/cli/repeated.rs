@@ -23,18 +23,20 @@ pub struct Repeated {
 }
 
 impl Repeated {
-    /// `copies` of `field`, for wavelengths from `shortest` \[µm\].
+    /// `copies` of `field`, which begin `shift` \[µm\] from its edges, for wavelengths from `shortest` \[µm\].
     ///
     /// # Errors
     /// Where the device has no room.
     pub fn new(
         field: &HeightField,
         copies: [u32; 2],
+        shift: [f64; 2],
         shading: &Shading,
         shortest: f64,
         device: &Arc<Device>,
     ) -> Result<Self> {
-        let mut layers = prepare::windowed_layers(field, shading, f64::INFINITY, shortest, device)?;
+        let mut layers =
+            prepare::windowed_layers(&begun_at(field, shift), shading, f64::INFINITY, shortest, device)?;
         let repeats = Repeats { copies, period: field.patch_size() };
         layers.sigma = repeats.sigma();
         // Colours are summed here, so the device's own combs are the smallest there are.
@@ -96,4 +98,11 @@ impl Repeated {
         self.repeats.check(&sampling)?;
         Ok(self.repeats.terms(&sampling, uv, &self.colours))
     }
+}
+
+/// One period of the endless surface of `field` that begins `shift` \[µm\] from its edges: samples whose centres are before
+/// that come from the copy after the last.
+fn begun_at(field: &HeightField, shift: [f64; 2]) -> HeightField {
+    let [columns, rows] = [0, 1].map(|i| (shift[i] / field.pixel_size()[i] - 0.5).ceil().max(0.0) as usize);
+    field.moved(columns, rows)
 }

@@ -26,6 +26,8 @@ use std::f64::consts::PI;
 
 /// Entries of [`Colours`]: ten to each of the CIE tables', and as many as every device holds in a row.
 const COLOUR_ENTRIES: usize = 4096;
+/// The largest error that the colour functions are taken for.
+const COLOUR_TOLERANCE: f64 = 1e-2;
 /// Lag that all copies together have at least \[µm\]: less makes no phase at any wavelength that is seen.
 const LEAST_LAG: f64 = 1e-3;
 
@@ -42,7 +44,8 @@ impl Colours {
     /// Those of `illuminant`, for a relative error of the colour of `tolerance`.
     pub fn new(illuminant: &Illuminant, tolerance: f64) -> Self {
         let densities = density_table(illuminant, COLOUR_ENTRIES);
-        let lag = lag_of(&densities, tolerance);
+        // A dark direction is made of the faint lags as much as of the strong ones.
+        let lag = lag_of(&densities, tolerance.min(COLOUR_TOLERANCE));
         Self { densities, lag }
     }
 

@@ -138,3 +138,29 @@ fn colours_through_repeats_agree_with_the_reference_by_a_comb_and_at_the_orders(
         assert!(deviation(&ask("repeats:5x1", &[]), &reference) > 5e-2, "{copies}: another number");
     }
 }
+
+#[test]
+fn windows_are_averaged_one_after_another_by_layers() {
+    let sandbox = Sandbox::with_small_surface();
+    sandbox
+        .write("q.csv", "theta_i,phi_i,theta_r,phi_r\n20,0,20,180\n20,0,10,150\n20,0,35,170\n20,0,28,200\n");
+    let of = |more: &[&str]| -> Vec<f64> {
+        let setting = [&["--queries", "q.csv"][..], &SMALL[..6], more].concat();
+        let csv = sandbox.run2(&["eval"], &setting).done();
+        let row = |line: &str| line.split(',').skip(4).map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
+        csv.lines().skip(1).flat_map(row).collect()
+    };
+    let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let error =
+        |a: &[f64], b: &[f64]| norm(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>()) / norm(b);
+    for coherence in ["gaussian:4um", "repeats:3x2"] {
+        let with = |more: &[&str]| of(&[&["--coherence", coherence][..], more].concat());
+        let exact = with(&["--method", "reference", "--windows", "2x3"]);
+        let found = error(&with(&["--windows", "2x3"]), &exact);
+        assert!(found < 1e-2, "{coherence:?}: {found:e}");
+        for other in ["1x1", "3x2"] {
+            let wrong = error(&with(&["--windows", other]), &exact);
+            assert!(wrong > 2e-2, "{coherence:?}: {other} windows differ by {wrong:e} only");
+        }
+    }
+}

@@ -13,5 +13,6 @@ mod long_run;
 mod measure;
 mod picture;
 mod promise;
+mod repeats;
 mod table;
 mod viewer;
