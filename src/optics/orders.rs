@@ -335,7 +335,7 @@ mod tests {
         };
         assert_eq!(needed([100, 1], [0.8, 0.1], 15.0), needed([9000, 1], [0.8, 0.1], 15.0));
         assert!(needed([100, 50], [0.8, 0.1], 15.0) > 2.0 * needed([100, 1], [0.8, 0.1], 15.0));
-        assert!(needed([100, 1], [0.8, 0.1], 150.0) > 3.0 * needed([100, 1], [0.8, 0.1], 15.0));
+        assert!(needed([100, 1], [0.8, 0.1], 150.0) > 2.5 * needed([100, 1], [0.8, 0.1], 15.0));
         // In the mirror direction the colour functions alone are left.
         assert!((needed([9000, 9000], [0.0, 0.0], 15.0) - SPAN * 15.0).abs() < 1.0);
     }
