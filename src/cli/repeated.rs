@@ -2,6 +2,7 @@
 //! multiplied here in f64, where it is stable at the orders however sharp they are.
 
 use super::prepare;
+use super::spectral::check_wavelengths;
 use crate::error::Result;
 use crate::optics::orders::{Colours, Repeats};
 use crate::render::evaluator::{Evaluator, Query};
@@ -35,6 +36,7 @@ impl Repeated {
         shortest: f64,
         device: &Arc<Device>,
     ) -> Result<Self> {
+        check_wavelengths(shading)?;
         let mut layers =
             prepare::windowed_layers(&begun_at(field, shift), shading, f64::INFINITY, shortest, device)?;
         let repeats = Repeats { copies, period: field.patch_size() };

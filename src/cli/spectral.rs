@@ -22,6 +22,17 @@ pub struct Spectral {
     tolerance: f64,
 }
 
+/// Fails where wavelengths are named that repeats would not take.
+pub fn check_wavelengths(shading: &Shading) -> Result<()> {
+    if shading.wavelengths.is_none() {
+        return Ok(());
+    }
+    Err(Error::usage(
+        "--coherence repeats takes its wavelengths where the orders are",
+        "leave --wavelengths away, or use --coherence gaussian:LENGTH",
+    ))
+}
+
 impl Spectral {
     /// For `field` under `shading` on `device`: layers from the cache, or made with a progress bar.
     ///
@@ -33,12 +44,7 @@ impl Spectral {
             let layers = prepare::layers(field, shading, SHORTEST, device)?;
             return Ok(Self { layers, repeats: None, tolerance });
         };
-        if shading.wavelengths.is_some() {
-            return Err(Error::usage(
-                "--coherence repeats takes its wavelengths where the orders are",
-                "leave --wavelengths away, or use --coherence gaussian:LENGTH",
-            ));
-        }
+        check_wavelengths(shading)?;
         let layers = prepare::windowed_layers(field, shading, f64::INFINITY, SHORTEST, device)?;
         let repeats = Repeats { copies, period: field.patch_size() };
         let colours = Colours::new(&shading.illuminant, tolerance);

@@ -227,7 +227,7 @@ impl Repeats {
                 "the colour of one direction would take {count:.0} wavelengths through {n} × {m} repeats, the limit is \
                  {MAX_WAVELENGTHS}"
             ),
-            "ask for fewer --coherence repeats, or for single wavelengths",
+            "ask for fewer --coherence repeats; eval answers single wavelengths through any number",
         ))
     }
 
