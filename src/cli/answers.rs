@@ -1,7 +1,7 @@
 //! The BRDF for a list of directions, by whichever method is asked for.
 
 use super::options::Method;
-use super::prepare;
+use super::prepare::{self, Window};
 use super::repeated::Repeated;
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
@@ -22,6 +22,9 @@ pub const WAVELENGTHS: (f64, f64) = (0.01, 100.0);
 /// Queries that are worth a submission of their own, and few enough for a progress bar to move and for memory to stay
 /// at a few megabytes.
 pub const AT_ONCE: usize = 16_384;
+
+/// Windows whose layers the cache keeps: more would fill a disk.
+const KEPT_WINDOWS: u32 = 16;
 
 /// A surface that is ready to be asked.
 pub struct Answers<'a> {
@@ -49,6 +52,18 @@ impl<'a> Answers<'a> {
         shading: &'a Shading,
         shortest: f64,
     ) -> Result<Self> {
+        Self::prepare_at(method, wish, field, shading, Window::CENTRE, shortest)
+    }
+
+    /// The same; layers are those of `window`.
+    fn prepare_at(
+        method: Method,
+        wish: &Wish,
+        field: &'a HeightField,
+        shading: &'a Shading,
+        window: Window,
+        shortest: f64,
+    ) -> Result<Self> {
         let by = match method {
             Method::Reference => {
                 prepare::warn_of_coarse_samples(field, shortest);
@@ -57,14 +72,14 @@ impl<'a> Answers<'a> {
             Method::Spectral => {
                 let device = prepare::device(wish)?;
                 if let Coherence::Repeats(copies) = shading.coherence {
-                    let repeated = Repeated::new(field, copies, shading, shortest, &device)?;
+                    let repeated = Repeated::new(field, copies, window.shift, shading, shortest, &device)?;
                     return Ok(Self {
                         by: By::Repeats(Box::new(repeated), device),
                         shading,
                         bar: prepare::progress_bar("directions"),
                     });
                 }
-                let layers = prepare::layers(field, shading, shortest, &device)?;
+                let layers = prepare::layers_at(field, shading, window, shortest, &device)?;
                 By::Layers(Box::new(Evaluator::new(&device, &layers, shading)?), device)
             }
             Method::Table => {
@@ -130,6 +145,34 @@ impl<'a> Answers<'a> {
             }
         }
     }
+}
+
+/// Lets `ask` have the answers of `field` under `shading` to `count` queries, once, or, where the method does one window at a
+/// time, once for each window, and tells it the share of these answers in the mean.
+///
+/// # Errors
+/// As [`Answers::prepare`], and what `ask` returns.
+pub fn over_windows(
+    (method, wish): (Method, &Wish),
+    field: &HeightField,
+    shading: &Shading,
+    (shortest, count): (f64, usize),
+    mut ask: impl FnMut(&mut Answers, f64) -> Result<()>,
+) -> Result<()> {
+    // The others average by themselves.
+    let [n, m] = if method == Method::Spectral { shading.windows } else { [1, 1] };
+    let one = Shading { windows: [1, 1], ..shading.clone() };
+    let shading = if method == Method::Spectral { &one } else { shading };
+    let patch = field.patch_size();
+    for (i, j) in (0..m).flat_map(|j| (0..n).map(move |i| (i, j))) {
+        let shift = [f64::from(i) / f64::from(n) * patch[0], f64::from(j) / f64::from(m) * patch[1]];
+        let window = Window { shift, kept: n * m <= KEPT_WINDOWS };
+        let mut answers = Answers::prepare_at(method, wish, field, shading, window, shortest)?;
+        answers.announce(count);
+        ask(&mut answers, 1.0 / (f64::from(n) * f64::from(m)))?;
+        answers.finish()?;
+    }
+    Ok(())
 }
 
 fn summed(reference: &Reference, shading: &Shading, query: &Query) -> Result<DVec3> {

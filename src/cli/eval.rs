@@ -1,6 +1,6 @@
 //! `diffract eval`: BRDF numbers for the directions of a CSV file.
 
-use super::answers::{Answers, WAVELENGTHS, check_single_wavelengths, shortest};
+use super::answers::{WAVELENGTHS, check_single_wavelengths, over_windows, shortest};
 use super::options::{ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
 use super::write;
 use crate::error::{Error, Result};
@@ -57,16 +57,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         check_single_wavelengths(arguments.optics.method)?;
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
-    let mut answers = Answers::prepare(
-        arguments.optics.method,
-        &arguments.device.wish(),
-        &field,
-        &shading,
-        shortest(&table.queries),
-    )?;
-    answers.announce(table.queries.len());
-    let values = answers.brdf(&table.queries)?;
-    answers.finish()?;
+    let mut values = vec![DVec3::ZERO; table.queries.len()];
+    let by = (arguments.optics.method, &arguments.device.wish());
+    let asked = (shortest(&table.queries), table.queries.len());
+    over_windows(by, &field, &shading, asked, |answers, share| {
+        let of_window = answers.brdf(&table.queries)?;
+        values.iter_mut().zip(of_window).for_each(|(sum, f)| *sum += f * share);
+        Ok(())
+    })?;
     write::text(arguments.output.as_deref(), &table.answered(&values))
 }
 

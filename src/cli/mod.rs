@@ -11,6 +11,7 @@ mod profile;
 mod range;
 mod render;
 mod repeated;
+mod spectral;
 mod stage;
 mod surface;
 mod trade;

@@ -112,10 +112,10 @@ pub struct OpticsOptions {
     /// Terms of the expansion, instead of what the tolerance asks for
     #[arg(long, value_name = "N", value_parser = terms, allow_hyphen_values = true)]
     pub terms: Option<usize>,
-    /// What surrounds the patch: gaussian:LENGTH or repeats:NxM
+    /// What surrounds the patch: gaussian:LENGTH, or repeats:NxM copies of it and nothing else (not --method table)
     #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
     pub coherence: Coherence,
-    /// Window centres to average over
+    /// Window centres to average over (not in pictures by --method spectral)
     #[arg(long, value_name = "NxM", value_parser = windows, allow_hyphen_values = true, default_value = "1x1")]
     pub windows: [u32; 2],
     /// Refractive index of the surface

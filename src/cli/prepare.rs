@@ -3,7 +3,7 @@
 use super::{check_validation, say, validation};
 use crate::error::Result;
 use crate::optics::spectrum::SHORTEST;
-use crate::precompute::{Layers, Settings, cache};
+use crate::precompute::{Layers, Settings, cache, compute_at};
 use crate::render::color_table::{self, ColorTable};
 use crate::render::shading::Shading;
 use crate::surface::HeightField;
@@ -25,7 +25,32 @@ pub fn finish(device: &Device) -> Result<()> {
 
 /// Layers of `field` for wavelengths from `shortest` \[µm\] on `device`.
 pub fn layers(field: &HeightField, shading: &Shading, shortest: f64, device: &Device) -> Result<Layers> {
-    layers_for(field, &shading.layer_settings(shortest, device.candidate())?)
+    layers_at(field, shading, Window::CENTRE, shortest, device)
+}
+
+/// Where a window stands.
+#[derive(Clone, Copy)]
+pub struct Window {
+    /// Its centre from that of the patch \[µm\].
+    pub shift: [f64; 2],
+    /// Whether its layers are worth a place in the cache.
+    pub kept: bool,
+}
+
+impl Window {
+    /// The one that most commands mean.
+    pub const CENTRE: Self = Self { shift: [0.0; 2], kept: true };
+}
+
+/// The layers of `window`.
+pub fn layers_at(
+    field: &HeightField,
+    shading: &Shading,
+    window: Window,
+    shortest: f64,
+    device: &Device,
+) -> Result<Layers> {
+    layers_for(field, &shading.layer_settings(shortest, device.candidate())?, window)
 }
 
 /// Layers of `field` under a Gaussian of standard deviation `sigma` \[µm\], or, where that is infinite, of one period alone.
@@ -36,17 +61,22 @@ pub fn windowed_layers(
     shortest: f64,
     device: &Device,
 ) -> Result<Layers> {
-    layers_for(field, &shading.windowed_settings(sigma, shortest, device.candidate())?)
+    layers_for(field, &shading.windowed_settings(sigma, shortest, device.candidate())?, Window::CENTRE)
 }
 
-fn layers_for(field: &HeightField, settings: &Settings) -> Result<Layers> {
+fn layers_for(field: &HeightField, settings: &Settings, window: Window) -> Result<Layers> {
     warn_of_coarse_samples(field, settings.shortest_wavelength);
     let bar = progress_bar("spectra");
-    let (layers, not_kept) = cache::obtain(field, settings, &|done, of| {
+    let progress = |done: usize, of: usize| {
         bar.set_length(of as u64);
         bar.set_position(done as u64);
         Ok(())
-    })?;
+    };
+    let (layers, not_kept) = if window.kept {
+        cache::obtain_at(field, settings, window.shift, &progress)?
+    } else {
+        (compute_at(field, settings, window.shift, &progress)?, None)
+    };
     bar.finish_and_clear();
     if let Some(error) = not_kept {
         say(&format_args!("the spectra are not kept for next time: {error}"));

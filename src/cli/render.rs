@@ -4,6 +4,7 @@ use super::options::{
     ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions,
     check_lights, sample_pixels,
 };
+use super::spectral::Spectral;
 use super::{prepare, write};
 use crate::error::{Error, Result};
 use crate::measure::error;
@@ -11,7 +12,7 @@ use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::Layers;
 use crate::render::frame::View;
-use crate::render::picture::{Painter, Picture};
+use crate::render::picture::{Directions, Painter, Picture};
 use crate::render::reference_picture::{self, displayed, reference_pixels};
 use crate::render::resources::{Optics, Pigment};
 use crate::render::shading::Shading;
@@ -91,7 +92,14 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
         Painter::new(&device, optics, shading, &scene.mesh, &pigment, size, lights)
     };
     let mut painter = match arguments.optics.method {
-        Method::Spectral => paint((&prepare::layers(field, shading, SHORTEST, &device)?).into()),
+        Method::Spectral => {
+            let spectral = Spectral::prepare(field, shading, &device)?;
+            let mut painter = paint(spectral.optics())?;
+            if spectral.repeats() {
+                spectral.check(&directions_of(&mut painter, &view)?)?;
+            }
+            Ok(painter)
+        }
         Method::Table => {
             let table = prepare::color_table(field, shading, &device)?;
             paint(Optics::Table(&table, arguments.filter.filter))
@@ -118,6 +126,11 @@ fn directions_only(device: &Device) -> Result<Layers> {
     prepare::layers(&flat, &shading, SHORTEST, device)
 }
 
+/// The directions that each light of `view` comes from.
+fn directions_of(painter: &mut Painter, view: &View) -> Result<Vec<Directions>> {
+    (0..view.lights.len()).map(|light| painter.directions(view, light)).collect()
+}
+
 fn reference_radiance(
     painter: &mut Painter,
     view: &View,
@@ -126,8 +139,7 @@ fn reference_radiance(
     samples: Option<usize>,
 ) -> Result<Vec<[f32; 4]>> {
     prepare::warn_of_coarse_samples(field, SHORTEST);
-    let directions =
-        (0..view.lights.len()).map(|light| painter.directions(view, light)).collect::<Result<Vec<_>>>()?;
+    let directions = directions_of(painter, view)?;
     let mut pixels = reference_picture::covered(&directions);
     if let Some(count) = samples {
         pixels = error::sample(&pixels, count);

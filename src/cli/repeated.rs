@@ -2,23 +2,16 @@
 //! multiplied here in f64, where it is stable at the orders however sharp they are.
 
 use super::prepare;
-use crate::error::{Error, Result};
-use crate::optics::orders::{Repeats, Sampling};
-use crate::optics::quadrature::{Ladder, Nodes};
-use crate::optics::spectrum::Illuminant;
+use super::spectral::check_wavelengths;
+use crate::error::Result;
+use crate::optics::orders::{Colours, Repeats};
 use crate::render::evaluator::{Evaluator, Query};
 use crate::render::shading::Shading;
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use glam::DVec3;
-use std::collections::BTreeMap;
-use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Part of the tolerance that the sum over wavelengths may take, as with a Gaussian window.
-const QUADRATURE_SHARE: f64 = 0.6;
-/// Most wavelengths for one colour.
-const MAX_NODES: usize = 20_000;
 /// Responses of one period that are asked for at once.
 const AT_ONCE: usize = 16_384;
 
@@ -26,37 +19,35 @@ const AT_ONCE: usize = 16_384;
 pub struct Repeated {
     evaluator: Evaluator,
     repeats: Repeats,
-    illuminant: Illuminant,
+    colours: Colours,
     tolerance: f64,
-    /// Combs by their number of nodes.
-    combs: BTreeMap<usize, Nodes>,
 }
 
 impl Repeated {
-    /// `copies` of `field`, for wavelengths from `shortest` \[µm\].
+    /// `copies` of `field`, which begin `shift` \[µm\] from its edges, for wavelengths from `shortest` \[µm\].
     ///
     /// # Errors
     /// Where the device has no room.
     pub fn new(
         field: &HeightField,
         copies: [u32; 2],
+        shift: [f64; 2],
         shading: &Shading,
         shortest: f64,
         device: &Arc<Device>,
     ) -> Result<Self> {
-        let mut layers = prepare::windowed_layers(field, shading, f64::INFINITY, shortest, device)?;
+        check_wavelengths(shading)?;
+        let mut layers =
+            prepare::windowed_layers(&begun_at(field, shift), shading, f64::INFINITY, shortest, device)?;
         let repeats = Repeats { copies, period: field.patch_size() };
-        // What a window's σ stands for in the shader is 4πσ² = |peak|²/A: (n m T_x T_y)² over A = n m T_x T_y.
-        let [n, m] = copies.map(f64::from);
-        layers.sigma = (n * m * repeats.period[0] * repeats.period[1] / (4.0 * PI)).sqrt();
+        layers.sigma = repeats.sigma();
         // Colours are summed here, so the device's own combs are the smallest there are.
         let single = Shading { wavelengths: Some(4), ..shading.clone() };
         Ok(Self {
             evaluator: Evaluator::new(device, &layers, &single)?,
             repeats,
-            illuminant: shading.illuminant.clone(),
-            tolerance: shading.tolerance * QUADRATURE_SHARE,
-            combs: BTreeMap::new(),
+            colours: Colours::new(&shading.illuminant, shading.quadrature()),
+            tolerance: shading.quadrature(),
         })
     }
 
@@ -96,7 +87,7 @@ impl Repeated {
     }
 
     /// Wavenumbers \[µm⁻¹\] and weights whose responses make up the answer to `query`.
-    fn terms(&mut self, query: &Query) -> Result<Vec<(f64, DVec3)>> {
+    fn terms(&self, query: &Query) -> Result<Vec<(f64, DVec3)>> {
         if !query.pair.above_horizon() {
             return Ok(Vec::new());
         }
@@ -105,24 +96,15 @@ impl Repeated {
             let q = 1.0 / wavelength;
             return Ok(vec![(q, DVec3::splat(self.repeats.factor(uv * q)))]);
         }
-        match self.repeats.sampling(uv, self.tolerance) {
-            Sampling::Orders(axis) => Ok(self.repeats.orders(axis, uv, &self.illuminant)),
-            Sampling::Comb(needed) => {
-                if needed > MAX_NODES {
-                    return Err(Error::failed(
-                        format!(
-                            "the colour of one direction would take {needed} wavelengths at these repeats"
-                        ),
-                        "ask for single wavelengths, or for fewer repeats",
-                    ));
-                }
-                // Rounded up to a ladder of counts, so that few combs are ever made.
-                let step = (needed as f64).ln() / Ladder::RATIO.ln();
-                let count = Ladder::RATIO.powf(step.ceil()).ceil() as usize;
-                let illuminant = &self.illuminant;
-                let comb = self.combs.entry(count).or_insert_with(|| Nodes::catmull_rom(illuminant, count));
-                Ok(self.repeats.comb(comb, uv))
-            }
-        }
+        let sampling = self.repeats.sampling(uv, self.colours.lag, self.tolerance);
+        self.repeats.check(&sampling)?;
+        Ok(self.repeats.terms(&sampling, uv, &self.colours))
     }
+}
+
+/// One period of the endless surface of `field` that begins `shift` \[µm\] from its edges: samples whose centres are before
+/// that come from the copy after the last.
+fn begun_at(field: &HeightField, shift: [f64; 2]) -> HeightField {
+    let [columns, rows] = [0, 1].map(|i| (shift[i] / field.pixel_size()[i] - 0.5).ceil().max(0.0) as usize);
+    field.moved(columns, rows)
 }

@@ -3,11 +3,11 @@
 use super::options::{Method, lights_of};
 use super::prepare;
 use super::profile::Arguments;
+use super::spectral::Spectral;
 use crate::error::{Error, Result};
 use crate::measure::budget::Budget;
 use crate::measure::cost::Cost;
 use crate::measure::error::{self, PixelErrors};
-use crate::optics::spectrum::SHORTEST;
 use crate::render::color_table::Filter;
 use crate::render::frame::View;
 use crate::render::picture::{Directions, Painter, Picture};
@@ -97,13 +97,15 @@ impl Stage {
             };
             return Ok((painter, setting, cost, directions));
         }
-        let layers = prepare::layers(&self.field, shading, SHORTEST, &self.device)?;
-        let mut painter = Painter::new(&self.device, &layers, shading, mesh, &pigment, self.size, lights)?;
+        let spectral = Spectral::prepare(&self.field, shading, &self.device)?;
+        let (optics, layers) = (spectral.optics(), &spectral.layers);
+        let mut painter = Painter::new(&self.device, optics, shading, mesh, &pigment, self.size, lights)?;
         let directions = directions(&mut painter)?;
-        let cost = Cost::of(&layers, painter.combs(), &directions);
+        spectral.check(&directions)?;
+        let cost = spectral.cost(&painter, &directions);
         let kernel = layers.interpolation.name();
         let (terms, pairs) = (layers.terms, layers.pairs());
-        let budget = Budget::of_layers(&layers, shading);
+        let budget = Budget::of_layers(layers, shading);
         let setting = Setting { method: "spectral", terms, layers: pairs, kernel, budget };
         Ok((painter, setting, cost, directions))
     }

@@ -81,13 +81,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let shading = arguments.optics.shading(&arguments.colour)?.for_pictures();
     let Coherence::Gaussian { length } = shading.coherence else {
         return Err(Error::usage(
-            "a window does not do --coherence repeats yet",
-            "use --coherence gaussian:LENGTH, or `diffract eval --method reference`",
+            "the window does not do --coherence repeats",
+            "use --coherence gaussian:LENGTH, or `diffract render`",
         ));
     };
     if shading.windows != [1, 1] && method == Reads::Layers {
         return Err(Error::usage(
-            "--method spectral does one window only",
+            "pictures by --method spectral do one window only",
             "leave --windows away, or use --method table",
         ));
     }

@@ -1,6 +1,7 @@
 //! What a frame does, counted: the same loops as `shaders/diffraction.glsl`, in f64.
 
 use crate::optics::geometry::Pair;
+use crate::optics::orders::{Colours, Repeats};
 use crate::precompute::Layers;
 use crate::render::color_table::{Filter, Grid};
 use crate::render::picture::Directions;
@@ -32,6 +33,23 @@ impl Cost {
 
     /// Counts a frame that shades `directions` (one entry per light) from `layers` and `combs`.
     pub fn of(layers: &Layers, combs: &Combs, directions: &[Directions]) -> Self {
+        Self::counted(directions, |pair| {
+            let along = pair.uvw().truncate().abs();
+            if let (Some(lines), Some(sliding)) = (&layers.lines, &combs.sliding)
+                && along.max_element() >= lines.from
+            {
+                let set = usize::from(along.y > along.x);
+                let per = along[set] * lines.across[set];
+                let numbers = sliding.nodes(per, largest_wavenumber(layers, pair));
+                return of_wavenumbers(layers, pair, 1, numbers.map(|m| m as f64 / per));
+            }
+            let nodes = combs.nodes_at(along.length()).iter().map(|node| f64::from(node[3]));
+            of_wavenumbers(layers, pair, layers.interpolation.samples() as usize, nodes)
+        })
+    }
+
+    /// Counts what `of_pair` says of each pair of directions above the horizon: wavelengths and samples.
+    fn counted(directions: &[Directions], of_pair: impl Fn(&Pair) -> (usize, usize)) -> Self {
         let mut cost = Self::default();
         for (index, seen) in directions.iter().enumerate() {
             for (light, view) in seen.light.iter().zip(&seen.view) {
@@ -40,12 +58,30 @@ impl Cost {
                 }
                 cost.covered += usize::from(index == 0);
                 let vector = |v: &[f32; 4]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
-                let (wavelengths, samples) = of_pair(layers, combs, &Pair::new(vector(light), vector(view)));
+                let pair = Pair::new(vector(light), vector(view));
+                let (wavelengths, samples) = if pair.above_horizon() { of_pair(&pair) } else { (0, 0) };
                 cost.wavelengths += wavelengths;
                 cost.samples += samples;
             }
         }
         cost
+    }
+}
+
+impl Cost {
+    /// Counts a frame that shades `directions` (one entry per light) from `layers` of one period through `repeats`, against
+    /// `colours` at a relative error of `tolerance`.
+    pub fn of_repeats(
+        layers: &Layers,
+        (repeats, colours, tolerance): (&Repeats, &Colours, f64),
+        directions: &[Directions],
+    ) -> Self {
+        Self::counted(directions, |pair| {
+            let uv = pair.uvw().truncate();
+            let sampling = repeats.sampling(uv, colours.lag, tolerance);
+            let per_read = layers.interpolation.samples() as usize;
+            of_wavenumbers(layers, pair, per_read, sampling.wavenumbers())
+        })
     }
 }
 
@@ -84,27 +120,22 @@ impl Cost {
     }
 }
 
-/// Wavelengths and samples of one pair of directions.
-fn of_pair(layers: &Layers, combs: &Combs, pair: &Pair) -> (usize, usize) {
-    if !pair.above_horizon() {
-        return (0, 0);
-    }
+/// Wavelengths and samples of `pair` over `wavenumbers`, which grow, at `per_read` samples a pair of terms.
+fn of_wavenumbers(
+    layers: &Layers,
+    pair: &Pair,
+    per_read: usize,
+    wavenumbers: impl Iterator<Item = f64>,
+) -> (usize, usize) {
     let uvw = pair.uvw();
-    let along = uvw.truncate().abs();
-    let largest = (layers.band[0] / along.x.max(1e-9)).min(layers.band[1] / along.y.max(1e-9));
-    let pairs_at = |q: f64| layers.pairs_at(2.0 * PI * q * -uvw.z);
-    if let (Some(lines), Some(sliding)) = (&layers.lines, &combs.sliding)
-        && along.max_element() >= lines.from
-    {
-        let per = if along.y > along.x { along.y * lines.across[1] } else { along.x * lines.across[0] };
-        let numbers = sliding.nodes(per, largest);
-        return numbers.fold((0, 0), |(count, samples), m| (count + 1, samples + pairs_at(m as f64 / per)));
-    }
-    let nodes = combs.nodes_at(along.length());
-    let per_read = layers.interpolation.samples() as usize;
-    nodes
-        .iter()
-        .map(|node| f64::from(node[3]))
-        .take_while(|&q| q <= largest)
-        .fold((0, 0), |(count, samples), q| (count + 1, samples + pairs_at(q) * per_read))
+    let largest = largest_wavenumber(layers, pair);
+    wavenumbers.take_while(|&q| q <= largest).fold((0, 0), |(count, samples), q| {
+        (count + 1, samples + layers.pairs_at(2.0 * PI * q * -uvw.z) * per_read)
+    })
+}
+
+/// The wavenumber at which `pair` leaves the band \[µm⁻¹\].
+fn largest_wavenumber(layers: &Layers, pair: &Pair) -> f64 {
+    let along = pair.uvw().truncate().abs();
+    (layers.band[0] / along.x.max(1e-9)).min(layers.band[1] / along.y.max(1e-9))
 }

@@ -1,25 +1,92 @@
-//! Colours through repeats: wavelengths at the orders instead of wavelengths that resolve them.
+//! Colours through repeats: which wavelengths to sum over, and what each stands for.
 //!
 //! Along the ray of a pair of directions the response of n copies is H(q) D²(q), with the response H of one period and
 //! D² = |S|²/n², S = Σ_{m<n} e^{2πimc}, c = q|u|T. With many copies D² is a row of needles at the orders c = j, each of
-//! area 1/n, and a comb that resolves them needs n|u|T nodes per unit of q. But |S|² = Σ_{|l|<n} (n − |l|) e^{2πilc}, so
+//! area 1/n, and a comb that resolves them would grow with n. But |S|² = Σ_{|l|<n} (n − |l|) e^{2πilc}, so
 //!
-//!   ∫ H D² dc = Σ_l (n − |l|)/n² Ĥ(l),   and   (1/n) Σ_j H(j) = (1/n) Σ_l Ĥ(l)   (Poisson's sum formula),
+//!   ∫ H D² dc = Σ_l (n − |l|)/n² Ĥ(l)
 //!
-//! where Ĥ(l) is H's transform at a lag of l periods. The two differ by Σ |l|/n² Ĥ(l): as little as the lags of H are
-//! short against n periods. One period holds no lag beyond 1, and nothing at 1; what has longer ones is the other axis'
-//! factor, m|v|T_y in µm of lag, and the colour functions.
+//! needs H's transform Ĥ at whole lags l only, and H has none beyond L periods: one of its own, m|v|T_y/(|u|T_x) from the
+//! other axis' factor, a few from the colour functions. Where L ≤ n, weights that repeat every period do exactly that. At
+//! c = j + r/M with an even M ≥ 2L they are the discrete transform of (n − |l|)/n² over |l| ≤ M/2:
+//!
+//!   1/n − M/4n² at the orders (r = 0),   1/(M n² sin²(πr/M)) at odd r,   0 at even r.
+//!
+//! So a period takes 1 + M/2 wavelengths however many copies there are. Where n is much larger than L, the orders alone do
+//! (Poisson's sum formula); where it is smaller, every r/M under D² itself, with M ≥ n + L − 1.
 
 use super::coherence::periodic_factor;
-use super::quadrature::{Nodes, SPAN, density};
+use super::quadrature::{SPAN, density_table};
 use super::spectrum::{Illuminant, LONGEST, SHORTEST};
+use crate::error::{Error, Result};
 use glam::{DVec2, DVec3};
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Lags of the colour functions \[µm\]: twelve nodes over the span resolve them, and the jagged daylight twice as many.
-const COLOUR_LAG: f64 = 24.0 / SPAN;
-/// Nodes of a comb beyond what the lags ask for: the colour functions' own.
-const BASE: f64 = 24.0;
+/// Entries of [`Colours`]: ten to each of the CIE tables', and as many as every device holds in a row.
+const COLOUR_ENTRIES: usize = 4096;
+/// The largest error that the colour functions are taken for.
+const COLOUR_TOLERANCE: f64 = 1e-2;
+/// Lag that all copies together have at least \[µm\]: less makes no phase at any wavelength that is seen.
+const LEAST_LAG: f64 = 1e-3;
+
+/// The colour functions as a density over wavenumbers, and how fast they vary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Colours {
+    /// XYZ per unit of wavenumber \[µm\] at equal steps from 1/780 nm to 1/380 nm, ends included.
+    pub densities: Vec<DVec3>,
+    /// Lag beyond which they have little \[µm\].
+    pub lag: f64,
+}
+
+impl Colours {
+    /// Those of `illuminant`, for a relative error of the colour of `tolerance`.
+    pub fn new(illuminant: &Illuminant, tolerance: f64) -> Self {
+        let densities = density_table(illuminant, COLOUR_ENTRIES);
+        // A dark direction is made of the faint lags as much as of the strong ones.
+        let lag = lag_of(&densities, tolerance.min(COLOUR_TOLERANCE));
+        Self { densities, lag }
+    }
+
+    /// The density at `q` \[µm⁻¹\] \[µm\]; 0 outside the visible range.
+    pub fn at(&self, q: f64) -> DVec3 {
+        let last = self.densities.len() - 1;
+        let place = (q - 1.0 / LONGEST) / SPAN * last as f64;
+        if !(0.0..=last as f64).contains(&place) {
+            return DVec3::ZERO;
+        }
+        let left = (place as usize).min(last - 1);
+        self.densities[left].lerp(self.densities[left + 1], place - left as f64)
+    }
+}
+
+/// The lag \[µm\] beyond which the transform of `densities` has less than the part `tolerance` of its amplitude (root of
+/// energies): spikes of a lamp vary faster than daylight.
+fn lag_of(densities: &[DVec3], tolerance: f64) -> f64 {
+    /// Zeros behind the colour functions make lags finer than one period of the visible range.
+    const PADDING: usize = 4;
+    let size = PADDING * densities.len();
+    let transform = FftPlanner::new().plan_fft_forward(size);
+    let mut energies = vec![0.0; size / 2];
+    for component in 0..3 {
+        let mut line: Vec<Complex64> = densities.iter().map(|d| Complex64::from(d[component])).collect();
+        line.resize(size, Complex64::ZERO);
+        transform.process(&mut line);
+        energies.iter_mut().zip(&line).for_each(|(e, c)| *e += c.norm_sqr());
+    }
+    let allowed = energies.iter().sum::<f64>() * tolerance.powi(2);
+    let mut beyond = 0.0;
+    let kept = energies.iter().rposition(|e| {
+        beyond += e;
+        beyond > allowed
+    });
+    let step = SPAN / (densities.len() - 1) as f64;
+    (kept.unwrap_or(0) + 1) as f64 / (size as f64 * step)
+}
+
+/// Most wavelengths that a colour may take.
+const MAX_WAVELENGTHS: f64 = 20_000.0;
 
 /// Exactly `copies` periods of a patch of sides `period` \[µm\].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,16 +97,90 @@ pub struct Repeats {
     pub period: [f64; 2],
 }
 
-/// Where along a ray to ask for the response of one period.
+/// Where within each period along a ray to ask for the response of one patch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pattern {
+    /// At the order alone.
+    Orders,
+    /// At the order and at odd parts of an even number of them, at most 2n.
+    Tails(u64),
+    /// At every one of this number of parts.
+    Every(u64),
+}
+
+impl Pattern {
+    /// Wavelengths of a period.
+    pub fn per_period(self) -> u64 {
+        match self {
+            Self::Orders => 1,
+            Self::Tails(parts) => 1 + parts / 2,
+            Self::Every(parts) => parts,
+        }
+    }
+
+    /// Where within a period number `index` stands, as a share of it.
+    fn share(self, index: u64) -> f64 {
+        match self {
+            Self::Orders => 0.0,
+            Self::Tails(_) if index == 0 => 0.0,
+            Self::Tails(parts) => (2 * index - 1) as f64 / parts as f64,
+            Self::Every(parts) => index as f64 / parts as f64,
+        }
+    }
+
+    /// Number of the first wavelength at `periods` or beyond.
+    fn first_from(self, periods: f64) -> u64 {
+        let rest = periods - periods.floor();
+        let within = match self {
+            Self::Orders => rest.ceil(),
+            Self::Tails(_) if rest == 0.0 => 0.0,
+            Self::Tails(parts) => ((rest * parts as f64 + 1.0) / 2.0).ceil(),
+            Self::Every(parts) => (rest * parts as f64).ceil(),
+        };
+        periods as u64 * self.per_period() + within as u64
+    }
+}
+
+/// How to integrate over the wavelengths along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Sampling {
-    /// A comb of this many nodes, which resolves every lag.
-    Comb(usize),
-    /// The orders of this axis.
-    Orders(usize),
+pub struct Sampling {
+    /// The axis whose periods are counted.
+    pub axis: usize,
+    /// Periods that the ray crosses per wavenumber: |u| T_x or |v| T_y \[µm\].
+    pub periods: f64,
+    /// What to take of each.
+    pub pattern: Pattern,
+}
+
+impl Sampling {
+    /// Wavelengths over the visible range, on average.
+    pub fn wavelengths(&self) -> f64 {
+        SPAN * self.periods * self.pattern.per_period() as f64
+    }
+
+    /// Their wavenumbers \[µm⁻¹\], growing.
+    pub fn wavenumbers(&self) -> impl Iterator<Item = f64> {
+        self.places().map(|(q, _)| q)
+    }
+
+    /// Wavenumber of each and its number within its period.
+    fn places(&self) -> impl Iterator<Item = (f64, u64)> {
+        let Self { periods, pattern, .. } = *self;
+        let per_period = pattern.per_period();
+        (pattern.first_from(periods / LONGEST)..pattern.first_from(periods / SHORTEST)).map(move |step| {
+            let index = step % per_period;
+            (((step / per_period) as f64 + pattern.share(index)) / periods, index)
+        })
+    }
 }
 
 impl Repeats {
+    /// What σ of a Gaussian window stands for in the shader's unit: 4πσ² = |peak|²/A = n m T_x T_y \[µm\].
+    pub fn sigma(&self) -> f64 {
+        let [n, m] = self.copies.map(f64::from);
+        (n * m * self.period[0] * self.period[1] / (4.0 * PI)).sqrt()
+    }
+
     /// |S_x|²|S_y|²/(n² m²) at the frequency f = (u,v)/λ \[µm⁻¹\]: 1 at the orders.
     pub fn factor(&self, frequency: DVec2) -> f64 {
         (0..2).map(|axis| self.factor_along(axis, frequency[axis])).product()
@@ -52,39 +193,65 @@ impl Repeats {
         periodic_factor(n, 2.0 * PI * (cycles - cycles.round())).norm_sqr() / f64::from(n).powi(2)
     }
 
-    /// How to integrate over the wavelengths along (u, v) for a relative error of about `tolerance`.
-    pub fn sampling(&self, uv: DVec2, tolerance: f64) -> Sampling {
-        let lag = [0, 1].map(|i| f64::from(self.copies[i]) * uv[i].abs() * self.period[i]);
-        let sharp = usize::from(lag[1] > lag[0]);
-        let others = lag[1 - sharp] + COLOUR_LAG;
-        if others <= tolerance * lag[sharp] {
-            return Sampling::Orders(sharp);
+    /// How to integrate over the wavelengths along (u, v) against colour functions of lag `colour_lag` \[µm\], for a relative
+    /// error of about `tolerance`. Its twin is `sampling` of `shaders/repeats.glsl`.
+    pub fn sampling(&self, uv: DVec2, colour_lag: f64, tolerance: f64) -> Sampling {
+        let n = self.copies.map(f64::from);
+        let lag = [0, 1].map(|axis| n[axis] * uv[axis].abs() * self.period[axis]);
+        let axis = usize::from(lag[1] > lag[0]); // the sharper one
+        let periods = lag[axis].max(LEAST_LAG) / n[axis];
+        let others = (lag[1 - axis] + colour_lag) / periods;
+        let pattern = if others <= tolerance * n[axis] {
+            Pattern::Orders
+        } else if others + 1.0 <= n[axis] {
+            // The patch has a lag of one period of its own.
+            Pattern::Tails(2 * (others + 1.0).ceil() as u64)
+        } else {
+            Pattern::Every((others + n[axis]).ceil() as u64)
+        };
+        Sampling { axis, periods, pattern }
+    }
+
+    /// Fails where `sampling` is of more wavelengths than a colour may take.
+    ///
+    /// # Errors
+    /// With both numbers.
+    pub fn check(&self, sampling: &Sampling) -> Result<()> {
+        let count = sampling.wavelengths();
+        if count <= MAX_WAVELENGTHS {
+            return Ok(());
         }
-        // A trapezoid rule of step δq is exact for lags below 1/δq.
-        Sampling::Comb((BASE + SPAN * (lag[0] + lag[1] + COLOUR_LAG)).ceil() as usize)
+        let [n, m] = self.copies;
+        Err(Error::failed(
+            format!(
+                "the colour of one direction would take {count:.0} wavelengths through {n} × {m} repeats, the limit is \
+                 {MAX_WAVELENGTHS}"
+            ),
+            "ask for fewer --coherence repeats; eval answers single wavelengths through any number",
+        ))
     }
 
-    /// Wavenumbers \[µm⁻¹\] of the orders of `axis` along (u, v), and the XYZ weight of the response of one period there,
-    /// the other axis' factor included.
-    pub fn orders(&self, axis: usize, uv: DVec2, illuminant: &Illuminant) -> Vec<(f64, DVec3)> {
-        // Orders are 1/(|u| T) apart.
-        let periods = uv[axis].abs() * self.period[axis];
-        let (first, last) = ((periods / LONGEST).ceil() as u64, (periods / SHORTEST).floor() as u64);
-        let area = 1.0 / (f64::from(self.copies[axis]) * periods);
-        (first.max(1)..=last)
-            .map(|j| {
-                let q = j as f64 / periods;
-                let other = self.factor_along(1 - axis, uv[1 - axis] * q);
-                (q, density(illuminant, q) * (area * other))
-            })
-            .collect()
-    }
-
-    /// Wavenumbers of a comb of `nodes` along (u, v), and the XYZ weight of the response of one period there, both factors
+    /// Wavenumbers \[µm⁻¹\] of `sampling` along (u, v), and the XYZ weight of the response of one period there, both factors
     /// included.
-    pub fn comb(&self, nodes: &Nodes, uv: DVec2) -> Vec<(f64, DVec3)> {
-        let q = |j: usize| nodes.first + j as f64 * nodes.step;
-        nodes.weights.iter().enumerate().map(|(j, w)| (q(j), *w * self.factor(uv * q(j)))).collect()
+    pub fn terms(&self, sampling: &Sampling, uv: DVec2, colours: &Colours) -> Vec<(f64, DVec3)> {
+        let term = |(q, index)| {
+            let weight = self.weight(sampling.axis, sampling.pattern, index) / sampling.periods;
+            let other = 1 - sampling.axis;
+            (q, colours.at(q) * (weight * self.factor_along(other, uv[other] * q)))
+        };
+        sampling.places().map(term).collect()
+    }
+
+    /// What number `index` of `pattern` weighs along `axis`, in periods.
+    fn weight(&self, axis: usize, pattern: Pattern, index: u64) -> f64 {
+        let n = f64::from(self.copies[axis]);
+        let share = pattern.share(index);
+        match pattern {
+            Pattern::Orders => 1.0 / n,
+            Pattern::Tails(parts) if index == 0 => 1.0 / n - parts as f64 / (4.0 * n * n),
+            Pattern::Tails(parts) => 1.0 / (parts as f64 * (n * (PI * share).sin()).powi(2)),
+            Pattern::Every(parts) => self.factor_along(axis, share / self.period[axis]) / parts as f64,
+        }
     }
 }
 
@@ -115,45 +282,75 @@ mod tests {
         }
     }
 
-    /// Relative deviation of the colour by the orders from the reference, which resolves every lag.
-    fn deviation(copies: u32, spoil: f64) -> f64 {
+    /// Relative deviation of the colour through `copies` under `pattern` from the reference, which resolves every lag, and the
+    /// wavelengths that it takes.
+    fn deviation(copies: [u32; 2], phi: f64, tolerance: f64, spoil: f64) -> (f64, usize, Pattern) {
         let spec =
-            Spec { patch: Some([20.0, 1.0]), pixel_size: Some([0.095, 0.5]), ..Spec::new(Kind::Blaze) };
+            Spec { patch: Some([20.0, 2.0]), pixel_size: Some([0.095, 0.095]), ..Spec::new(Kind::Blaze) };
         let field = generate(&spec).unwrap();
-        let pair = Pair::new(direction(70.0, 0.0), direction(10.0, 0.0));
-        let repeats = Repeats { copies: [copies, 1], period: field.patch_size() };
+        let pair = Pair::new(direction(70.0, 0.0), direction(10.0, phi));
+        let repeats = Repeats { copies, period: field.patch_size() };
         let uv = pair.uvw().truncate();
-        let exact = Reference::new(&field, Coherence::Repeats([copies, 1]), [1, 1], 1.5);
+        let exact = Reference::new(&field, Coherence::Repeats(copies), [1, 1], 1.5);
         let truth = exact.cosine_weighted_xyz(&pair, &Illuminant::D65).unwrap();
         let one = Reference::new(&field, Coherence::Repeats([1, 1]), [1, 1], 1.5);
+        let colours = Colours::new(&Illuminant::D65, tolerance);
+        let sampling = repeats.sampling(uv, colours.lag, tolerance);
+        let terms = repeats.terms(&sampling, uv, &colours);
         // A of n copies is n times that of one, and |S|² is n² D².
-        let sum: DVec3 = repeats
-            .orders(0, uv, &Illuminant::D65)
-            .into_iter()
-            .map(|(q, w)| w * one.cosine_weighted_spectrum(&pair, q * spoil, 0.0, 1)[0])
+        let sum: DVec3 = terms
+            .iter()
+            .map(|(q, w)| *w * one.cosine_weighted_spectrum(&pair, q * spoil, 0.0, 1)[0])
             .sum::<DVec3>()
-            * f64::from(copies);
-        (sum - truth).length() / truth.length()
+            * f64::from(copies[0] * copies[1]);
+        ((sum - truth).length() / truth.length(), terms.len(), sampling.pattern)
     }
 
     #[test]
-    fn the_orders_carry_the_colour_and_the_better_the_more_copies() {
-        let [few, many] = [30, 300].map(|n| deviation(n, 1.0));
-        assert!(few < 2e-2 && many < 2e-3 && many < few, "{few:e} {many:e}");
-        assert!(deviation(300, 1.01) > 1e-2, "wavelengths a hundredth off");
+    fn every_pattern_gives_the_colour_of_the_reference() {
+        let mut seen = [0; 3];
+        for tolerance in [1e-2, 1e-3] {
+            for copies in [[1, 1], [3, 3], [30, 1], [30, 4], [300, 1], [3000, 1], [40, 40], [2, 300]] {
+                for phi in [0.0, 35.0, 178.0] {
+                    let (error, count, pattern) = deviation(copies, phi, tolerance, 1.0);
+                    eprintln!("{copies:?} at {phi}, {tolerance:e}: {error:.1e} with {count} as {pattern:?}");
+                    assert!(error <= tolerance, "{copies:?} at {phi}: {error:e} as {pattern:?}");
+                    assert!(count < 200, "{copies:?} at {phi}: {count} wavelengths");
+                    seen[match pattern {
+                        Pattern::Orders => 0,
+                        Pattern::Tails(_) => 1,
+                        Pattern::Every(_) => 2,
+                    }] += 1;
+                }
+            }
+            assert!(deviation([30, 4], 35.0, tolerance, 1.01).0 > tolerance, "wavelengths a hundredth off");
+        }
+        assert!(seen.iter().all(|&n| n > 3), "{seen:?}");
     }
 
     #[test]
-    fn many_copies_along_one_axis_are_taken_at_their_orders_and_others_by_a_comb() {
-        let uv = DVec2::new(0.8, 0.0);
-        let by = |copies, uv| Repeats { copies, period: [20.0, 20.0] }.sampling(uv, 6e-3);
-        assert_eq!(by([1000, 1], uv), Sampling::Orders(0));
-        assert_eq!(by([1, 1000], DVec2::new(0.0, 0.8)), Sampling::Orders(1));
-        assert!(matches!(by([3, 3], uv), Sampling::Comb(n) if n < 200));
-        assert!(
-            matches!(by([1000, 1], DVec2::new(1e-4, 0.0)), Sampling::Comb(_)),
-            "near the mirror direction"
-        );
-        assert!(matches!(by([1000, 1000], DVec2::new(0.8, 0.5)), Sampling::Comb(_)), "two rows of needles");
+    fn wavelengths_follow_the_blunter_axis_and_the_lamp_and_not_the_number_of_copies() {
+        let needed = |copies, uv: [f64; 2], lag| {
+            Repeats { copies, period: [20.0, 20.0] }.sampling(DVec2::from_array(uv), lag, 1e-4).wavelengths()
+        };
+        assert_eq!(needed([100, 1], [0.8, 0.1], 15.0), needed([9000, 1], [0.8, 0.1], 15.0));
+        assert!(needed([100, 50], [0.8, 0.1], 15.0) > 2.0 * needed([100, 1], [0.8, 0.1], 15.0));
+        assert!(needed([100, 1], [0.8, 0.1], 150.0) > 2.5 * needed([100, 1], [0.8, 0.1], 15.0));
+        // In the mirror direction the colour functions alone are left.
+        assert!((needed([9000, 9000], [0.0, 0.0], 15.0) - SPAN * 15.0).abs() < 1.0);
+    }
+
+    #[test]
+    fn a_lamp_of_spikes_asks_for_longer_lags_than_daylight() {
+        let lag = |illuminant: &Illuminant| Colours::new(illuminant, 5e-3).lag;
+        let row = |nm: u32| {
+            let spike = (f64::from(nm) - 546.0) / 2.0;
+            format!("{nm},{}\n", 0.1 + 5.0 * (-0.5 * spike * spike).exp())
+        };
+        let text = format!("wavelength,power\n{}", (380..=780).map(row).collect::<String>());
+        let spiky = Illuminant::Table(crate::optics::spectrum::Table::parse(&text).unwrap());
+        assert!((5.0..10.0).contains(&lag(&Illuminant::E)), "{}", lag(&Illuminant::E));
+        assert!((10.0..20.0).contains(&lag(&Illuminant::D65)), "{}", lag(&Illuminant::D65));
+        assert!(lag(&spiky) > 50.0, "{}", lag(&spiky));
     }
 }

@@ -100,9 +100,12 @@ impl<'a> ColourDensity<'a> {
     }
 }
 
-/// S (x̄,ȳ,z̄)/∫Sȳdλ · |dλ/dq| at the wavenumber `q` \[µm⁻¹\]: the XYZ of a response that stands at one wavenumber alone.
-pub fn density(illuminant: &Illuminant, q: f64) -> DVec3 {
-    ColourDensity::new(illuminant).at(q)
+/// S (x̄,ȳ,z̄)/∫Sȳdλ · |dλ/dq| \[µm\] at `count` ≥ 2 equal steps of wavenumber over 380–780 nm, ends included: the XYZ per unit
+/// of wavenumber of a response of 1.
+pub fn density_table(illuminant: &Illuminant, count: usize) -> Vec<DVec3> {
+    let colour = ColourDensity::new(illuminant);
+    let (first, step) = comb(count);
+    (0..count).map(|i| colour.at(first + i as f64 * step)).collect()
 }
 
 /// Nodes that stand closer where the eye sees more, with the XYZ weight of each.

@@ -34,6 +34,11 @@ pub fn folder() -> Option<PathBuf> {
 
 /// The key of the layers of `field` under `settings`: a hash of every height and every number that matters.
 pub fn key(field: &HeightField, settings: &Settings) -> blake3::Hash {
+    key_at(field, settings, [0.0; 2])
+}
+
+/// The same for a window whose centre is `shift` \[µm\] from that of the patch.
+pub fn key_at(field: &HeightField, settings: &Settings, shift: [f64; 2]) -> blake3::Hash {
     let mut hasher = blake3::Hasher::new();
     hasher.update(MAGIC);
     let terms = settings.terms.map_or(-1.0, |n| n as f64);
@@ -57,6 +62,10 @@ pub fn key(field: &HeightField, settings: &Settings) -> blake3::Hash {
         hasher.update(bytemuck::cast_slice(&lines.numbers()));
     }
     hasher.update(bytemuck::cast_slice(field.heights()));
+    // Most windows stand in the middle; their key has no shift.
+    if shift != [0.0; 2] {
+        hasher.update(bytemuck::cast_slice(&shift));
+    }
     hasher.finalize()
 }
 
@@ -69,12 +78,25 @@ pub fn obtain(
     settings: &Settings,
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<(Layers, Option<Error>)> {
+    obtain_at(field, settings, [0.0; 2], progress)
+}
+
+/// As [`obtain`], with the centre of the window `shift` \[µm\] from that of the patch.
+///
+/// # Errors
+/// As [`layers::compute`].
+pub fn obtain_at(
+    field: &HeightField,
+    settings: &Settings,
+    shift: [f64; 2],
+    progress: &dyn Fn(usize, usize) -> Result<()>,
+) -> Result<(Layers, Option<Error>)> {
     let folder = folder();
-    let key = key(field, settings);
+    let key = key_at(field, settings, shift);
     if let Some(layers) = folder.as_ref().and_then(|f| load(f, &key, settings.memory_limit)) {
         return Ok((layers, None));
     }
-    let layers = layers::compute(field, settings, progress)?;
+    let layers = layers::compute_at(field, settings, shift, progress)?;
     let kept = folder.map(|folder| store(&folder, &key, &layers));
     Ok((layers, kept.and_then(Result::err)))
 }

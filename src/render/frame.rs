@@ -171,9 +171,14 @@ impl PixelPass {
     /// # Errors
     /// Where the device refuses.
     pub fn shading(device: &Arc<Device>, resources: &Resources, lights: usize) -> Result<Self> {
-        match resources.reads {
-            Reads::Layers => Self::new(device, shader!("diffraction.frag"), resources, 0),
-            Reads::Table => {
+        match (resources.reads, &resources.copies) {
+            (Reads::Layers, None) => Self::new(device, shader!("diffraction.frag"), resources, 0),
+            (Reads::Layers, Some(copies)) => {
+                let bytes = size_of_val(copies) as u32;
+                let pass = Self::new(device, shader!("repeats.frag"), resources, bytes)?;
+                Ok(Self { settings: bytemuck::bytes_of(copies).to_vec(), ..pass })
+            }
+            (Reads::Table, _) => {
                 let lights = [lights.min(MAX_LIGHTS) as u32];
                 let constants = [&resources.specialization, lights.as_slice()].concat();
                 Self::with(device, shader!("table.frag").with(&constants), resources, 0)

@@ -141,6 +141,20 @@ pub struct LinesBlock {
     pub padding: [f32; 3],
 }
 
+/// What `shaders/repeats.glsl` takes as push constants.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct CopiesBlock {
+    /// Copies of the patch along x and y.
+    pub count: [f32; 2],
+    /// T_x, T_y \[µm\].
+    pub period: [f32; 2],
+    /// Lag beyond which the colour functions have little \[µm\].
+    pub colour_lag: f32,
+    /// Relative error of the sum over wavelengths.
+    pub tolerance: f32,
+}
+
 /// The `Table` block (std140).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

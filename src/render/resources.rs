@@ -2,7 +2,7 @@
 
 use super::color_table::{ColorTable, Filter, grid::LEVELS, pyramid::in_layers};
 use super::interface::{
-    FrameBlock, LinesBlock, OpticsBlock, TableBlock, binding, optics_bindings, specialization,
+    CopiesBlock, FrameBlock, LinesBlock, OpticsBlock, TableBlock, binding, optics_bindings, specialization,
     table_specialization,
 };
 use super::shading::Shading;
@@ -12,6 +12,7 @@ use super::upload;
 use crate::error::{Error, Result};
 use crate::input;
 use crate::optics::brdf::schlick;
+use crate::optics::orders::{Colours, Repeats};
 use crate::optics::quadrature::Sliding;
 use crate::precompute::Layers;
 use crate::precompute::texels::Texels;
@@ -89,6 +90,8 @@ fn no_pigment(cause: &dyn std::fmt::Display) -> Error {
 pub enum Optics<'a> {
     /// Layers, whose spectrum is summed for every pixel.
     Layers(&'a Layers),
+    /// Layers of one period, which repeats so many times.
+    Repeats(&'a Layers, Repeats),
     /// A colour table, and how a picture reads it.
     Table(&'a ColorTable, Filter),
 }
@@ -137,6 +140,8 @@ pub struct Resources {
     pub specialization: Vec<u32>,
     /// What the shaders read.
     pub reads: Reads,
+    /// How the patch repeats, where the layers are of one period.
+    pub copies: Option<CopiesBlock>,
     // Held for the descriptor set; fields go in order, so it goes first.
     _images: Vec<Image>,
     edge: Sampler,
@@ -156,18 +161,34 @@ impl Resources {
         pigment: &Pigment,
     ) -> Result<Self> {
         match optics.into() {
-            Optics::Layers(layers) => Self::of_layers(device, layers, shading, pigment),
+            Optics::Layers(layers) => {
+                let combs = Combs::of(layers, shading);
+                Self::of_layers(device, (layers, layers.sigma), combs, shading, pigment)
+            }
+            Optics::Repeats(layers, repeats) => {
+                let tolerance = shading.quadrature();
+                let colours = Colours::new(&shading.illuminant, tolerance);
+                let block = CopiesBlock {
+                    count: repeats.copies.map(|n| n as f32),
+                    period: repeats.period.map(|x| x as f32),
+                    colour_lag: colours.lag as f32,
+                    tolerance: tolerance as f32,
+                };
+                let (optics, combs) = ((layers, repeats.sigma()), Combs::densities(&colours));
+                let resources = Self::of_layers(device, optics, combs, shading, pigment)?;
+                Ok(Self { copies: Some(block), ..resources })
+            }
             Optics::Table(table, filter) => Self::of_table(device, table, filter, shading, pigment),
         }
     }
 
     fn of_layers(
         device: &Arc<Device>,
-        layers: &Layers,
+        (layers, sigma): (&Layers, f64),
+        combs: Combs,
         shading: &Shading,
         pigment: &Pigment,
     ) -> Result<Self> {
-        let combs = Combs::of(layers, shading);
         let float = vk::Format::R32G32B32A32_SFLOAT;
         let table = |name, table: &Table| {
             texture(device, name, float, table.size, None, bytemuck::cast_slice(&table.values))
@@ -201,7 +222,7 @@ impl Resources {
         let specialization = specialization(layers);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
-        let optics = optics_block(layers, shading.ior);
+        let optics = optics_block(layers, sigma, shading.ior);
         let buffers = vec![
             upload::buffer(device, "optics", uniform, bytemuck::bytes_of(&optics))?,
             upload::buffer(device, "combs", storage, bytemuck::cast_slice(&combs.bins))?,
@@ -235,6 +256,7 @@ impl Resources {
             combs,
             specialization,
             reads: Reads::Layers,
+            copies: None,
             _images: images,
             edge,
             _samplers: vec![repeat],
@@ -333,6 +355,7 @@ impl Resources {
             combs: Combs::none(),
             specialization: table_specialization(grid, filter),
             reads: Reads::Table,
+            copies: None,
             _images: images,
             edge,
             _samplers: vec![repeat, levels],
@@ -358,8 +381,8 @@ impl Resources {
 /// F²/12. So a footprint asks for Δ = F/√3: log₂(1/√3) levels below F.
 const OWN_WIDTH: f32 = -0.792_481_25;
 
-/// The `Optics` block of `layers`.
-pub fn optics_block(layers: &Layers, ior: f64) -> OpticsBlock {
+/// The `Optics` block of `layers` that are seen as through a Gaussian of standard deviation `sigma` \[µm\].
+pub fn optics_block(layers: &Layers, sigma: f64, ior: f64) -> OpticsBlock {
     let pair = |v: [f64; 2]| v.map(|x| x as f32);
     OpticsBlock {
         texture_size: layers.size.map(|n| n as f32),
@@ -367,7 +390,7 @@ pub fn optics_block(layers: &Layers, ior: f64) -> OpticsBlock {
         texels_per_frequency: pair(layers.length),
         band: pair(layers.band),
         // The shaders square what they read, and multiply by σ².
-        sigma: layers.sigma as f32 * layers.texels.unit(),
+        sigma: sigma as f32 * layers.texels.unit(),
         normal_reflectance: schlick(ior, 1.0) as f32,
         bands_per_z: (layers.z_bands as f64 / layers.z_max) as f32,
         last_column: (layers.coefficients.columns - 1) as f32,

@@ -66,11 +66,12 @@ impl Shading {
         Self { purpose: Purpose::Picture, ..self }
     }
 
-    /// How much more a single wavelength of a single direction may err than what the tolerance is promised for.
+    /// How much more a single wavelength of a single direction may err than what the tolerance is promised for. Through repeats
+    /// a few orders may be all that a colour is made of.
     pub fn gain(&self) -> f64 {
-        match self.purpose {
-            Purpose::Directions => 1.0,
-            Purpose::Picture => PICTURE_GAIN,
+        match (self.purpose, self.coherence) {
+            (Purpose::Picture, Coherence::Gaussian { .. }) => PICTURE_GAIN,
+            _ => 1.0,
         }
     }
 
@@ -146,8 +147,8 @@ impl Shading {
     pub fn layer_settings(&self, shortest: f64, device: &Candidate) -> Result<Settings> {
         let Coherence::Gaussian { length } = self.coherence else {
             return Err(Error::usage(
-                "pictures by --method spectral do not do --coherence repeats",
-                "use --coherence gaussian:LENGTH or --method reference",
+                "a window is Gaussian, and --coherence repeats has none",
+                "use --coherence gaussian:LENGTH",
             ));
         };
         self.windowed_settings(length / 4.0, shortest, device)
@@ -160,7 +161,7 @@ impl Shading {
     pub fn windowed_settings(&self, sigma: f64, shortest: f64, device: &Candidate) -> Result<Settings> {
         if self.windows != [1, 1] {
             return Err(Error::usage(
-                "--method spectral does one window only",
+                "pictures by --method spectral do one window only",
                 "leave --windows away, or use --method table or --method reference",
             ));
         }

@@ -2,6 +2,7 @@
 
 use super::interface::UV_BINS;
 use super::shading::Shading;
+use crate::optics::orders::Colours;
 use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule, Sliding};
 use crate::optics::spectrum::Illuminant;
 use crate::precompute::Layers;
@@ -72,6 +73,13 @@ impl Combs {
             })
             .collect();
         Self { bins, nodes: table(&levels), sliding: None }
+    }
+
+    /// The colour functions as a density over wavenumbers, in place of combs: wavelengths stand where the orders do.
+    pub fn densities(colours: &Colours) -> Self {
+        let values: Vec<[f32; 4]> =
+            colours.densities.iter().map(|d| d.as_vec3().extend(0.0).to_array()).collect();
+        Self { nodes: Table { size: [values.len(), 1], values }, ..Self::none() }
     }
 
     /// No wavelengths: their sum is made already.

@@ -138,3 +138,35 @@ fn colours_through_repeats_agree_with_the_reference_by_a_comb_and_at_the_orders(
         assert!(deviation(&ask("repeats:5x1", &[]), &reference) > 5e-2, "{copies}: another number");
     }
 }
+
+#[test]
+fn windows_are_averaged_one_after_another_by_layers() {
+    let sandbox = Sandbox::with_small_surface();
+    // Far from the mirror direction, where every window has a speckle of its own.
+    let row = |i: i32| format!("{},{},{},{}\n", 5 * i, 40 * i, 60 - 6 * i, 170 - 25 * i);
+    sandbox.write("q.csv", format!("theta_i,phi_i,theta_r,phi_r\n{}", (0..9).map(row).collect::<String>()));
+    let of = |more: &[&str]| -> Vec<f64> {
+        let setting = [&["--queries", "q.csv"][..], &SMALL[..6], more].concat();
+        let csv = sandbox.run2(&["eval"], &setting).done();
+        let row = |line: &str| line.split(',').skip(4).map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
+        csv.lines().skip(1).flat_map(row).collect()
+    };
+    // RMS over directions, each relative to its own colour.
+    let error = |a: &[f64], b: &[f64]| {
+        let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|x| x * x).sum::<f64>();
+        let one = |(a, b): (&[f64], &[f64])| {
+            norm(&mut a.iter().zip(b).map(|(a, b)| a - b)) / norm(&mut b.iter().copied())
+        };
+        (a.chunks(3).zip(b.chunks(3)).map(one).sum::<f64>() / 9.0).sqrt()
+    };
+    for coherence in ["gaussian:2um", "repeats:3x2"] {
+        let with = |more: &[&str]| of(&[&["--coherence", coherence][..], more].concat());
+        let exact = with(&["--method", "reference", "--windows", "2x3"]);
+        let found = error(&with(&["--windows", "2x3"]), &exact);
+        assert!(found < 1e-2, "{coherence}: {found:e}");
+        for other in ["1x1", "3x2"] {
+            let wrong = error(&with(&["--windows", other]), &exact);
+            assert!(wrong > 2e-2, "{coherence}: {other} windows differ by {wrong:e} only");
+        }
+    }
+}

@@ -240,3 +240,29 @@ fn a_sample_of_the_reference_is_a_part_of_the_whole_and_the_whole_is_what_the_la
     assert!(both < 1e-5, "{both:e}");
     assert!(deviation(&layers, &whole) < 1e-3);
 }
+
+#[test]
+fn repeats_are_drawn_as_the_reference_draws_them_and_refused_where_they_take_too_many_wavelengths() {
+    let sandbox = Sandbox::with_small_surface();
+    let draw = |name: &str, more: &[&str]| {
+        render(&sandbox, "sphere", name, more);
+        exr(&sandbox, name).2
+    };
+    let exact = draw("exact.exr", &["--coherence", "repeats:3x20", "--method", "reference"]);
+    let drawn = draw("drawn.exr", &["--coherence", "repeats:3x20", "--tolerance", "1e-2"]);
+    assert!(deviation(&drawn, &exact) <= 1e-2, "{}", deviation(&drawn, &exact));
+    let other = draw("other.exr", &["--coherence", "repeats:4x20", "--tolerance", "1e-2"]);
+    assert!(deviation(&other, &exact) > 2e-2, "{}", deviation(&other, &exact));
+
+    let refused = |code: i32, more: &[&str]| {
+        let words = ["render", "sphere", "--surface", "blaze", "--size", "16x12", "-o", "none.png"];
+        sandbox.run2(&words, more).refused(code)
+    };
+    let many = refused(1, &["--coherence", "repeats:10000x10000"]);
+    assert!(many.contains("wavelengths") && many.contains("20000") && many.contains("repeats"), "{many}");
+    let named = refused(2, &["--coherence", "repeats:3x3", "--wavelengths", "40"]);
+    assert!(named.contains("--wavelengths"), "{named}");
+    let table = refused(2, &["--coherence", "repeats:3x3", "--method", "table"]);
+    assert!(table.contains("3 × 3") && table.contains("--method spectral"), "{table}");
+    assert!(!sandbox.path("none.png").exists());
+}

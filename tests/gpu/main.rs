@@ -14,5 +14,6 @@ mod long_run;
 mod measure;
 mod picture;
 mod promise;
+mod repeats;
 mod table;
 mod viewer;

@@ -11,7 +11,7 @@ use crate::optics::geometry::{Pair, direction};
 use crate::optics::spectrum::SHORTEST;
 use crate::render::evaluator::Query;
 use crate::surface::HeightField;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// Directions by the direct sum from which on a word of warning is due.
 const MANY_SUMS: usize = 5_000;
@@ -39,19 +39,21 @@ impl Map {
             say(&format_args!("{directions} direct sums take their time; a smaller --size is faster"));
         }
         let shortest = arguments.wavelength.unwrap_or(SHORTEST);
-        let mut answers =
-            Answers::prepare(optics.method, &arguments.device.wish(), field, &shading, shortest)?;
-        answers.announce(directions);
         let mut pixels = vec![[0.0; 4]; count as usize];
         // A tile of whole rows at a time, so that memory beside the map stays at a few megabytes.
         let rows = (answers::AT_ONCE as u32 / side).max(1);
-        for first in (0..side).step_by(rows as usize) {
-            let tile: Vec<_> = views(side, first..side.min(first + rows)).collect();
-            for (&(place, _), rgb) in tile.iter().zip(shade(arguments, &mut answers, &tile)?) {
-                pixels[place] = rgb.as_vec3().extend(1.0).to_array();
+        let by = (optics.method, &arguments.device.wish());
+        answers::over_windows(by, field, &shading, (shortest, directions), |answers, share| {
+            for first in (0..side).step_by(rows as usize) {
+                let tile: Vec<_> = views(side, first..side.min(first + rows)).collect();
+                for (&(place, _), rgb) in tile.iter().zip(shade(arguments, answers, &tile)?) {
+                    let [r, g, b, _] = pixels[place];
+                    let sum = Vec3::new(r, g, b) + (rgb * share).as_vec3();
+                    pixels[place] = sum.extend(1.0).to_array();
+                }
             }
-        }
-        answers.finish()?;
+            Ok(())
+        })?;
         Ok(Self { side, pixels })
     }
 

@@ -37,9 +37,7 @@ fn map(arguments: &Arguments, sweep: &Sweep, found: &[Found]) -> Panel {
     let mut panel =
         Panel::new(x, Axis::linear("wavelength [nm]", low, high)).titled("Response").over(raster(sweep));
     for (i, of) in found.iter().enumerate() {
-        let at: Vec<[f64; 2]> =
-            of.peaks.iter().map(|p| [p.angle.unwrap_or(f64::NAN), p.wavelength * 1e3]).collect();
-        let line = Mark::Line { points: at, color: palette::SKY, width: 2.6, dashed: false };
+        let line = Mark::Line { points: ridge(of), color: palette::SKY, width: 2.6, dashed: false };
         panel = if i == 0 { panel.named("largest response", line) } else { panel.mark(line) };
     }
     let mut named = false;
@@ -57,6 +55,25 @@ fn map(arguments: &Arguments, sweep: &Sweep, found: &[Found]) -> Panel {
         }
     }
     panel
+}
+
+/// The angle of each wavelength's peak \[degrees, nm\], broken where the next one is of another order.
+fn ridge(found: &Found) -> Vec<[f64; 2]> {
+    /// Periods of neighbouring wavelengths, one over the other, that are still of one order.
+    const SAME: f64 = 1.1;
+    let mut points = Vec::with_capacity(found.peaks.len());
+    let mut before = None;
+    for peak in &found.peaks {
+        if let (Some(a), Some(b)) = (before, peak.period) {
+            let (a, b): (f64, f64) = (a, b);
+            if a.max(b) > SAME * a.min(b) {
+                points.push([f64::NAN; 2]);
+            }
+        }
+        before = peak.period.or(before);
+        points.push([peak.angle.unwrap_or(f64::NAN), peak.wavelength * 1e3]);
+    }
+    points
 }
 
 /// Where the grating equation sends each wavelength \[degrees, nm\]; not a number where the order does not propagate.
@@ -118,11 +135,14 @@ fn periods(arguments: &Arguments, found: &[Found]) -> Panel {
 fn caption(arguments: &Arguments, field: &HeightField, found: &[Found]) -> String {
     let name = arguments.surface_name.as_deref().or(arguments.surface.surface.as_deref()).unwrap_or("elaphe");
     let lines: Vec<String> = found.iter().map(|of| format!("Order {}: {}.", of.order, of.line())).collect();
+    let right = match found.len() {
+        1 => "the dashed line is the mean, the band the standard deviation",
+        _ => "dashed lines are the means",
+    };
     format!(
-        "{}; light from θ = {}° in the plane of N and {}. {} Right: dashed lines are the means, a band the standard \
-         deviation.\n{}",
+        "{}; light from θ = {}° in the plane of N and {}. {} Right: {right}.\n{}",
         words::surface(name, field),
-        arguments.theta_i,
+        arguments.theta_i.to_string().replace('-', "−"),
         arguments.axis.name(),
         words::sentence(&words::optics(&arguments.optics)),
         lines.join(" ")

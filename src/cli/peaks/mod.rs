@@ -205,6 +205,10 @@ fn find(arguments: &Arguments, sweep: &Sweep) -> Vec<Found> {
     orders.iter().map(|&m| Found::new(m, sweep.peaks(arguments.theta_i, m, apart))).collect()
 }
 
+/// Standard deviation over mean from which on wavelengths cannot all have seen the same order: the second says half of what
+/// the first says.
+const SCATTERED: f64 = 0.1;
+
 /// The periods, a line each on stderr.
 fn tell(found: &[Found], windows: &[Vec<Found>]) {
     for (i, of) in found.iter().enumerate() {
@@ -214,6 +218,12 @@ fn tell(found: &[Found], windows: &[Vec<Found>]) {
         }
         let average = if windows.is_empty() { "" } else { "all windows: " };
         say(&format_args!("{which}{average}{}", of.line()));
+        let (mean, deviation) = (of.statistics.mean.unwrap_or(0.0), of.statistics.deviation.unwrap_or(0.0));
+        if deviation > SCATTERED * mean {
+            say(
+                &"the brightest directions are not all of one order: narrow --angles, or give two --order and --period",
+            );
+        }
     }
 }
 

@@ -19,6 +19,7 @@ pub use grid::Grid;
 use super::shading::Shading;
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
+use crate::optics::spectrum::SHORTEST;
 use crate::precompute::{self, Layers, Settings, compute_at};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
@@ -120,10 +121,19 @@ pub fn obtain(
             "leave --terms away, or use --method spectral",
         ));
     }
-    if let Coherence::Repeats(_) = shading.coherence {
+    if let Coherence::Repeats(copies) = shading.coherence {
+        let [n, m] = copies;
+        let patch = field.patch_size();
+        let width = |axis: usize| SHORTEST / (f64::from(copies[axis]) * patch[axis]);
         return Err(Error::usage(
-            "--method table does not do --coherence repeats",
-            "use --coherence gaussian:LENGTH or --method reference; eval, brdf and peaks do it by --method spectral, too",
+            format!(
+                "--method table is baked for a Gaussian window, not for the orders of {n} × {m} repeats, which are {:.1e} × \
+                 {:.1e} wide in (u, v) at {:.0} nm",
+                width(0),
+                width(1),
+                SHORTEST * 1e3
+            ),
+            "use --method spectral or --method reference, or --coherence gaussian:LENGTH",
         ));
     }
     check_tolerance(shading.tolerance)?;

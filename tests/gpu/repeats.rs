@@ -1,0 +1,93 @@
+//! Pictures through repeats against the f64 reference picture, for few copies, whose factor is resolved, and for many, whose
+//! orders are summed.
+
+use crate::device::with_device;
+use crate::evaluation::patch;
+use crate::measure::channel;
+use diffract::optics::coherence::Coherence;
+use diffract::optics::orders::Repeats;
+use diffract::precompute::{Settings, compute};
+use diffract::render::frame::View;
+use diffract::render::picture::{Directions, Painter, Picture};
+use diffract::render::reference_picture::reference_picture;
+use diffract::render::resources::{Optics, Pigment};
+use diffract::render::shading::Shading;
+use diffract::scene::{Light, Scene};
+use diffract::surface::HeightField;
+use diffract::surface::synth::Kind;
+use diffract::vk::device::Device;
+use glam::DVec3;
+use std::sync::Arc;
+
+const SIZE: [u32; 2] = [64, 48];
+
+fn shading(copies: [u32; 2], tolerance: f64) -> Shading {
+    Shading { coherence: Coherence::Repeats(copies), tolerance, ..Shading::default() }.for_pictures()
+}
+
+/// A picture through the copies that `shading` names, with the directions that it shaded.
+fn paint(
+    device: &Arc<Device>,
+    field: &HeightField,
+    shading: &Shading,
+    scene: &Scene,
+    view: &View,
+) -> (Picture, Vec<Directions>) {
+    let Coherence::Repeats(copies) = shading.coherence else { panic!("{shading:?} has a window") };
+    let settings = Settings {
+        sigma: f64::INFINITY,
+        shortest_wavelength: 0.38,
+        budget: shading.budget(),
+        basis: shading.basis,
+        terms: None,
+        aim: shading.aim(),
+        lines: None,
+        memory_limit: 1 << 30,
+        side_limit: 16_384,
+    };
+    let layers = compute(field, &settings, &|_, _| Ok(())).unwrap();
+    let optics = Optics::Repeats(&layers, Repeats { copies, period: field.patch_size() });
+    let (mesh, lights) = (&scene.mesh, view.lights.len());
+    let mut painter = Painter::new(device, optics, shading, mesh, &Pigment::white(), SIZE, lights).unwrap();
+    let picture = painter.paint(view, 0.0, DVec3::ZERO).unwrap();
+    let directions = (0..lights).map(|light| painter.directions(view, light).unwrap()).collect();
+    (picture, directions)
+}
+
+#[test]
+fn a_picture_through_repeats_is_the_reference_picture_within_its_tolerance() {
+    let scene = Scene::open("sphere").unwrap();
+    let lights = vec![
+        Light { theta: 45.0, phi: -40.0, intensity: 2.0 },
+        Light { theta: 70.0, phi: 60.0, intensity: 0.7 },
+    ];
+    let view = View::of(&scene, lights);
+    let errors =
+        |picture: &Picture, exact: &[[f32; 4]]| [0, 1, 2].map(|c| channel(&picture.radiance, exact, c));
+    with_device(|device| {
+        for (kind, copies, other) in [
+            (Kind::Elaphe, [1, 1], [2, 1]),
+            (Kind::Blaze, [3, 3], [4, 3]),
+            (Kind::Elaphe, [2, 5], [2, 6]),
+            (Kind::Blaze, [26, 1], [23, 1]),
+            (Kind::Elaphe, [1, 40], [2, 40]),
+            (Kind::Blaze, [60, 60], [50, 60]),
+        ] {
+            let field = patch(kind, 7.0);
+            let mut exact: Option<Vec<[f32; 4]>> = None;
+            for tolerance in [1e-1, 1e-2, 1e-3] {
+                let (picture, directions) = paint(device, &field, &shading(copies, tolerance), &scene, &view);
+                let exact = exact.get_or_insert_with(|| {
+                    let shading = shading(copies, tolerance);
+                    reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap()
+                });
+                let errors = errors(&picture, exact);
+                eprintln!("{kind:?} through {copies:?} at {tolerance:e}: {errors:.5?}");
+                assert!(errors.iter().all(|&e| e <= tolerance), "{copies:?} at {tolerance}: {errors:?}");
+            }
+            let (wrong, _) = paint(device, &field, &shading(other, 1e-2), &scene, &view);
+            let wrong = errors(&wrong, exact.as_deref().unwrap());
+            assert!(wrong.iter().any(|&e| e > 2e-2), "{other:?} pass for {copies:?}: {wrong:?}");
+        }
+    });
+}
