@@ -10,17 +10,29 @@ layout(location = 0) in vec3 view;
 layout(location = 1) in vec2 pigment_uv;
 layout(location = 2) in vec3 lights[MAX_LIGHTS];
 
-layout(location = 0) out vec4 to_view;              // w: covered
-layout(location = 1) out vec4 albedo;               // linear sRGB
-layout(location = 2) out vec4 to_light[MAX_LIGHTS];
+// As `pixel.glsl` reads them.
+layout(location = 0) out vec4 directions;
+layout(location = 1) out vec4 albedo; // linear sRGB
+layout(location = 2) out vec4 more_lights_0;
+layout(location = 3) out vec4 more_lights_1;
+
+// Stereographic from -N. Near there the direction is far below the horizon, and which one it is does not matter.
+vec2 projected(vec3 direction) {
+    const float LEAST = 0.1;
+    vec3 d = normalize(direction);
+    return d.z > LEAST - 1.0 ? d.xy / (1.0 + d.z) : vec2(1.0 / LEAST, 0.0);
+}
+
+vec2 projected_light(int light) {
+    return light < LIGHTS ? projected(lights[light]) : vec2(0.0);
+}
 
 void main() {
-    to_view = vec4(normalize(view), 1.0);
+    directions = vec4(projected(view), projected_light(0));
+    more_lights_0 = vec4(projected_light(1), projected_light(2));
+    more_lights_1 = vec4(projected_light(3), 0.0, 0.0);
     albedo = vec4(frame.base_color.rgb, 1.0);
     if (frame.base_color.w > 0.0) {
         albedo.rgb *= texture(pigment, pigment_uv).rgb;
-    }
-    for (int i = 0; i < LIGHTS; ++i) {
-        to_light[i] = vec4(normalize(lights[i]), 1.0);
     }
 }

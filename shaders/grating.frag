@@ -4,10 +4,7 @@
 // grating equation u = m lambda/d solved for the wavelength of each order, and that wavelength's colour. For comparison only.
 #include "interface.glsl"
 #include "color.glsl"
-
-layout(set = 0, binding = 9) uniform sampler2D view_directions;
-layout(set = 0, binding = 10) uniform sampler2D albedos;
-layout(set = 0, binding = 11) uniform sampler2D light_directions_0;
+#include "pixel.glsl"
 
 layout(push_constant) uniform Grating {
     vec2 axis;      // along which the heights repeat, in the tangent plane
@@ -34,13 +31,13 @@ vec3 observer(float x) {
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec4 to_view = texelFetch(view_directions, pixel, 0);
-    radiance = vec4(0.0, 0.0, 0.0, to_view.w);
-    if (to_view.w == 0.0) {
+    vec4 stored = texelFetch(directions, pixel, 0);
+    radiance = vec4(0.0, 0.0, 0.0, covered(stored) ? 1.0 : 0.0);
+    if (!covered(stored)) {
         return;
     }
-    vec3 albedo = texelFetch(albedos, pixel, 0).rgb;
-    vec3 to_light = texelFetch(light_directions_0, pixel, 0).xyz;
+    vec3 to_view = unprojected(stored.xy), to_light = unprojected(stored.zw);
+    vec3 albedo = albedo_of(pixel);
     if (to_light.z <= 0.0 || to_view.z <= 0.0) {
         return;
     }

@@ -6,23 +6,7 @@
 #include "diffraction.glsl"
 #include "color.glsl"
 #include "table.glsl"
-
-// What `geometry.frag` wrote.
-layout(set = 0, binding = 9) uniform sampler2D view_directions;
-layout(set = 0, binding = 10) uniform sampler2D albedos;
-layout(set = 0, binding = 11) uniform sampler2D light_directions_0;
-layout(set = 0, binding = 12) uniform sampler2D light_directions_1;
-layout(set = 0, binding = 13) uniform sampler2D light_directions_2;
-layout(set = 0, binding = 14) uniform sampler2D light_directions_3;
-
-vec3 light_direction(int light, ivec2 pixel) {
-    switch (light) {
-    case 0: return texelFetch(light_directions_0, pixel, 0).xyz;
-    case 1: return texelFetch(light_directions_1, pixel, 0).xyz;
-    case 2: return texelFetch(light_directions_2, pixel, 0).xyz;
-    default: return texelFetch(light_directions_3, pixel, 0).xyz;
-    }
-}
+#include "pixel.glsl"
 
 layout(constant_id = 8) const int LIGHTS = 1; // known beforehand, so that only their directions are read
 
@@ -33,10 +17,10 @@ layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
 vec2 shorter_step(int light, vec2 toward, ivec2 pixel, ivec2 next) {
     vec2 step = vec2(1e6);
     for (int side = -1; side <= 1; side += 2) {
-        ivec2 other = clamp(pixel + side * next, ivec2(0), textureSize(view_directions, 0) - 1);
-        vec4 to_view = texelFetch(view_directions, other, 0);
-        vec2 found = float(side) * (light_direction(light, other).xy + to_view.xy - toward);
-        bool counts = to_view.w > 0.0 && other != pixel && dot(found, found) < dot(step, step);
+        ivec2 other = clamp(pixel + side * next, ivec2(0), textureSize(directions, 0) - 1);
+        vec4 stored = texelFetch(directions, other, 0);
+        vec2 found = float(side) * (light_direction(stored, light, other).xy + unprojected(stored.xy).xy - toward);
+        bool counts = covered(stored) && other != pixel && dot(found, found) < dot(step, step);
         step = counts ? found : step;
     }
     return step.x < 1e6 ? step : vec2(0.0);
@@ -44,12 +28,13 @@ vec2 shorter_step(int light, vec2 toward, ivec2 pixel, ivec2 next) {
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec4 to_view = texelFetch(view_directions, pixel, 0);
-    vec3 albedo = texelFetch(albedos, pixel, 0).rgb;
+    vec4 stored = texelFetch(directions, pixel, 0);
+    vec3 to_view = unprojected(stored.xy);
+    vec3 albedo = albedo_of(pixel);
     vec3 sum = vec3(0.0);
     for (int i = 0; i < LIGHTS; ++i) {
-        vec3 to_light = light_direction(i, pixel);
-        Pair pair = pair_of(to_light, to_view.xyz);
+        vec3 to_light = light_direction(stored, i, pixel);
+        Pair pair = pair_of(to_light, to_view);
         vec2 toward = to_light.xy + to_view.xy;
         vec3 xyz;
         if (MAX_TAPS == 0) {
@@ -63,5 +48,5 @@ void main() {
         vec3 pigmented = pair.factor > 0.0 ? albedo * ((1.0 - pair.reflectance) * to_light.z / PI) : vec3(0.0);
         sum += (diffracted + pigmented) * (frame.lights[i].w * PI);
     }
-    radiance = to_view.w > 0.0 ? vec4(sum, to_view.w) : vec4(0.0);
+    radiance = covered(stored) ? vec4(sum, 1.0) : vec4(0.0);
 }

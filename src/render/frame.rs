@@ -129,7 +129,7 @@ impl GeometryPass {
             colors: &vec![target::GEOMETRY; geometry.images().count()],
             depth: Some((vk::CompareOp::LESS, true)),
         };
-        let lights = [geometry.lights.len() as u32];
+        let lights = [geometry.lights as u32];
         let fragment = Some(shader!("geometry.frag").with(&lights));
         let vertex = shader!("surface.vert").with(&lights);
         Ok(Self { pipeline: Pipeline::graphics(device, vertex, fragment, &drawing, descriptors, 0)? })
@@ -148,7 +148,7 @@ impl GeometryPass {
         let mut before = change(Access::Nothing, Access::ColorAttachment);
         before.push((&geometry.depth, Access::Nothing, Access::DepthAttachment));
         record.images(&before);
-        let cleared: Vec<_> = geometry.images().map(|image| (image, [0.0; 4])).collect();
+        let cleared: Vec<_> = geometry.images().map(|image| (image, [target::UNCOVERED; 4])).collect();
         record.render(&cleared, Some(&geometry.depth), |draw| {
             draw.bind(&self.pipeline, descriptors);
             draw.draw_indexed(&mesh.vertices, &mesh.indices, mesh.count);

@@ -11,6 +11,9 @@ use bytemuck::{Pod, Zeroable};
 /// Bins of |(u, v)| over 0 … 2 for which a wavelength comb is chosen; `UV_BINS` of the shaders.
 pub const UV_BINS: usize = 256;
 
+/// Bindings of lights beyond the first, two lights each.
+pub const MORE_LIGHTS: u32 = (MAX_LIGHTS as u32 - 1).div_ceil(2);
+
 /// Binding numbers of set 0.
 pub mod binding {
     /// Camera, lights, pigment.
@@ -31,12 +34,12 @@ pub mod binding {
     pub const QUERIES: u32 = 7;
     /// What they evaluate to.
     pub const ANSWERS: u32 = 8;
-    /// ω_r of every pixel.
-    pub const VIEW_DIRECTIONS: u32 = 9;
+    /// ω_r and the first light's ω_i of every pixel.
+    pub const DIRECTIONS: u32 = 9;
     /// Pigment of every pixel.
     pub const ALBEDOS: u32 = 10;
-    /// ω_i of every pixel for the first light; the other lights follow.
-    pub const LIGHT_DIRECTIONS: u32 = 11;
+    /// ω_i of every pixel for the second and the third light; the fourth follows.
+    pub const MORE_LIGHTS: u32 = 11;
     /// The colour table's texture.
     pub const COLOR_TABLE: u32 = 15;
     /// Where its texels stand.
@@ -198,7 +201,7 @@ pub fn optics_bindings() -> Vec<Binding> {
     use vk::DescriptorType as T;
     let stages =
         vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT | vk::ShaderStageFlags::COMPUTE;
-    let geometry = (binding::VIEW_DIRECTIONS..binding::LIGHT_DIRECTIONS + MAX_LIGHTS as u32)
+    let geometry = (binding::DIRECTIONS..binding::MORE_LIGHTS + MORE_LIGHTS)
         .map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
     [
         (binding::FRAME, T::UNIFORM_BUFFER),

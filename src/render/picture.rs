@@ -30,6 +30,8 @@ pub struct Painter {
     timestamps: Timestamps,
     asker: Option<Asker>,
     resources: Resources,
+    // Whether the pigment is of a texture.
+    textured: bool,
     // Rows of a strip that take a fitting time.
     strip: u32,
     // Whether all of radiance is of one picture, and displayed.
@@ -72,7 +74,8 @@ impl Painter {
         lights: usize,
     ) -> Result<Self> {
         let resources = Resources::new(device, optics, shading, pigment)?;
-        let geometry = Geometry::new(device, size, lights.min(MAX_LIGHTS))?;
+        let textured = pigment.is_textured();
+        let geometry = Geometry::new(device, size, lights.min(MAX_LIGHTS), textured)?;
         resources.read_from(&geometry);
         let target = Target::new(device, size)?;
         let display = DisplayPass::new(device, target::DISPLAY)?;
@@ -88,6 +91,7 @@ impl Painter {
             timestamps: Timestamps::new(device, 3)?,
             asker: None,
             resources,
+            textured,
             strip: 64,
             whole: false,
             device: device.clone(),
@@ -101,11 +105,11 @@ impl Painter {
     pub fn resize(&mut self, size: [u32; 2], lights: usize) -> Result<()> {
         let lights = lights.min(MAX_LIGHTS);
         self.whole = false;
-        if lights != self.geometry.lights.len() && self.resources.reads == Reads::Table {
+        if lights != self.geometry.lights && self.resources.reads == Reads::Table {
             self.shade = PixelPass::shading(&self.device, &self.resources, lights)?;
         }
-        if lights != self.geometry.lights.len() || size != self.target.size() {
-            self.geometry = Geometry::new(&self.device, size, lights)?;
+        if lights != self.geometry.lights || size != self.target.size() {
+            self.geometry = Geometry::new(&self.device, size, lights, self.textured)?;
             self.resources.read_from(&self.geometry);
             self.find = GeometryPass::new(&self.device, &self.resources.descriptors, &self.geometry)?;
         }
@@ -122,7 +126,7 @@ impl Painter {
     /// Where the device is lost.
     pub fn draw(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<[f64; 2]> {
         let size = self.target.size();
-        self.resources.frame.write(bytemuck::bytes_of(&view.block(size)))?;
+        self.write(view, size)?;
         self.submit(size, 0..size[1], exposure, background)
     }
 
@@ -144,7 +148,7 @@ impl Painter {
         const STRIP: f64 = 30.0;
         /// Rows of a strip are a multiple of it, so that no group of neighbours is torn apart.
         const STEP: u32 = 16;
-        self.resources.frame.write(bytemuck::bytes_of(&view.block(size)))?;
+        self.write(view, size)?;
         let (mut row, mut total) = (0, 0.0);
         while row < size[1] {
             if !go_on() {
@@ -294,23 +298,55 @@ impl Painter {
     /// # Errors
     /// Where the device is lost, and where the pictures have no such light.
     pub fn directions(&mut self, view: &View, light: usize) -> Result<Directions> {
-        let Some(lights) = self.geometry.lights.get(light) else {
+        if light >= self.geometry.lights {
             return Err(Error::failed(
                 format!("there is no light {light}"),
                 "report this as a bug of diffract",
             ));
-        };
-        self.resources.frame.write(bytemuck::bytes_of(&view.block(self.target.size())))?;
+        }
+        self.write(view, self.target.size())?;
         self.commands.run(|record| {
             self.find.record(record, &self.geometry, &self.resources.descriptors, &self.mesh);
             Ok(())
         })?;
-        let read = |image| {
+        let read = |image| -> Result<Vec<[f32; 4]>> {
             let bytes = target::read_back(&self.device, image, Access::ShaderRead)?;
             Ok(bytemuck::pod_collect_to_vec(&bytes))
         };
-        Ok(Directions { light: read(lights)?, view: read(&self.geometry.view)? })
+        let first = read(&self.geometry.directions)?;
+        let lights = match light.checked_sub(1) {
+            None => first.iter().map(|&[.., x, y]| [x, y]).collect(),
+            Some(more) => {
+                let image = read(&self.geometry.more_lights[more / 2])?;
+                image
+                    .iter()
+                    .map(|&[a, b, c, d]| if more % 2 == 0 { [a, b] } else { [c, d] })
+                    .collect::<Vec<_>>()
+            }
+        };
+        let covered = |stored: &[f32; 4]| stored[0] < target::UNCOVERED / 2.0;
+        let of = |s: [f32; 2], stored| if covered(stored) { unprojected(s) } else { [0.0; 4] };
+        Ok(Directions {
+            light: lights.into_iter().zip(&first).map(|(s, stored)| of(s, stored)).collect(),
+            view: first.iter().map(|stored| of([stored[0], stored[1]], stored)).collect(),
+        })
     }
+
+    /// Writes the `Frame` block of `view` for pictures of `size`.
+    fn write(&mut self, view: &View, size: [u32; 2]) -> Result<()> {
+        let mut block = view.block(size);
+        if !self.textured {
+            // There are no albedos to read.
+            block.base_color[3] = 0.0;
+        }
+        self.resources.frame.write(bytemuck::bytes_of(&block))
+    }
+}
+
+/// The unit vector at `s` of the stereographic projection from −N that directions are stored by; w is 1.
+fn unprojected(s: [f32; 2]) -> [f32; 4] {
+    let k = 2.0 / (1.0 + s[0] * s[0] + s[1] * s[1]);
+    [k * s[0], k * s[1], k - 1.0, 1.0]
 }
 
 /// Records the display, which a window may be showing, and leaves it readable.

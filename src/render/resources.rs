@@ -2,8 +2,8 @@
 
 use super::color_table::{ColorTable, Filter, grid::LEVELS, pyramid::in_layers};
 use super::interface::{
-    CopiesBlock, FrameBlock, LinesBlock, OpticsBlock, TableBlock, binding, optics_bindings, specialization,
-    table_specialization,
+    CopiesBlock, FrameBlock, LinesBlock, MORE_LIGHTS, OpticsBlock, TableBlock, binding, optics_bindings,
+    specialization, table_specialization,
 };
 use super::shading::Shading;
 use super::tables::{Combs, Table};
@@ -16,7 +16,6 @@ use crate::optics::orders::{Colours, Repeats};
 use crate::optics::quadrature::Sliding;
 use crate::precompute::Layers;
 use crate::precompute::texels::Texels;
-use crate::scene::MAX_LIGHTS;
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::Descriptors;
 use crate::vk::device::Device;
@@ -44,6 +43,11 @@ impl Pigment {
     /// One white texel: no pigment texture.
     pub fn white() -> Self {
         Self { size: [1, 1], texels: vec![255; 4] }
+    }
+
+    /// Whether it is anything but white all over, as far as one texel tells.
+    pub fn is_textured(&self) -> bool {
+        self.size != [1, 1] || self.texels != [255; 4]
     }
 
     /// The picture in the file `path`.
@@ -239,7 +243,7 @@ impl Resources {
             descriptors.image(number, image, if number == binding::PIGMENT { &repeat } else { &edge });
         }
         // Until a geometry pass is there: some drivers touch every binding of a set, read by the shader or not.
-        for number in binding::VIEW_DIRECTIONS..binding::LIGHT_DIRECTIONS + MAX_LIGHTS as u32 {
+        for number in binding::DIRECTIONS..binding::MORE_LIGHTS + MORE_LIGHTS {
             descriptors.image(number, &images[3], &edge);
         }
         for number in [binding::QUERIES, binding::ANSWERS] {
@@ -342,7 +346,7 @@ impl Resources {
         }
         descriptors.image(binding::COLOR_TABLE, &images[0], &levels);
         descriptors.image(binding::PIGMENT, &images[1], &repeat);
-        let geometry = binding::VIEW_DIRECTIONS..binding::LIGHT_DIRECTIONS + MAX_LIGHTS as u32;
+        let geometry = binding::DIRECTIONS..binding::MORE_LIGHTS + MORE_LIGHTS;
         let of_layers = [binding::COEFFICIENTS, binding::LAYERS, binding::NODES];
         let of_lines = [binding::LINES, binding::LINE_WEIGHTS];
         for number in of_layers.into_iter().chain(of_lines).chain(geometry) {
@@ -367,12 +371,13 @@ impl Resources {
 impl Resources {
     /// Points the set at what the geometry pass writes. The device must not be using the set.
     pub fn read_from(&self, geometry: &Geometry) {
-        self.descriptors.image(binding::VIEW_DIRECTIONS, &geometry.view, &self.edge);
-        self.descriptors.image(binding::ALBEDOS, &geometry.albedo, &self.edge);
-        for light in 0..MAX_LIGHTS {
-            // Every binding has to hold something; those beyond the lights are never read.
-            let image = geometry.lights.get(light).unwrap_or(&geometry.view);
-            self.descriptors.image(binding::LIGHT_DIRECTIONS + light as u32, image, &self.edge);
+        // Every binding has to hold something; what there is none of is never read.
+        let there = &geometry.directions;
+        self.descriptors.image(binding::DIRECTIONS, there, &self.edge);
+        self.descriptors.image(binding::ALBEDOS, geometry.albedo.as_ref().unwrap_or(there), &self.edge);
+        for place in 0..MORE_LIGHTS {
+            let image = geometry.more_lights.get(place as usize).unwrap_or(there);
+            self.descriptors.image(binding::MORE_LIGHTS + place, image, &self.edge);
         }
     }
 }

@@ -20,41 +20,52 @@ pub const DISPLAY: vk::Format = vk::Format::R8G8B8A8_UNORM;
 /// Format of directions and pigment.
 pub const GEOMETRY: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// What the geometry pass finds at each pixel.
+/// What the geometry pass clears directions to: farther out than any is projected (`UNCOVERED` of `shaders/pixel.glsl`).
+pub const UNCOVERED: f32 = 100.0;
+
+/// What the geometry pass finds at each pixel, directions in stereographic projection.
 pub struct Geometry {
-    /// ω_r; w: covered.
-    pub view: Image,
-    /// Albedo of the pigment, linear sRGB.
-    pub albedo: Image,
-    /// ω_i of each light.
-    pub lights: Vec<Image>,
+    /// ω_r (xy) and the first light's ω_i (zw).
+    pub directions: Image,
+    /// Albedo of the pigment, linear sRGB, where it is of a texture or more lights stand behind it.
+    pub albedo: Option<Image>,
+    /// ω_i of the other lights, two to an image.
+    pub more_lights: Vec<Image>,
     /// Depth.
     pub depth: Image,
+    /// Lights.
+    pub lights: usize,
 }
 
 impl Geometry {
-    /// Images of `size` pixels for `lights` lights.
+    /// Images of `size` pixels for `lights` lights; with albedos where the pigment is `textured`.
     ///
     /// # Errors
     /// Where the device has no room or does not make images of that size.
-    pub fn new(device: &Arc<Device>, size: [u32; 2], lights: usize) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, size: [u32; 2], lights: usize, textured: bool) -> Result<Self> {
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
             | vk::ImageUsageFlags::TRANSFER_SRC
             | vk::ImageUsageFlags::SAMPLED;
         let make = |name, format, usage| {
             Image::new(device, &Description { name, format, size, layers: 1, array: false, usage })
         };
+        let more = lights.saturating_sub(1).div_ceil(2);
+        // The attachments of a pass have no gaps.
+        let albedo = (textured || more > 0).then(|| make("albedos", GEOMETRY, usage)).transpose()?;
         Ok(Self {
-            view: make("view directions", GEOMETRY, usage)?,
-            albedo: make("albedos", GEOMETRY, usage)?,
-            lights: (0..lights).map(|_| make("light directions", GEOMETRY, usage)).collect::<Result<_>>()?,
+            directions: make("directions", GEOMETRY, usage)?,
+            albedo,
+            more_lights: (0..more)
+                .map(|_| make("light directions", GEOMETRY, usage))
+                .collect::<Result<_>>()?,
             depth: make("depth", DEPTH, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT)?,
+            lights,
         })
     }
 
     /// The colour images in the order of `geometry.frag`.
     pub fn images(&self) -> impl Iterator<Item = &Image> {
-        [&self.view, &self.albedo].into_iter().chain(&self.lights)
+        std::iter::once(&self.directions).chain(&self.albedo).chain(&self.more_lights)
     }
 }
 

@@ -56,7 +56,7 @@ impl Painter {
     ) -> Result<PassTimes> {
         let start = Instant::now();
         let milliseconds = |since: Instant| since.elapsed().as_secs_f64() * 1e3;
-        self.resources.frame.write(bytemuck::bytes_of(&view.block(self.target.size())))?;
+        self.write(view, self.target.size())?;
         let (target, resources, stamps) = (&self.target, &self.resources, &watch.timestamps);
         let mut times = PassTimes::default();
         self.commands.run(|record| {

@@ -1,0 +1,36 @@
+// What `geometry.frag` finds at a pixel, for the stages that shade it. Directions are stored by stereographic projection from
+// -N, two numbers each: a frame writes and reads them for every pixel. Its twin is `Directions` of src/render/picture.rs.
+
+// Written by the geometry pass: to the viewer (xy) and to the first light (zw).
+layout(set = 0, binding = 9) uniform sampler2D directions;
+layout(set = 0, binding = 10) uniform sampler2D albedos;      // where there is a pigment texture
+layout(set = 0, binding = 11) uniform sampler2D more_lights_0; // to the second and to the third light
+layout(set = 0, binding = 12) uniform sampler2D more_lights_1; // to the fourth
+
+// What the pass clears to: farther out than any direction is projected.
+const float UNCOVERED = 100.0;
+const float NEARLY_UNCOVERED = 50.0;
+
+vec3 unprojected(vec2 s) {
+    float k = 2.0 / (1.0 + dot(s, s));
+    return vec3(k * s, k - 1.0);
+}
+
+bool covered(vec4 stored) {
+    return stored.x < NEARLY_UNCOVERED;
+}
+
+// To light number `light`, of a pixel whose `directions` are `stored`. An array of samplers would need a feature that not every device
+// has.
+vec3 light_direction(vec4 stored, int light, ivec2 pixel) {
+    switch (light) {
+    case 0: return unprojected(stored.zw);
+    case 1: return unprojected(texelFetch(more_lights_0, pixel, 0).xy);
+    case 2: return unprojected(texelFetch(more_lights_0, pixel, 0).zw);
+    default: return unprojected(texelFetch(more_lights_1, pixel, 0).xy);
+    }
+}
+
+vec3 albedo_of(ivec2 pixel) {
+    return frame.base_color.w > 0.0 ? texelFetch(albedos, pixel, 0).rgb : frame.base_color.rgb;
+}
