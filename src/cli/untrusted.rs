@@ -7,7 +7,7 @@ use super::{eval, options, range, usage};
 use crate::error::{Error, Result};
 use crate::optics::spectrum::Illuminant;
 use crate::precompute::cache;
-use crate::render::resources::Pigment;
+use crate::render::pigment::Pigment;
 use crate::scene::{Scene, obj};
 use crate::surface::image_file;
 use crate::units;

@@ -11,4 +11,5 @@ pub mod grating;
 pub mod orders;
 pub mod quadrature;
 pub mod reference;
+pub mod sliding;
 pub mod spectrum;

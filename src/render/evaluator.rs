@@ -1,7 +1,8 @@
 //! Answers to single directions, by the same optics that frames shade with.
 
 use super::interface::{QueryBlock, binding};
-use super::resources::{Optics, Pigment, Reads, Resources};
+use super::pigment::Pigment;
+use super::resources::{Optics, Reads, Resources};
 use super::shader;
 use super::shading::Shading;
 use crate::error::Result;

@@ -7,6 +7,7 @@ pub mod evaluator;
 pub mod frame;
 pub mod interface;
 pub mod picture;
+pub mod pigment;
 pub mod reference_picture;
 pub mod resources;
 pub mod shading;

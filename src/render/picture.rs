@@ -2,7 +2,8 @@
 
 use super::evaluator::{Asker, Query};
 use super::frame::{DeviceMesh, DisplayPass, GeometryPass, PixelPass, View};
-use super::resources::{Optics, Pigment, Reads, Resources};
+use super::pigment::Pigment;
+use super::resources::{Optics, Reads, Resources};
 use super::shading::Shading;
 use super::tables::Combs;
 use super::target::{self, Geometry, Target};

@@ -3,7 +3,8 @@
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
-use crate::optics::quadrature::{Rule, SPAN, Sliding};
+use crate::optics::quadrature::{Rule, SPAN};
+use crate::optics::sliding::Sliding;
 use crate::optics::spectrum::Illuminant;
 use crate::precompute::kernel::SPECKLE;
 use crate::precompute::lines::Spacing;

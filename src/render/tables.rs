@@ -3,7 +3,8 @@
 use super::interface::UV_BINS;
 use super::shading::Shading;
 use crate::optics::orders::Colours;
-use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule, Sliding};
+use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
+use crate::optics::sliding::Sliding;
 use crate::optics::spectrum::Illuminant;
 use crate::precompute::Layers;
 

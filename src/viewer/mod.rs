@@ -27,7 +27,7 @@ mod worker;
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::render::color_table::Filter;
-use crate::render::resources::Pigment;
+use crate::render::pigment::Pigment;
 use crate::render::resources::Reads;
 use crate::scene::Scene;
 use crate::surface::Source;

@@ -11,7 +11,7 @@ use crate::measure::cost::Cost;
 use crate::render::difference::DifferencePass;
 use crate::render::frame::View;
 use crate::render::picture::{Painter, Picture};
-use crate::render::resources::Pigment;
+use crate::render::pigment::Pigment;
 use crate::scene::Scene;
 use crate::vk::device::Device;
 use crate::vk::image::Image;

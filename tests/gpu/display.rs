@@ -5,7 +5,7 @@ use crate::evaluation::{layers, patch, shading};
 use diffract::optics::color::display;
 use diffract::render::frame::View;
 use diffract::render::picture::Painter;
-use diffract::render::resources::Pigment;
+use diffract::render::pigment::Pigment;
 use diffract::scene::Scene;
 use diffract::surface::synth::Kind;
 use glam::DVec3;

@@ -7,7 +7,7 @@ use diffract::precompute::Layers;
 use diffract::render::evaluator::Evaluator;
 use diffract::render::frame::View;
 use diffract::render::picture::{Painter, Picture};
-use diffract::render::resources::Pigment;
+use diffract::render::pigment::Pigment;
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
 use diffract::surface::synth::Kind;

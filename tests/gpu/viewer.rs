@@ -5,7 +5,7 @@ use crate::evaluation::{layers, patch, shading};
 use diffract::render::difference::{self, DifferencePass};
 use diffract::render::frame::View;
 use diffract::render::picture::Painter;
-use diffract::render::resources::Pigment;
+use diffract::render::pigment::Pigment;
 use diffract::render::target;
 use diffract::scene::{Light, Scene};
 use diffract::surface::synth::Kind;
