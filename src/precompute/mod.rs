@@ -8,6 +8,7 @@ pub mod kernel;
 pub mod layers;
 pub mod lines;
 pub mod pairs;
+mod plan;
 pub mod texels;
 mod transform;
 

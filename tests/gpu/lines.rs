@@ -2,11 +2,10 @@
 
 use crate::device::with_device;
 use crate::evaluation::{patch, shading};
-use crate::table::{colours, errors};
+use crate::table::{by_reference, colours, errors};
 use diffract::expansion::Basis;
 use diffract::measure::cost::Cost;
 use diffract::optics::quadrature::Rule;
-use diffract::optics::reference::Reference;
 use diffract::precompute::{Layers, compute};
 use diffract::render::evaluator::Evaluator;
 use diffract::render::picture::Directions;
@@ -15,7 +14,6 @@ use diffract::render::tables::Combs;
 use diffract::surface::HeightField;
 use diffract::surface::synth::Kind;
 use diffract::vk::device::Device;
-use glam::DVec3;
 
 /// Layers of `field` for pictures, which have lines.
 fn layers(device: &Device, field: &HeightField, shading: &Shading) -> Layers {
@@ -28,10 +26,7 @@ fn layers(device: &Device, field: &HeightField, shading: &Shading) -> Layers {
 fn meet_their_tolerance(kind: Kind, side: f64, length: f64, seed: u64, bases: &[(Basis, f64)]) {
     let field = patch(kind, side);
     let queries = colours(seed, 300);
-    let light = shading(length, 1.0);
-    let reference = Reference::new(&field, light.coherence, [1, 1], light.ior);
-    let exact: Vec<DVec3> =
-        queries.iter().map(|q| reference.cosine_weighted_xyz(&q.pair, &light.illuminant).unwrap()).collect();
+    let exact = by_reference(&field, &shading(length, 1.0), &queries);
     with_device(|device| {
         for &(basis, tolerance) in bases {
             let shading = Shading { basis, ..shading(length, tolerance) }.for_pictures();
@@ -84,9 +79,7 @@ fn colours_along_lines_meet_their_tolerance_where_samples_and_sides_are_not_squa
     let field = HeightField::new(square.columns(), square.rows(), [dx, dx * 0.7], heights).unwrap();
     let queries = colours(43, 200);
     let light = shading(32.0, 1e-2);
-    let reference = Reference::new(&field, light.coherence, [1, 1], light.ior);
-    let exact: Vec<DVec3> =
-        queries.iter().map(|q| reference.cosine_weighted_xyz(&q.pair, &light.illuminant).unwrap()).collect();
+    let exact = by_reference(&field, &light, &queries);
     with_device(|device| {
         for terms in [None, Some(14)] {
             let shading = Shading { terms, ..light.clone() }.for_pictures();

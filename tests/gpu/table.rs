@@ -38,6 +38,12 @@ pub fn colours(seed: u64, count: usize) -> Vec<Query> {
     queries(seed, count).into_iter().map(|q| Query { wavelength: None, ..q }).collect()
 }
 
+/// The colours of `queries` by the direct sum, XYZ of f cos θ_i.
+pub fn by_reference(field: &HeightField, shading: &Shading, queries: &[Query]) -> Vec<DVec3> {
+    let reference = Reference::new(field, shading.coherence, [1, 1], shading.ior);
+    queries.iter().map(|q| reference.cosine_weighted_xyz(&q.pair, &shading.illuminant).unwrap()).collect()
+}
+
 /// ‖found − exact‖/‖exact‖ over all directions, then median and 99th percentile of the errors of single directions that a
 /// display does not show as black, each relative to its own value.
 pub fn errors(found: &[DVec3], exact: &[DVec3]) -> [f64; 3] {
@@ -54,10 +60,7 @@ pub fn errors(found: &[DVec3], exact: &[DVec3]) -> [f64; 3] {
 fn meets_its_tolerance(kind: Kind, side: f64, length: f64, seed: u64, tolerances: &[f64]) {
     let field = patch(kind, side);
     let queries = colours(seed, 200);
-    let light = shading(length, 1.0);
-    let reference = Reference::new(&field, light.coherence, [1, 1], light.ior);
-    let exact: Vec<DVec3> =
-        queries.iter().map(|q| reference.cosine_weighted_xyz(&q.pair, &light.illuminant).unwrap()).collect();
+    let exact = by_reference(&field, &shading(length, 1.0), &queries);
     with_device(|device| {
         for &tolerance in tolerances {
             let shading = shading(length, tolerance);

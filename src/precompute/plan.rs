@@ -1,0 +1,100 @@
+//! Which frequencies are transformed, how finely, and whether there is room for it.
+
+use super::kernel::Interpolation;
+use super::layers::Settings;
+use super::lines;
+use super::transform::{PaddedAxis, Samples, Transformer};
+use crate::error::{Error, Result};
+use crate::memory;
+use crate::surface::HeightField;
+
+/// The transforms' axes for `settings`.
+pub(super) struct Plan {
+    /// Of the whole plane, or of its centre where there are lines.
+    pub plane: [PaddedAxis; 2],
+    /// Of the lines of constant f_x and of constant f_y.
+    pub lines: Option<(lines::Spacing, [[PaddedAxis; 2]; 2])>,
+}
+
+impl Plan {
+    /// The axes, checked against the memory limit of `settings` before any of it is taken.
+    pub fn new(
+        field: &HeightField,
+        settings: &Settings,
+        interpolation: Interpolation,
+        shift: [f64; 2],
+    ) -> Result<Self> {
+        let band = bands_of(field, settings.shortest_wavelength);
+        let own = Samples::of(field, shift);
+        let sigma = settings.sigma;
+        if let Some(spacing) = settings.lines.filter(|_| sigma.is_finite()) {
+            let plan = Self {
+                plane: [0, 1].map(|i| {
+                    let reach = band[i].min(spacing.from / settings.shortest_wavelength);
+                    let length = interpolation.ratios[i] * sigma;
+                    PaddedAxis::new(&own[i], sigma, length, Some(interpolation.kernels[i]), reach)
+                }),
+                lines: Some((spacing, spacing.axes(&own, sigma, band))),
+            };
+            if plan.longest() <= settings.side_limit {
+                return plan.checked(&own).map(|()| plan);
+            }
+        }
+        // Whether it fits is known before the axes, which are as long as the window, are made.
+        let extent = |axis: usize| if sigma.is_finite() { sigma } else { own[axis].period() };
+        let texels = |axis: usize| 2.0 * band[axis] * interpolation.ratios[axis] * extent(axis);
+        let plane = if settings.basis.is_real() { 0.5 } else { 1.0 };
+        let bytes = texels(0) * texels(1) * plane * 8.0 * settings.terms.unwrap_or(2) as f64;
+        if bytes > settings.memory_limit as f64 {
+            return Err(too_large(bytes, settings));
+        }
+        let axis = |i: usize| {
+            let length = interpolation.ratios[i] * extent(i);
+            PaddedAxis::new(&own[i], sigma, length, Some(interpolation.kernels[i]), band[i])
+        };
+        let plan = Self { plane: [axis(0), axis(1)], lines: None };
+        if plan.longest() > settings.side_limit {
+            return Err(Error::failed(
+                format!(
+                    "the spectra would be {} texels long, the device holds {}",
+                    plan.longest(),
+                    settings.side_limit
+                ),
+                "ask for a shorter --coherence or a larger --tolerance, or use --method reference",
+            ));
+        }
+        plan.checked(&own).map(|()| plan)
+    }
+
+    /// Every pair of axes.
+    fn axes(&self) -> impl Iterator<Item = &[PaddedAxis; 2]> {
+        std::iter::once(&self.plane).chain(self.lines.iter().flat_map(|(_, axes)| axes))
+    }
+
+    /// Texels along the longest side of a layer.
+    fn longest(&self) -> usize {
+        self.axes().flatten().map(PaddedAxis::kept).max().unwrap_or(0)
+    }
+
+    /// Fails where the host has no room for the transforms.
+    fn checked(&self, own: &[Samples; 2]) -> Result<()> {
+        let needed = self.axes().map(|[x, y]| Transformer::memory(x, y, &own[1])).max();
+        memory::ensure_room(needed.unwrap_or(0), "the Fourier transforms")
+    }
+}
+
+pub(super) fn too_large(bytes: f64, settings: &Settings) -> Error {
+    Error::failed(
+        format!(
+            "the spectra would take {:.1} GiB or more, the limit is {:.1} GiB",
+            bytes / f64::from(1 << 30),
+            settings.memory_limit as f64 / f64::from(1 << 30)
+        ),
+        "ask for a shorter --coherence, a larger --tolerance or fewer --terms, or use --method reference",
+    )
+}
+
+/// Largest frequencies that directions at `shortest` \[µm\] can ask for and samples can hold: min(2/λ, 1/(2dx)).
+pub(super) fn bands_of(field: &HeightField, shortest: f64) -> [f64; 2] {
+    field.pixel_size().map(|d| (2.0 / shortest).min(0.5 / d))
+}
