@@ -163,7 +163,7 @@ fn report(
         driver: candidate.driver.clone(),
         size: stage.size,
         method: setting.method,
-        basis: arguments.optics.basis.name(),
+        basis: setting.basis.name(),
         tolerance: arguments.optics.tolerance,
         terms: setting.terms,
         layers: setting.layers,
@@ -202,10 +202,13 @@ fn text(r: &Report) -> String {
         ("picture", format!("{} x {}, {:.1} % covered", r.size[0], r.size[1], r.covered * 100.0)),
         (
             "setting",
-            format!(
-                "{}, {}, {} terms in {} layers, {} kernel, {:.1} wavelengths a covered pixel, tolerance {:.0e}",
-                r.method, r.basis, r.terms, r.layers, r.kernel, r.wavelengths, r.tolerance
-            ),
+            match r.method {
+                "table" => format!("table, {} layers, {}, tolerance {:.0e}", r.layers, r.kernel, r.tolerance),
+                method => format!(
+                    "{method}, {}, {} terms in {} layers, {}, {:.1} wavelengths a covered pixel, tolerance {:.0e}",
+                    r.basis, r.terms, r.layers, r.kernel, r.wavelengths, r.tolerance
+                ),
+            },
         ),
         ("frame (min/p50/p95/max)", ms(&r.frame_ms)),
         ("device: mesh", ms(&r.geometry_ms)),

@@ -5,6 +5,7 @@ use super::prepare;
 use super::profile::Arguments;
 use super::spectral::Spectral;
 use crate::error::{Error, Result};
+use crate::expansion::Basis;
 use crate::measure::budget::Budget;
 use crate::measure::cost::Cost;
 use crate::measure::error::{self, PixelErrors};
@@ -36,6 +37,8 @@ pub struct Setting {
     pub terms: usize,
     pub layers: usize,
     pub kernel: String,
+    /// The expansion that the layers hold, or that a table was baked from.
+    pub basis: Basis,
     pub budget: Budget,
 }
 
@@ -91,6 +94,7 @@ impl Stage {
             };
             let setting = Setting {
                 method: "table",
+                basis: Basis::Phase,
                 terms: table.grid.values(),
                 layers: table.grid.layers(),
                 kernel: kernel.to_owned(),
@@ -104,10 +108,14 @@ impl Stage {
         let directions = directions(&mut painter)?;
         spectral.check(&directions)?;
         let cost = spectral.cost(&painter, &directions);
-        let kernel = layers.interpolation.name();
+        let kernel = match &layers.lines {
+            Some(lines) => format!("{} along lines", lines.kernel.name()),
+            None => format!("{} kernel", layers.interpolation.name()),
+        };
         let (terms, pairs) = (layers.terms, layers.pairs());
         let budget = Budget::of_layers(layers, shading);
-        let setting = Setting { method: "spectral", terms, layers: pairs, kernel, budget };
+        let setting =
+            Setting { method: "spectral", basis: shading.basis, terms, layers: pairs, kernel, budget };
         Ok((painter, setting, cost, directions))
     }
 

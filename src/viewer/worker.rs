@@ -50,7 +50,11 @@ impl Made {
     /// Layers of the texture, texels along its sides, and its bytes.
     pub fn texture(&self) -> (usize, [usize; 2], u64) {
         match self {
-            Self::Layers(layers) => (layers.count(), layers.size, layers.bytes() as u64),
+            Self::Layers(layers) => {
+                // Lines hold nearly all of it, where there are any.
+                let size = layers.lines.as_ref().map_or(layers.size, |lines| lines.size);
+                (layers.count(), size, layers.bytes() as u64)
+            }
             Self::Table(table, _) => (table.grid.layers(), [table.grid.side; 2], table.grid.bytes()),
         }
     }

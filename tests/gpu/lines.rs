@@ -112,8 +112,9 @@ fn nodes_on_lines_are_counted_as_the_rule_has_them() {
         let along = cost(0.6, 0.1);
         assert!((75..=84).contains(&along.wavelengths), "{along:?}");
         assert_eq!(along.samples, along.wavelengths * layers.pairs());
-        assert_eq!(cost(0.1, 0.6).wavelengths, along.wavelengths);
         assert_eq!(cost(0.6, 0.5).wavelengths, along.wavelengths);
+        // The patch is not quite square, and so are the lines.
+        assert!(cost(0.1, 0.6).wavelengths.abs_diff(along.wavelengths) <= 1);
         // In the centre the comb does it.
         let rule = Rule::gaussian(&shading.illuminant, layers.sigma, shading.quadrature());
         let near = cost(0.05, 0.03);
