@@ -103,6 +103,7 @@ impl Audit {
             let mut texels = spread(transformer, radius, Self::SPREAD);
             texels.extend(brightest(transformer, &spectrum, radius, Self::BRIGHTEST));
             let exact = texels.iter().map(|&[c, r]| spectrum.at(c, r)).collect();
+            transformer.take_back([spectrum]);
             planes.push(Plane {
                 z,
                 faint: faint(share),

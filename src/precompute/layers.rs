@@ -219,14 +219,19 @@ pub fn compute_at(
             let pair = transformer.pair(half_plane, value);
             texels.extend(pack(&pair, size, first_column));
             match (&mut maker, &along_lines) {
-                (Some(maker), Some([first, second])) => {
-                    let pair = first.pair(half_plane, value);
-                    maker.add(0, &pair);
-                    audit.add(band, &pair);
-                    maker.add(1, &second.pair(half_plane, value));
+                (Some(maker), Some(sets)) => {
+                    for (set, transformer) in sets.iter().enumerate() {
+                        let pair = transformer.pair(half_plane, value);
+                        maker.add(set, &pair);
+                        if set == 0 {
+                            audit.add(band, &pair);
+                        }
+                        transformer.take_back(pair);
+                    }
                 }
                 _ => audit.add(band, &pair),
             }
+            transformer.take_back(pair);
             made += 1;
         }
         let terms = (2 * bands.pairs).min(most_terms);

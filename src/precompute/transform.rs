@@ -8,7 +8,7 @@ use crate::surface::HeightField;
 use rayon::prelude::*;
 use rustfft::{Fft, FftPlanner, num_complex::Complex64};
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// The samples of a height field along an axis.
 #[derive(Clone, Copy, Debug)]
@@ -192,6 +192,19 @@ impl Pair {
     }
 }
 
+impl IntoIterator for Pair {
+    type Item = Spectrum;
+    type IntoIter = std::vec::IntoIter<Spectrum>;
+
+    /// What was transformed: one spectrum of real functions, two of complex ones.
+    fn into_iter(self) -> Self::IntoIter {
+        match self {
+            Self::Real(both) => vec![both].into_iter(),
+            Self::Complex(each) => Vec::from(each).into_iter(),
+        }
+    }
+}
+
 /// Transforms of one height field under one window.
 pub struct Transformer<'a> {
     field: &'a HeightField,
@@ -204,6 +217,8 @@ pub struct Transformer<'a> {
     row_place: Vec<usize>,
     along_x: Arc<dyn Fft<f64>>,
     along_y: Arc<dyn Fft<f64>>,
+    /// Rooms of former transforms: the system takes longer to hand them out than a transform does to fill them.
+    spare: Mutex<Vec<Vec<Complex64>>>,
 }
 
 impl<'a> Transformer<'a> {
@@ -216,7 +231,28 @@ impl<'a> Transformer<'a> {
         rows.dedup();
         let mut row_place = vec![0; field.rows()];
         rows.iter().enumerate().for_each(|(place, &row)| row_place[row] = place);
-        Self { field, x, y, rows, row_place, along_x, along_y }
+        Self { field, x, y, rows, row_place, along_x, along_y, spare: Mutex::default() }
+    }
+
+    /// `count` numbers of whatever value, to be written over.
+    fn room(&self, count: usize) -> Vec<Complex64> {
+        let found = self.spare.lock().ok().and_then(|mut spare| {
+            let place = spare.iter().position(|room| room.len() == count)?;
+            Some(spare.swap_remove(place))
+        });
+        found.unwrap_or_else(|| vec![Complex64::ZERO; count])
+    }
+
+    fn keep(&self, room: Vec<Complex64>) {
+        // Where the list was left broken by a panic, the room is lost and no more.
+        if let Ok(mut spare) = self.spare.lock() {
+            spare.push(room);
+        }
+    }
+
+    /// Takes the room of spectra of this transformer back for the next.
+    pub fn take_back(&self, spectra: impl IntoIterator<Item = Spectrum>) {
+        spectra.into_iter().for_each(|spectrum| self.keep(spectrum.values));
     }
 
     /// Host memory that a transform takes at its worst \[bytes\]: the rows of the patch at the kept columns, and the kept
@@ -239,7 +275,7 @@ impl<'a> Transformer<'a> {
         let (x, y) = (&self.x, &self.y);
         let columns = x.kept();
         // Rows of the patch, transformed once however often they repeat; only the kept columns stay.
-        let mut rows_done = vec![Complex64::ZERO; self.rows.len() * columns];
+        let mut rows_done = self.room(self.rows.len() * columns);
         rows_done.par_chunks_mut(columns).enumerate().for_each_init(
             || {
                 (
@@ -259,7 +295,7 @@ impl<'a> Transformer<'a> {
                 }
             },
         );
-        let mut values = vec![Complex64::ZERO; columns * y.kept()];
+        let mut values = self.room(columns * y.kept());
         // Neighbouring columns share cache lines of `rows_done`.
         const TOGETHER: usize = 8;
         values.par_chunks_mut(TOGETHER * y.kept()).enumerate().for_each_init(
@@ -286,6 +322,7 @@ impl<'a> Transformer<'a> {
                 }
             },
         );
+        self.keep(rows_done);
         Spectrum { values, columns, rows: y.kept() }
     }
 }
