@@ -15,7 +15,7 @@ pub struct Sliding {
     pub columns: [f64; 2],
     /// Distances of nodes, growing by a constant factor: the smallest, and log₂ of the factor.
     pub steps: (f64, f64),
-    /// XYZ weights per distance of the nodes, at [`Sliding::COLUMNS`] places: [step][place].
+    /// XYZ weights per distance of the nodes, at [`Sliding::COLUMNS`] places: `[step][place]`.
     pub rows: Vec<Vec<DVec3>>,
 }
 
