@@ -100,7 +100,8 @@ impl Shading {
     /// Lines for colours through a Gaussian of standard deviation `sigma` \[µm\]: where nothing but colours is asked for, at
     /// wavelengths of the program's choice.
     fn lines(&self, sigma: f64) -> Option<Spacing> {
-        if self.purpose != Purpose::Picture || self.wavelengths.is_some() || !sigma.is_finite() {
+        let colours = self.purpose == Purpose::Picture && self.wavelengths.is_none();
+        if !colours || !sigma.is_finite() || self.quadrature() < LEAST_ON_LINES {
             return None;
         }
         let rule = Rule::gaussian(&self.illuminant, sigma, self.quadrature());
@@ -136,6 +137,10 @@ impl Default for Shading {
         }
     }
 }
+
+/// The smallest error of the sum over wavelengths that lines are for: their weights are read at the nearest of 4096 wavenumbers and of eight
+/// distances an octave, which leaves up to 4e-4 of a colour.
+const LEAST_ON_LINES: f64 = 4e-4;
 
 /// Share of the device's memory that the layers may take; pictures and the rest need some.
 const DEVICE_SHARE: f64 = 0.75;

@@ -121,3 +121,14 @@ fn nodes_on_lines_are_counted_as_the_rule_has_them() {
         assert!(near.wavelengths >= rule.count(0.0) && near.wavelengths < rule.count(0.2), "{near:?}");
     });
 }
+
+#[test]
+fn tolerances_that_the_weights_of_lines_would_break_do_without_them() {
+    with_device(|device| {
+        for (tolerance, on_lines) in [(1e-3, true), (5e-4, false), (1e-4, false)] {
+            let shading = shading(65.0, tolerance).for_pictures();
+            let settings = shading.layer_settings(0.38, device.candidate()).unwrap();
+            assert_eq!(settings.lines.is_some(), on_lines, "{tolerance}");
+        }
+    });
+}
