@@ -56,6 +56,11 @@ vec4 coefficients_at(float column, int layer) {
     return textureLod(coefficients, vec3((column + 0.5) / (optics.last_column + 1.0), 0.5, layer), 0.0);
 }
 
+// c_2p P_2p + c_2p+1 P_2p+1 of a pair of terms.
+vec2 sum_of_terms(vec4 c, vec4 s) {
+    return vec2(c.x * s.x - c.y * s.y, c.x * s.y + c.y * s.x) + vec2(c.z * s.z - c.w * s.w, c.z * s.w + c.w * s.z);
+}
+
 // Pairs of terms that k|w| = z needs.
 int pairs_at(float z) {
     return min(int(ceil(z * optics.pairs_per_z + optics.fewest_pairs)), PAIRS);
@@ -77,8 +82,7 @@ float power(Pair pair, float wavenumber) {
         vec4 c = coefficients_at(column, layer);
         c.yw *= pair.conjugate;
         vec4 s = read_layer(read, layer);
-        p += vec2(c.x * s.x - c.y * s.y, c.x * s.y + c.y * s.x);
-        p += vec2(c.z * s.z - c.w * s.w, c.z * s.w + c.w * s.z);
+        p += sum_of_terms(c, s);
         layer += Z_BANDS;
         ++done;
     } while (done < count);

@@ -5,21 +5,19 @@ layout(constant_id = 9) const bool LINES = false;       // whether there are any
 layout(constant_id = 10) const int GROUPED = 1;          // pairs of terms beside each other
 layout(constant_id = 11) const bool CUBIC_LINES = false; // cubic B-spline along a line, else linear
 
-// One texel's share of a place along a line.
+// A pair of terms at `t` in 0 ... 1 between the texel `at` and its neighbour along the line.
 vec4 read_line(ivec3 at, float t) {
+    ivec3 next = ivec3(GROUPED, 0, 0);
     if (!CUBIC_LINES) {
-        return mix(texelFetch(lines, at, 0), texelFetch(lines, at + ivec3(GROUPED, 0, 0), 0), t);
+        return mix(texelFetch(lines, at, 0), texelFetch(lines, at + next, 0), t);
     }
-    float t2 = t * t, t3 = t2 * t;
-    float w0 = (1.0 - 3.0 * t + 3.0 * t2 - t3) / 6.0, w3 = t3 / 6.0;
-    float w1 = (4.0 - 6.0 * t2 + 3.0 * t3) / 6.0;
-    return w0 * texelFetch(lines, at - ivec3(GROUPED, 0, 0), 0) + w1 * texelFetch(lines, at, 0)
-           + (1.0 - w0 - w1 - w3) * texelFetch(lines, at + ivec3(GROUPED, 0, 0), 0)
-           + w3 * texelFetch(lines, at + ivec3(2 * GROUPED, 0, 0), 0);
+    vec4 w = spline_weights(t);
+    return w.x * texelFetch(lines, at - next, 0) + w.y * texelFetch(lines, at, 0)
+           + w.z * texelFetch(lines, at + next, 0) + w.w * texelFetch(lines, at + 2 * next, 0);
 }
 
 bool crosses_lines(Pair pair) {
-    return LINES && max(abs(pair.toward.x), abs(pair.toward.y)) >= lines_at.from;
+    return max(abs(pair.toward.x), abs(pair.toward.y)) >= lines_at.from;
 }
 
 // XYZ of q^2 |P|^2, summed over the lines that a ray crosses up to the wavenumber `largest`; nothing where that is 0.
@@ -62,8 +60,7 @@ vec3 sum_over_lines(Pair pair, float largest) {
             vec4 c = coefficients_at(column, k * Z_BANDS + band);
             c.yw *= conjugate;
             vec4 s = read_line(ivec3(at.x + k % GROUPED, at.y, behind + k / GROUPED * Z_BANDS + band), point - whole);
-            p += vec2(c.x * s.x - c.y * s.y, c.x * s.y + c.y * s.x);
-            p += vec2(c.z * s.z - c.w * s.w, c.z * s.w + c.w * s.z);
+            p += sum_of_terms(c, s);
             ++k;
         } while (k < count);
         float weight = clamp(number * column_per_line + first_column, 0.0, lines_at.last_column);

@@ -16,17 +16,21 @@ struct Read {
     vec2 far_share; // weight of `far` along each axis where the kernel is cubic
 };
 
-// Cubic B-spline along an axis from two linear samples (Sigg & Hadwiger, GPU Gems 2, chapter 20): each stands between two
-// texels where the hardware's linear weights give the ratio of the spline's. x, y: the samples [texels]; z: weight of y.
-vec3 spline_samples(float texel) {
-    float whole = floor(texel - 0.5);
-    float t = texel - 0.5 - whole;
+// Weights of the four texels around a place at `t` in 0 ... 1 between the middle two (cubic B-spline).
+vec4 spline_weights(float t) {
     float t2 = t * t, t3 = t2 * t;
     float w0 = (1.0 - 3.0 * t + 3.0 * t2 - t3) / 6.0;
     float w1 = (4.0 - 6.0 * t2 + 3.0 * t3) / 6.0;
     float w3 = t3 / 6.0;
-    float w2 = 1.0 - w0 - w1 - w3;
-    return vec3(whole - 0.5 + w1 / (w0 + w1), whole + 1.5 + w3 / (w2 + w3), w2 + w3);
+    return vec4(w0, w1, 1.0 - w0 - w1 - w3, w3);
+}
+
+// Cubic B-spline along an axis from two linear samples (Sigg & Hadwiger, GPU Gems 2, chapter 20): each stands between two
+// texels where the hardware's linear weights give the ratio of the spline's. x, y: the samples [texels]; z: weight of y.
+vec3 spline_samples(float texel) {
+    float whole = floor(texel - 0.5);
+    vec4 w = spline_weights(texel - 0.5 - whole);
+    return vec3(whole - 0.5 + w.y / (w.x + w.y), whole + 1.5 + w.w / (w.z + w.w), w.z + w.w);
 }
 
 Read read_at(vec2 frequency) {

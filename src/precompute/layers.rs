@@ -289,13 +289,7 @@ pub fn compute_at(
             truncation_bound: worst(&|f| f.truncation_bound(z_max, terms)),
             rounding_bound: worst(&|f| f.rounding_bound(z_max, F32_ROUNDOFF)),
         },
-        texels: if half {
-            let mut halves = Texels::zeroed(true, 0);
-            halves.extend(&texels);
-            halves
-        } else {
-            Texels::Single(texels)
-        },
+        texels: Texels::of(half, texels),
         lines: maker.map(|maker| maker.finish(terms.div_ceil(2), half, settings.side_limit)),
     })
 }

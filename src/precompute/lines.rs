@@ -172,16 +172,7 @@ impl Maker {
                 for band in 0..bands {
                     // Taken one after the other, so that no more than one group exists twice.
                     let own: Vec<Texels> = (first..pairs.min(first + lines.grouped))
-                        .map(|pair| {
-                            let layer = std::mem::take(&mut set[pair * bands + band]);
-                            if half {
-                                let mut halves = Texels::zeroed(true, 0);
-                                halves.extend(&layer);
-                                halves
-                            } else {
-                                Texels::Single(layer)
-                            }
-                        })
+                        .map(|pair| Texels::of(half, std::mem::take(&mut set[pair * bands + band])))
                         .collect();
                     let Some(layer) = room.next() else { continue };
                     layer.par_chunks_mut(lines.grouped * texel).enumerate().for_each(|(place, out)| {

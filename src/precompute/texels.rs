@@ -23,17 +23,15 @@ impl Texels {
         f16::from_f32(value / HALF_UNIT).to_f32() * HALF_UNIT
     }
 
-    /// Appends `values`, which 16 bits have to hold where these are of 16 bits.
-    pub fn extend(&mut self, values: &[f32]) {
-        match self {
-            Self::Single(own) => own.extend_from_slice(values),
-            Self::Half(own) => {
-                let scaled: Vec<f32> = values.iter().map(|v| v / HALF_UNIT).collect();
-                let from = own.len();
-                own.resize(from + values.len(), 0);
-                own[from..].reinterpret_cast_mut::<f16>().convert_from_f32_slice(&scaled);
-            }
+    /// `values`, in 16 bits where `half`, which have to hold them then.
+    pub fn of(half: bool, values: Vec<f32>) -> Self {
+        if !half {
+            return Self::Single(values);
         }
+        let scaled: Vec<f32> = values.iter().map(|v| v / HALF_UNIT).collect();
+        let mut halves = vec![0u16; values.len()];
+        halves.reinterpret_cast_mut::<f16>().convert_from_f32_slice(&scaled);
+        Self::Half(halves)
     }
 
     /// Whether 16 bits hold `values`.
@@ -119,8 +117,7 @@ mod tests {
     #[test]
     fn half_the_width_rounds_by_less_than_a_thousandth_from_the_peak_to_what_is_too_faint_to_judge() {
         let values: Vec<f32> = (0..200).map(|i| 10f32.powf(-7.0 * i as f32 / 200.0)).collect();
-        let mut texels = Texels::zeroed(true, 0);
-        texels.extend(&values);
+        let texels = Texels::of(true, values.clone());
         assert!(texels.bytes().len() == 400 && texels.are_finite());
         for (i, v) in values.iter().enumerate() {
             assert!((texels.at(i) / v - 1.0).abs() < 5e-4, "{v}");
@@ -131,8 +128,6 @@ mod tests {
     #[test]
     fn what_sixteen_bits_cannot_hold_is_known_beforehand() {
         assert!(Texels::fit_halves(&[0.5, -15.9]) && !Texels::fit_halves(&[17.0]));
-        let mut texels = Texels::zeroed(true, 0);
-        texels.extend(&[17.0]);
-        assert!(!texels.are_finite());
+        assert!(!Texels::of(true, vec![17.0]).are_finite());
     }
 }

@@ -5,7 +5,7 @@ use super::pigment::Pigment;
 use super::resources::{Optics, Reads, Resources};
 use super::shader;
 use super::shading::Shading;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::optics::geometry::Pair;
 use crate::vk::access::Access;
 use crate::vk::buffer::Buffer;
@@ -94,8 +94,15 @@ impl Asker {
     /// As [`Evaluator::cosine_weighted`].
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Where the device is lost, and where single wavelengths are asked of layers that hold lines.
     pub fn ask(&mut self, resources: &Resources, queries: &[Query]) -> Result<Vec<DVec3>> {
+        if resources.combs.sliding.is_some() && queries.iter().any(|query| query.wavelength.is_some()) {
+            // Their plane ends where the lines begin.
+            return Err(Error::failed(
+                "layers for colours alone are asked for a single wavelength",
+                "report this as a bug of diffract",
+            ));
+        }
         let mut all = Vec::with_capacity(queries.len());
         for part in queries.chunks(AT_ONCE) {
             let blocks: Vec<QueryBlock> = part.iter().map(block).collect();

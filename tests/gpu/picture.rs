@@ -70,6 +70,37 @@ fn a_picture_is_the_reference_picture_within_its_tolerance() {
 }
 
 #[test]
+fn a_pigment_texture_of_one_colour_is_that_base_colour_under_one_light_and_under_four() {
+    let field = patch(Kind::Flat, 2.0);
+    let scene = Scene::open("sphere").unwrap();
+    let shading = shading(4.0, 1e-1);
+    let light = |phi: f64| Light { theta: 40.0, phi, intensity: 1.0 };
+    // sRGB codes 255 and 0 are exactly 1 and 0.
+    let green = Pigment { size: [2, 2], texels: [0, 255, 0, 255].repeat(4) };
+    let base = |color: Vec3, view: &View| View { base_color: color, ..view.clone() };
+    with_device(|device| {
+        let layers = layers(&field, &shading);
+        for lights in [vec![light(10.0)], [10.0, 80.0, 200.0, -60.0].map(light).to_vec()] {
+            let plain = View::of(&scene, lights);
+            let paint = |pigment: &Pigment, view: &View| {
+                let count = view.lights.len();
+                let mut painter =
+                    Painter::new(device, &layers, &shading, &scene.mesh, pigment, SIZE, count).unwrap();
+                painter.paint(view, 0.0, DVec3::ZERO).unwrap().radiance
+            };
+            let textured = View { pigment: true, ..base(Vec3::ONE, &plain) };
+            let found = paint(&green, &textured);
+            assert_eq!(found, paint(&Pigment::white(), &base(Vec3::Y, &plain)));
+            assert_ne!(found, paint(&Pigment::white(), &base(Vec3::X, &plain)));
+            // White is what a view with a texture falls back to where there is none.
+            let white = paint(&Pigment::white(), &base(Vec3::ONE, &plain));
+            assert_eq!(white, paint(&Pigment::white(), &textured));
+            assert_ne!(white, found);
+        }
+    });
+}
+
+#[test]
 fn an_upright_sphere_is_lit_from_where_the_light_is() {
     let field = patch(Kind::Flat, 4.0);
     let scene = Scene::open("sphere").unwrap();
