@@ -1,6 +1,7 @@
 //! The command line: one file per command; raw arguments in, validated settings with units out.
 
 mod answers;
+mod baselines;
 mod brdf;
 mod devices;
 mod eval;

@@ -31,6 +31,37 @@ pub struct Stage {
     pub size: [u32; 2],
 }
 
+/// The f64 picture of a frame.
+pub struct Exact {
+    /// The covered pixels.
+    pub pixels: Vec<usize>,
+    /// Linear sRGB of each.
+    pub colors: Vec<DVec3>,
+}
+
+/// The f64 pictures of one frame, by the windows that they average over; each is made once.
+#[derive(Default)]
+pub struct References {
+    pictures: Vec<([u32; 2], Exact)>,
+}
+
+impl References {
+    /// The picture for the windows of `shading`, of the frame that shades `directions`.
+    pub fn of(&mut self, stage: &Stage, shading: &Shading, directions: &[Directions]) -> Result<&Exact> {
+        let known = self.pictures.iter().position(|(windows, _)| *windows == shading.windows);
+        let index = match known {
+            Some(index) => index,
+            None => {
+                let pixels = covered(directions);
+                let colors = stage.exact(shading, directions, &pixels)?;
+                self.pictures.push((shading.windows, Exact { pixels, colors }));
+                self.pictures.len() - 1
+            }
+        };
+        Ok(&self.pictures[index].1)
+    }
+}
+
 /// What the method reads from.
 pub struct Setting {
     pub method: &'static str,
