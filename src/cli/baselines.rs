@@ -34,7 +34,7 @@ fn grating(stage: &Stage, own: &Arguments, references: &mut References) -> Resul
         (None, Some(period)) => ([0.0, 1.0], period),
         (None, None) => return Ok(None),
     };
-    let shading = own.optics.shading(&own.colour)?.for_pictures();
+    let shading = own.optics.for_pictures(&own.colour)?;
     let (mut painter, _, _, directions) = stage.prepare(own, &shading)?;
     let exact = references.of(stage, &shading, &directions)?;
     let mut colors = |strength: f32| {
@@ -60,7 +60,7 @@ fn grating(stage: &Stage, own: &Arguments, references: &mut References) -> Resul
 
 /// What the thesis' own shader sums. `None` for repeats, which it sums in another way.
 fn of_thesis(stage: &Stage, own: &Arguments, references: &mut References) -> Result<Option<Row>> {
-    let shading = own.optics.shading(&own.colour)?.for_pictures();
+    let shading = own.optics.for_pictures(&own.colour)?;
     let Coherence::Gaussian { length } = shading.coherence else { return Ok(None) };
     let layers = thesis::layers(&stage.field, length / 4.0, SHORTEST)?;
     let (low, high) = stage.field.range();

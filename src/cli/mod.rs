@@ -3,6 +3,7 @@
 mod answers;
 mod baselines;
 mod brdf;
+mod choice;
 mod devices;
 mod eval;
 mod options;

@@ -76,14 +76,14 @@ pub struct Setting {
 impl Stage {
     /// Opens what `arguments` name.
     pub fn set(arguments: &Arguments) -> Result<Self> {
-        let method = arguments.optics.method;
+        let method = arguments.optics.method();
         if method == Method::Reference {
             return Err(Error::usage(
                 "--method reference has no frames to time",
                 "use --method spectral or --method table",
             ));
         }
-        arguments.optics.shading(&arguments.colour)?;
+        arguments.optics.for_pictures(&arguments.colour)?;
         let scene = Scene::open(&arguments.scene)?;
         let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
         let view = View::of(&scene, lights_of(&arguments.light, &scene));
@@ -103,7 +103,7 @@ impl Stage {
         shading: &Shading,
     ) -> Result<(Painter, Setting, Cost, Vec<Directions>)> {
         let (mesh, pigment, lights) = (&self.scene.mesh, Pigment::white(), self.view.lights.len());
-        if arguments.optics.method == Method::Reference {
+        if arguments.optics.method() == Method::Reference {
             return Err(Error::usage(
                 "--method reference has no frames to time",
                 "use --method spectral or --method table",
@@ -112,7 +112,7 @@ impl Stage {
         let directions = |painter: &mut Painter| {
             (0..lights).map(|light| painter.directions(&self.view, light)).collect::<Result<Vec<_>>>()
         };
-        if arguments.optics.method == Method::Table {
+        if arguments.optics.method() == Method::Table {
             let table = prepare::color_table(&self.field, shading, &self.device)?;
             let filter = arguments.filter.filter;
             let optics = Optics::Table(&table, filter);

@@ -1,6 +1,6 @@
 //! `diffract trade`: speed against accuracy, measured over many settings.
 
-use super::options::{DeviceOptions, SurfaceOptions, check_lights, coherence, ior, real, tolerance};
+use super::options::{DeviceOptions, SurfaceOptions, check_lights, coherence, ior, tolerance};
 use super::stage::{Exact, References, Stage, shown};
 use super::{baselines, prepare, profile, say, write};
 use crate::error::{Error, Result};
@@ -44,7 +44,7 @@ pub struct Arguments {
     #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true)]
     tolerance: Option<f64>,
     /// Ask for the setting that keeps this frame rate
-    #[arg(long, value_name = "F", value_parser = fps, allow_hyphen_values = true)]
+    #[arg(long, value_name = "F", value_parser = profile::fps, allow_hyphen_values = true)]
     fps: Option<f64>,
     /// What surrounds the patch: gaussian:LENGTH or repeats:NxM
     #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
@@ -66,11 +66,6 @@ pub struct Arguments {
 struct Words {
     #[command(flatten)]
     profile: profile::Arguments,
-}
-
-/// A frame rate.
-fn fps(text: &str) -> Result<f64> {
-    real(text, (1e-3, 1e5), "frame rate")
 }
 
 /// What a sweep leaves.
@@ -208,11 +203,11 @@ fn measured(
     references: &mut References,
 ) -> Result<Row> {
     let own = setting(arguments, flags)?;
-    let shading: Shading = own.optics.shading(&own.colour)?.for_pictures();
+    let shading: Shading = own.optics.for_pictures(&own.colour)?;
     let (mut painter, what, cost, directions) = stage.prepare(&own, &shading)?;
     let exact = references.of(stage, &shading, &directions)?;
     let series = match what.method {
-        "spectral" => format!("spectral, {}", own.optics.basis.name()),
+        "spectral" => format!("spectral, {}", own.optics.basis_of_pictures().name()),
         other => other.to_owned(),
     };
     Ok(Row {
