@@ -131,7 +131,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let choice = arguments.fps.map(|fps| choice::keeping(fps, &stage, arguments)).transpose()?;
     let report = profile(&stage, choice.as_ref().map_or(arguments, |choice| &choice.arguments))?;
     prepare::finish(&stage.device)?;
-    let budget = if arguments.explain { report.budget.to_text() } else { String::new() };
+    let budget = if arguments.explain { explained(&report) } else { String::new() };
     let chosen = choice.map_or_else(String::new, |choice| {
         let keeps = if choice.keeps { "keeps it" } else { "is the fastest here and does not keep it" };
         format!(
@@ -146,6 +146,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write::json(path, &report)?;
     }
     Ok(())
+}
+
+/// Where the error comes from, and beside it what was measured.
+fn explained(report: &Report) -> String {
+    let measured = match &report.error {
+        Some(e) => format!("{:.1e} ± {:.0e} over {} pixels", e.relative_l2, e.relative_l2_interval, e.pixels),
+        None => "not asked for: --error 2000".to_owned(),
+    };
+    format!("{}{:<26}{measured}\n", report.budget.to_text(), "measured")
 }
 
 fn profile(stage: &Stage, arguments: &Arguments) -> Result<Report> {

@@ -13,7 +13,7 @@ pub struct Part {
     /// How much, relative to what the tolerance is promised for: single directions, or the colours of a picture.
     pub error: f64,
     /// How that is known.
-    pub known: &'static str,
+    pub known: String,
 }
 
 /// All parts; their squares add up.
@@ -33,14 +33,15 @@ impl Budget {
             None => (shading.quadrature(), known_by_rule),
             Some(_) => (f64::NAN, "not known: the wavelengths are named; --error measures the sum of all"),
         };
-        let part = |what, error, known| Part { what, error, known };
+        let part = |what, error, known: &str| Part { what, error, known: known.to_owned() };
+        let bounds = format!(
+            "measured against the transform of the exact phase; bounds of the amplitude, relative to the mirror's peak: truncation \
+             {:.0e}, rounding of 32-bit floats {:.0e}",
+            layers.errors.truncation_bound, layers.errors.rounding_bound
+        );
         Self {
             parts: vec![
-                part(
-                    "truncation and rounding",
-                    layers.errors.expansion / shading.gain(),
-                    "measured against the transform of the exact phase",
-                ),
+                part("truncation and rounding", layers.errors.expansion / shading.gain(), &bounds),
                 part(
                     "reading between texels",
                     layers.errors.interpolation / shading.gain(),
@@ -54,7 +55,10 @@ impl Budget {
 
     /// The parts of a colour table for `shading`: relative L2 errors of colours at points.
     pub fn of_table(shading: &Shading) -> Self {
-        let part = |what, share: f64, known| Part { what, error: share * shading.tolerance, known };
+        let part = |what, share: f64, known: &str| {
+            let error = share * shading.tolerance;
+            Part { what, error, known: known.to_owned() }
+        };
         Self {
             parts: vec![
                 part(
@@ -104,7 +108,7 @@ mod tests {
 
     #[test]
     fn parts_add_up_as_squares_and_what_is_not_known_is_said() {
-        let part = |what, error| Part { what, error, known: "so" };
+        let part = |what, error| Part { what, error, known: "so".to_owned() };
         let mut budget = Budget { parts: vec![part("a", 3e-3), part("b", 4e-3)], tolerance: 1e-2 };
         assert!((budget.total() - 5e-3).abs() < 1e-12);
         let text = budget.to_text();
