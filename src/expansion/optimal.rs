@@ -52,9 +52,8 @@ impl Optimal {
         let decomposed = matrix.svd(true, false);
         // Where the mean is left out of it, rows of a surface that is all but flat are 0 or noise: each is 1 long at most.
         let noise = NOISE * decomposed.singular_values.max().max((rows.len() as f64).sqrt());
-        let kept: Vec<usize> = (0..rows.len().min(MAX_TERMS))
-            .filter(|&n| decomposed.singular_values[n] > noise)
-            .collect();
+        let kept: Vec<usize> =
+            (0..rows.len().min(MAX_TERMS)).filter(|&n| decomposed.singular_values[n] > noise).collect();
         let mut tables = vec![vec![Complex64::ZERO; TABLE + 1]; kept.len()];
         if let Some(u) = decomposed.u {
             for entry in 0..=TABLE {
