@@ -1,7 +1,7 @@
 #version 460
-// One triangle that covers the target.
+// One triangle that covers the target, as far away as depth is cleared to.
 
 void main() {
     vec2 corner = vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 2.0;
-    gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);
+    gl_Position = vec4(corner * 2.0 - 1.0, 1.0, 1.0);
 }

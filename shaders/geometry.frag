@@ -5,6 +5,7 @@
 #include "interface.glsl"
 
 layout(constant_id = 0) const int LIGHTS = MAX_LIGHTS; // of the scene
+layout(constant_id = 1) const bool TEXTURED = true;    // whether the pigment is of a texture
 
 layout(location = 0) in vec3 view;
 layout(location = 1) in vec2 pigment_uv;
@@ -19,8 +20,9 @@ layout(location = 3) out vec4 more_lights_1;
 // Stereographic from -N. Near there the direction is far below the horizon, and which one it is does not matter.
 vec2 projected(vec3 direction) {
     const float LEAST = 0.1;
-    vec3 d = normalize(direction);
-    return d.z > LEAST - 1.0 ? d.xy / (1.0 + d.z) : vec2(1.0 / LEAST, 0.0);
+    float size = length(direction);
+    float depth = size + direction.z;
+    return depth > LEAST * size ? direction.xy / depth : vec2(1.0 / LEAST, 0.0);
 }
 
 vec2 projected_light(int light) {
@@ -32,7 +34,7 @@ void main() {
     more_lights_0 = vec4(projected_light(1), projected_light(2));
     more_lights_1 = vec4(projected_light(3), 0.0, 0.0);
     albedo = vec4(frame.base_color.rgb, 1.0);
-    if (frame.base_color.w > 0.0) {
+    if (TEXTURED && frame.base_color.w > 0.0) {
         albedo.rgb *= texture(pigment, pigment_uv).rgb;
     }
 }

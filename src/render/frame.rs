@@ -5,6 +5,7 @@ use super::resources::{Reads, Resources};
 use super::target::{self, Geometry, Target};
 use super::{shader, upload};
 use crate::error::{Error, Result};
+use crate::optics::color;
 use crate::scene::{Camera, Light, MAX_LIGHTS, Mesh, Scene, Vertex};
 use crate::vk::access::Access;
 use crate::vk::buffer::Buffer;
@@ -129,9 +130,9 @@ impl GeometryPass {
             colors: &vec![target::GEOMETRY; geometry.images().count()],
             depth: Some((vk::CompareOp::LESS, true)),
         };
-        let lights = [geometry.lights as u32];
-        let fragment = Some(shader!("geometry.frag").with(&lights));
-        let vertex = shader!("surface.vert").with(&lights);
+        let constants = [geometry.lights as u32, geometry.textured.into()];
+        let fragment = Some(shader!("geometry.frag").with(&constants));
+        let vertex = shader!("surface.vert").with(&constants);
         Ok(Self { pipeline: Pipeline::graphics(device, vertex, fragment, &drawing, descriptors, 0)? })
     }
 
@@ -157,11 +158,15 @@ impl GeometryPass {
     }
 }
 
-/// A pass that shades every pixel of a picture once, neighbours together: small triangles would leave most lanes of a
+/// The test of passes over what the geometry pass covered: their one triangle stands where depth was cleared to, so that devices drop
+/// everything else before its shader runs, as no branch in it makes software devices do.
+const COVERED: Option<(vk::CompareOp, bool)> = Some((vk::CompareOp::GREATER, false));
+
+/// A pass that shades every covered pixel of a picture once, neighbours together: small triangles would leave most lanes of a
 /// device idle in a fragment stage of their own.
 pub struct PixelPass {
     pipeline: Pipeline,
-    // Push constants where `record` is given none.
+    // Push constants.
     settings: Vec<u8>,
 }
 
@@ -171,6 +176,10 @@ impl PixelPass {
     /// # Errors
     /// Where the device refuses.
     pub fn shading(device: &Arc<Device>, resources: &Resources, lights: usize) -> Result<Self> {
+        if let Some(half_range) = &resources.thesis {
+            let pass = Self::new(device, shader!("thesis.frag"), resources, size_of::<f32>() as u32)?;
+            return Ok(Self { settings: bytemuck::bytes_of(half_range).to_vec(), ..pass });
+        }
         match (resources.reads, &resources.copies) {
             (Reads::Layers, None) => Self::new(device, shader!("diffraction.frag"), resources, 0),
             (Reads::Layers, Some(copies)) => {
@@ -181,7 +190,7 @@ impl PixelPass {
             (Reads::Table, _) => {
                 let lights = [lights.min(MAX_LIGHTS) as u32];
                 let constants = [&resources.specialization, lights.as_slice()].concat();
-                Self::with(device, shader!("table.frag").with(&constants), resources, 0)
+                Self::with(device, shader!("table.frag").with(&constants), resources, 0, COVERED)
             }
         }
     }
@@ -192,15 +201,22 @@ impl PixelPass {
     /// # Errors
     /// Where the device refuses.
     pub fn probe(device: &Arc<Device>, resources: &Resources) -> Result<Self> {
-        Self::new(device, shader!("probe.frag"), resources, 8)
+        let code = shader!("probe.frag").with(&resources.specialization);
+        Self::with(device, code, resources, 8, None)
     }
 
     fn new(device: &Arc<Device>, code: Code<'_>, resources: &Resources, push_bytes: u32) -> Result<Self> {
-        Self::with(device, code.with(&resources.specialization), resources, push_bytes)
+        Self::with(device, code.with(&resources.specialization), resources, push_bytes, COVERED)
     }
 
-    fn with(device: &Arc<Device>, code: Code<'_>, resources: &Resources, push_bytes: u32) -> Result<Self> {
-        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth: None };
+    fn with(
+        device: &Arc<Device>,
+        code: Code<'_>,
+        resources: &Resources,
+        push_bytes: u32,
+        depth: Option<(vk::CompareOp, bool)>,
+    ) -> Result<Self> {
+        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth };
         let vertex = shader!("display.vert");
         let descriptors = &resources.descriptors;
         let pipeline = Pipeline::graphics(device, vertex, Some(code), &drawing, descriptors, push_bytes)?;
@@ -224,22 +240,50 @@ impl PixelPass {
         Ok(Self { settings, ..pass })
     }
 
-    /// Records the pass into `target.radiance`, which it leaves as a colour attachment.
-    pub fn record(&self, record: &Recorder<'_>, target: &Target, descriptors: &Descriptors, push: &[u8]) {
-        let push = if push.is_empty() { &self.settings } else { push };
-        record.images(&[(&target.radiance, Access::Nothing, Access::ColorAttachment)]);
-        self.go_on(record, target, descriptors, push);
+    /// Records the pass over what `geometry` covers into `target.radiance`, which it leaves as a colour attachment.
+    pub fn record(
+        &self,
+        record: &Recorder<'_>,
+        (geometry, target): (&Geometry, &Target),
+        descriptors: &Descriptors,
+    ) {
+        record.images(&[
+            (&target.radiance, Access::Nothing, Access::ColorAttachment),
+            (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
+        ]);
+        self.go_on(record, (geometry, target), descriptors);
     }
 
     /// Records another part of a pass that [`PixelPass::record`] began.
-    pub fn go_on(&self, record: &Recorder<'_>, target: &Target, descriptors: &Descriptors, push: &[u8]) {
-        record.render(&[(&target.radiance, [0.0; 4])], None, |draw| {
-            draw.bind(&self.pipeline, descriptors);
-            if !push.is_empty() {
-                draw.push(&self.pipeline, push);
-            }
-            draw.draw(3);
+    pub fn go_on(
+        &self,
+        record: &Recorder<'_>,
+        (geometry, target): (&Geometry, &Target),
+        descriptors: &Descriptors,
+    ) {
+        record.render_over(&[(&target.radiance, [0.0; 4])], &geometry.depth, |draw| {
+            self.draw(draw, descriptors, &self.settings);
         });
+    }
+
+    /// Records the pass of [`PixelPass::probe`] over all of `target.radiance`.
+    pub fn record_probe(
+        &self,
+        record: &Recorder<'_>,
+        target: &Target,
+        descriptors: &Descriptors,
+        push: &[u8],
+    ) {
+        record.images(&[(&target.radiance, Access::Nothing, Access::ColorAttachment)]);
+        record.render(&[(&target.radiance, [0.0; 4])], None, |draw| self.draw(draw, descriptors, push));
+    }
+
+    fn draw(&self, draw: &Recorder<'_>, descriptors: &Descriptors, push: &[u8]) {
+        draw.bind(&self.pipeline, descriptors);
+        if !push.is_empty() {
+            draw.push(&self.pipeline, push);
+        }
+        draw.draw(3);
     }
 }
 
@@ -262,7 +306,7 @@ impl DisplayPass {
             stages: vk::ShaderStageFlags::FRAGMENT,
         };
         let descriptors = Descriptors::new(device, "display set", &[binding])?;
-        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[format], depth: None };
+        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[format], depth: COVERED };
         let fragment = Some(shader!("display.frag"));
         let pipeline = Pipeline::graphics(
             device,
@@ -281,12 +325,12 @@ impl DisplayPass {
         self.descriptors.image(0, &target.radiance, &self._sampler);
     }
 
-    /// Records the display of `target.radiance` (a colour attachment until now) into `into`, at `exposure` stops over
-    /// `background`; leaves radiance readable by shaders and `into` a colour attachment.
+    /// Records the display of `target.radiance` (a colour attachment until now) into `into`, at `exposure` stops where `geometry` covers,
+    /// else `background`; leaves radiance readable by shaders and `into` a colour attachment.
     pub fn record(
         &self,
         record: &Recorder<'_>,
-        target: &Target,
+        (geometry, target): (&Geometry, &Target),
         into: &Image,
         exposure: f64,
         background: DVec3,
@@ -295,14 +339,14 @@ impl DisplayPass {
             (&target.radiance, Access::ColorAttachment, Access::ShaderRead),
             (into, Access::Nothing, Access::ColorAttachment),
         ]);
-        let push = background.as_vec3().extend(exposure as f32).to_array();
-        record.render(&[(into, [0.0; 4])], None, |draw| {
+        let [r, g, b] = color::display(background, 0.0).map(|code| f32::from(code) / 255.0);
+        record.render_over(&[(into, [r, g, b, 1.0])], &geometry.depth, |draw| {
             draw.bind(&self.pipeline, &self.descriptors);
-            draw.push(&self.pipeline, bytemuck::bytes_of(&push));
+            draw.push(&self.pipeline, bytemuck::bytes_of(&(exposure as f32)));
             draw.draw(3);
         });
     }
 }
 
-/// Bytes of the display's push constants: background and exposure.
-const DISPLAY_BYTES: u32 = 16;
+/// Bytes of the display's push constants: the exposure.
+const DISPLAY_BYTES: u32 = 4;

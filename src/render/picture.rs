@@ -31,8 +31,6 @@ pub struct Painter {
     timestamps: Timestamps,
     asker: Option<Asker>,
     resources: Resources,
-    // Whether the pigment is of a texture.
-    textured: bool,
     // Rows of a strip that take a fitting time.
     strip: u32,
     // Whether all of radiance is of one picture, and displayed.
@@ -92,7 +90,6 @@ impl Painter {
             timestamps: Timestamps::new(device, 3)?,
             asker: None,
             resources,
-            textured,
             strip: 64,
             whole: false,
             device: device.clone(),
@@ -110,7 +107,7 @@ impl Painter {
             self.shade = PixelPass::shading(&self.device, &self.resources, lights)?;
         }
         if lights != self.geometry.lights || size != self.target.size() {
-            self.geometry = Geometry::new(&self.device, size, lights, self.textured)?;
+            self.geometry = Geometry::new(&self.device, size, lights, self.geometry.textured)?;
             self.resources.read_from(&self.geometry);
             self.find = GeometryPass::new(&self.device, &self.resources.descriptors, &self.geometry)?;
         }
@@ -173,10 +170,11 @@ impl Painter {
         if !self.whole {
             return Ok(false);
         }
-        let (target, display) = (&self.target, &self.display);
+        let (geometry, target, display) = (&self.geometry, &self.target, &self.display);
         self.commands.run(|record| {
             record.images(&[(&target.radiance, Access::ShaderRead, Access::ColorAttachment)]);
-            record_display(&record.within(size, 0..size[1]), display, target, exposure, background);
+            let all = record.within(size, 0..size[1]);
+            record_display(&all, display, (geometry, target), exposure, background);
             Ok(())
         })?;
         Ok(true)
@@ -190,7 +188,8 @@ impl Painter {
         exposure: f64,
         background: DVec3,
     ) -> Result<[f64; 2]> {
-        let (target, display, resources) = (&self.target, &self.display, &self.resources);
+        let (geometry, target) = (&self.geometry, &self.target);
+        let (display, resources) = (&self.display, &self.resources);
         let (first, last) = (rows.start == 0, rows.end == size[1]);
         self.whole = false;
         self.commands.run(|record| {
@@ -198,14 +197,14 @@ impl Painter {
             record.reset(&self.timestamps);
             record.timestamp(&self.timestamps, 0);
             if first {
-                self.find.record(&all, &self.geometry, &resources.descriptors, &self.mesh);
-                self.shade.record(&some, target, &resources.descriptors, &[]);
+                self.find.record(&all, geometry, &resources.descriptors, &self.mesh);
+                self.shade.record(&some, (geometry, target), &resources.descriptors);
             } else {
-                self.shade.go_on(&some, target, &resources.descriptors, &[]);
+                self.shade.go_on(&some, (geometry, target), &resources.descriptors);
             }
             record.timestamp(&self.timestamps, 1);
             if last {
-                record_display(&all, display, target, exposure, background);
+                record_display(&all, display, (geometry, target), exposure, background);
             }
             record.timestamp(&self.timestamps, 2);
             Ok(())
@@ -247,7 +246,8 @@ impl Painter {
             self.commands.run(|record| {
                 record.reset(&self.timestamps);
                 record.timestamp(&self.timestamps, 0);
-                pass.record(record, target, &self.resources.descriptors, bytemuck::cast_slice(&push));
+                let push = bytemuck::cast_slice(&push);
+                pass.record_probe(record, target, &self.resources.descriptors, push);
                 record.timestamp(&self.timestamps, 1);
                 record.timestamp(&self.timestamps, 2);
                 Ok(())
@@ -306,6 +306,8 @@ impl Painter {
             ));
         }
         self.write(view, self.target.size())?;
+        // What is covered may be other pixels than those of the radiance that is there.
+        self.whole = false;
         self.commands.run(|record| {
             self.find.record(record, &self.geometry, &self.resources.descriptors, &self.mesh);
             Ok(())
@@ -336,7 +338,7 @@ impl Painter {
     /// Writes the `Frame` block of `view` for pictures of `size`.
     fn write(&mut self, view: &View, size: [u32; 2]) -> Result<()> {
         let mut block = view.block(size);
-        if !self.textured {
+        if !self.geometry.textured {
             // There are no albedos to read.
             block.base_color[3] = 0.0;
         }
@@ -354,11 +356,11 @@ fn unprojected(s: [f32; 2]) -> [f32; 4] {
 fn record_display(
     record: &Recorder<'_>,
     pass: &DisplayPass,
-    target: &Target,
+    (geometry, target): (&Geometry, &Target),
     exposure: f64,
     background: DVec3,
 ) {
     record.memory(Access::ShaderRead, Access::ColorAttachment);
-    pass.record(record, target, &target.display, exposure, background);
+    pass.record(record, (geometry, target), &target.display, exposure, background);
     record.images(&[(&target.display, Access::ColorAttachment, Access::ShaderRead)]);
 }

@@ -35,6 +35,8 @@ pub struct Geometry {
     pub depth: Image,
     /// Lights.
     pub lights: usize,
+    /// Whether the pigment is of a texture.
+    pub textured: bool,
 }
 
 impl Geometry {
@@ -60,6 +62,7 @@ impl Geometry {
                 .collect::<Result<_>>()?,
             depth: make("depth", DEPTH, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT)?,
             lights,
+            textured,
         })
     }
 

@@ -263,6 +263,20 @@ impl Recorder<'_> {
 
     /// Draws into cleared `colors` (with their clear values) and cleared `depth`, all of one size.
     pub fn render(&self, colors: &[(&Image, [f32; 4])], depth: Option<&Image>, draw: impl FnOnce(&Self)) {
+        self.rendering(colors, depth.map(|image| (image, vk::AttachmentLoadOp::CLEAR)), draw);
+    }
+
+    /// The same with a `depth` that was drawn before.
+    pub fn render_over(&self, colors: &[(&Image, [f32; 4])], depth: &Image, draw: impl FnOnce(&Self)) {
+        self.rendering(colors, Some((depth, vk::AttachmentLoadOp::LOAD)), draw);
+    }
+
+    fn rendering(
+        &self,
+        colors: &[(&Image, [f32; 4])],
+        depth: Option<(&Image, vk::AttachmentLoadOp)>,
+        draw: impl FnOnce(&Self),
+    ) {
         let Some(size) = colors.first().map(|c| c.0.size()) else { return };
         let attachment = |image: &Image, access: Access, clear: vk::ClearValue| {
             vk::RenderingAttachmentInfo::default()
@@ -280,7 +294,7 @@ impl Recorder<'_> {
             })
             .collect();
         let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 } };
-        let depth = depth.map(|image| attachment(image, Access::DepthAttachment, far));
+        let depth = depth.map(|(image, load)| attachment(image, Access::DepthAttachment, far).load_op(load));
         let (size, rows) = self.part.clone().unwrap_or((size, 0..size[1]));
         let area = vk::Rect2D {
             offset: vk::Offset2D { x: 0, y: rows.start as i32 },

@@ -65,9 +65,9 @@ impl Painter {
             record.timestamp(stamps, 0);
             self.find.record(record, &self.geometry, &resources.descriptors, &self.mesh);
             record.timestamp(stamps, 1);
-            self.shade.record(record, target, &resources.descriptors, &[]);
+            self.shade.record(record, (&self.geometry, target), &resources.descriptors);
             record.timestamp(stamps, 2);
-            super::record_display(record, &self.display, target, exposure, background);
+            super::record_display(record, &self.display, (&self.geometry, target), exposure, background);
             record.timestamp(stamps, 3);
             times.record = milliseconds(begin);
             Ok(())

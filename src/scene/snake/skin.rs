@@ -53,6 +53,8 @@ pub fn scales(body: &Body) -> Vec<Grid> {
         s += pitch;
         ring += 1;
     }
+    // From the neck, which lies on top, to the tail below it: what is hidden then finds its pixels taken.
+    grids.reverse();
     grids
 }
 
@@ -77,7 +79,7 @@ fn scale(body: &Body, seat: &Seat) -> Grid {
         let s = seat.s - along * reach * seat.half_length;
         body.skin(s, seat.phi + across * seat.half_angle, r * lift)
     };
-    Grid::sample([4, 4], surface, |x, y| {
+    Grid::sample([3, 4], surface, |x, y| {
         let (across, along) = shield(x, y);
         DVec2::new(0.5 + 0.5 * across, 0.5 + 0.5 * along)
     })
@@ -86,14 +88,14 @@ fn scale(body: &Body, seat: &Seat) -> Grid {
 /// The smooth skin below the scales, from the tail's tip to the neck.
 pub fn tube(body: &Body) -> Grid {
     let end = body.length() - HEAD;
-    wrap(body, [21, 120], |y| end * (1.0 - y), |_, _| -0.02)
+    wrap(body, [17, 90], |y| end * (1.0 - y), |_, _| -0.02)
 }
 
 /// The head, closed at the snout, with a mouth line.
 pub fn head(body: &Body) -> Grid {
     // Rings gather where the snout is round, and the first is too small to see through.
     let arc = |y: f64| body.length() - 1.1 * HEAD * (0.004 + 0.996 * y).powi(2);
-    wrap(body, [61, 44], arc, |s, phi| {
+    wrap(body, [41, 30], arc, |s, phi| {
         let front = 1.0 - smoothstep(0.62 * HEAD, 0.72 * HEAD, body.length() - s);
         -0.08 * front * (-((phi.abs() - 1.75) / 0.09).powi(2)).exp()
     })
