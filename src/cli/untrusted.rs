@@ -5,8 +5,10 @@
 
 use super::{eval, options, range, usage};
 use crate::error::{Error, Result};
+use crate::measure::trade;
 use crate::optics::spectrum::Illuminant;
 use crate::precompute::cache;
+use crate::render::color_table::{self, Filter};
 use crate::render::pigment::Pigment;
 use crate::scene::{Scene, obj};
 use crate::surface::image_file;
@@ -26,7 +28,7 @@ pub struct Reader {
 }
 
 /// All of them.
-pub const READERS: [Reader; 9] = [
+pub const READERS: [Reader; 11] = [
     Reader { name: "height_image", read: height_image },
     Reader { name: "pigment", read: |bytes| Pigment::from_bytes(bytes).map(drop) },
     Reader { name: "mesh", read: |bytes| obj::from_bytes(bytes).map(drop) },
@@ -34,6 +36,8 @@ pub const READERS: [Reader; 9] = [
     Reader { name: "queries", read: |bytes| eval::Table::parse(text(bytes)?).map(drop) },
     Reader { name: "illuminant", read: |bytes| Illuminant::from_text(text(bytes)?).map(drop) },
     Reader { name: "layers", read: layers },
+    Reader { name: "colours", read: colours },
+    Reader { name: "sweep", read: sweep },
     Reader { name: "values", read: values },
     Reader { name: "command_line", read: command_line },
 ];
@@ -70,6 +74,35 @@ fn layers(bytes: &[u8]) -> Result<()> {
     let texels = layers.size[0] * layers.size[1] * 4 * layers.count();
     assert!(pairs <= layers.pairs() && texels == layers.texels.len(), "layers that do not fit their numbers");
     Ok(())
+}
+
+/// The same of a colour table; short ones are filled up with zeros.
+fn colours(bytes: &[u8]) -> Result<()> {
+    const MEMORY: u64 = 1 << 20;
+    let key = blake3::hash(b"colours");
+    let sealed = color_table::cache::sealed(&key, bytes, MEMORY);
+    let read =
+        |file: &[u8]| color_table::cache::read(&mut Cursor::new(file), file.len() as u64, &key, MEMORY);
+    let found = read(bytes).or_else(|| read(&sealed));
+    let Some(table) = found else { return Err(Error::failed("there is no colour table in it", "bake one")) };
+    // What textures are made of, and what shaders are specialised for.
+    let ([width, height], layers) = table.grid.texture(Filter::Point);
+    assert_eq!(table.levels[0].len(), width * height * layers * 4, "a table that does not fit its numbers");
+    assert!(table.grid.near().side <= table.grid.side && table.grid.near().extent().is_finite());
+    Ok(())
+}
+
+/// The rows of a sweep that goes on, and everything that is made of them.
+fn sweep(bytes: &[u8]) -> Result<()> {
+    let rows = trade::rows_of(text(bytes)?, "f");
+    if rows.is_empty() {
+        return Err(Error::failed("no row of it belongs to this sweep", "measure"));
+    }
+    let written = trade::csv(&rows)?;
+    assert_eq!(trade::rows_of(&written, "f"), rows, "rows that are not read back as they are");
+    trade::markdown(&rows, "A machine.", &[]);
+    trade::wanted(&rows, Some(1e-2), Some(15.0));
+    trade::figure(&rows, "Speed against accuracy", "A machine.").svg().map(drop)
 }
 
 /// Every kind of value that options and scenes take.

@@ -6,6 +6,12 @@
 //! mirror peak. A right singular vector continues to every height by the left one (Nyström):
 //! b_n(t) = Σ_q u*_qn r_q e^{i z_q a t}/s_n. The functions are complex: a range of z on one side of 0 has half the width of
 //! the ±z that real functions serve, and takes that many terms fewer.
+//!
+//! Toward z = 0 less and less is scattered, and the BRDF divides by w²: whatever is left there of a height would be lifted
+//! without end. Where the range begins at 0, the first function is therefore the constant, its coefficient the mean
+//! m(z) = ⟨e^{izh}⟩, and what is decomposed is the rest: (e^{izh} − m)/√(1 − |m|²), which has a limit, (h − ⟨h⟩)/√⟨(h − ⟨h⟩)²⟩.
+//! All other coefficients are 0 at z = 0, and errors keep their proportion to what is scattered down to there. It takes no
+//! term more, since with the weights above the constant would come first by itself.
 
 use super::Expansion;
 use super::heights::Heights;
@@ -17,7 +23,7 @@ use rustfft::num_complex::Complex64;
 const TABLE: usize = 16_384;
 /// Most terms kept; singular values beyond are below rounding for any surface that fits the z range.
 const MAX_TERMS: usize = 96;
-/// Singular values below this part of the largest are noise of the decomposition.
+/// Singular values below this part of the largest that there can be are noise of the decomposition.
 const NOISE: f64 = 1e-11;
 
 /// The optimal expansion of one surface over a range of z.
@@ -39,33 +45,74 @@ impl Optimal {
 
     /// The same over heights that are counted already.
     pub fn over(heights: &Heights, z_range: [f64; 2]) -> Self {
-        let (a, bins) = (heights.half_range, &heights.bins);
-        let points = heights.points(z_range);
-        let rows: Vec<(f64, f64)> =
-            points.iter().map(|&z| (z * a, heights.scattered(z).sqrt().recip())).collect();
-        let kernel = |q: usize, t: f64| Complex64::from_polar(rows[q].1, rows[q].0 * t);
+        let bins = &heights.bins;
+        let rows: Vec<Row> = heights.points(z_range).iter().map(|&z| Row::new(heights, z_range, z)).collect();
         let matrix =
-            DMatrix::from_fn(points.len(), bins.len(), |q, j| kernel(q, bins[j].0) * bins[j].1.sqrt());
+            DMatrix::from_fn(rows.len(), bins.len(), |q, j| rows[q].value(bins[j].0) * bins[j].1.sqrt());
         let decomposed = matrix.svd(true, false);
-        let largest = decomposed.singular_values.max();
-        let kept: Vec<usize> = (0..points.len().min(MAX_TERMS))
-            .filter(|&n| decomposed.singular_values[n] > NOISE * largest)
-            .collect();
+        // Where the mean is left out of it, rows of a surface that is all but flat are 0 or noise: each is 1 long at most.
+        let noise = NOISE * decomposed.singular_values.max().max((rows.len() as f64).sqrt());
+        let kept: Vec<usize> =
+            (0..rows.len().min(MAX_TERMS)).filter(|&n| decomposed.singular_values[n] > noise).collect();
         let mut tables = vec![vec![Complex64::ZERO; TABLE + 1]; kept.len()];
         if let Some(u) = decomposed.u {
             for entry in 0..=TABLE {
                 let t = 2.0 * entry as f64 / TABLE as f64 - 1.0;
-                let column: Vec<Complex64> = (0..points.len()).map(|q| kernel(q, t)).collect();
+                let column: Vec<Complex64> = rows.iter().map(|row| row.value(t)).collect();
                 for (table, &n) in tables.iter_mut().zip(&kept) {
                     let sum: Complex64 = column.iter().enumerate().map(|(q, k)| u[(q, n)].conj() * k).sum();
                     table[entry] = sum / decomposed.singular_values[n];
                 }
             }
         }
+        if begins_at_zero(z_range) {
+            tables.insert(0, vec![Complex64::ONE; TABLE + 1]);
+            tables.truncate(MAX_TERMS);
+        }
         let at_bins =
             tables.iter().map(|table| bins.iter().map(|&(t, _)| look_up(table, t)).collect()).collect();
         Self { z_range, heights: heights.clone(), tables, at_bins }
     }
+}
+
+/// Whether the constant is a function of its own.
+fn begins_at_zero(z_range: [f64; 2]) -> bool {
+    z_range[0] == 0.0
+}
+
+/// e^{izh} at one z over the heights, less its mean where the range of z begins at 0, relative to what is scattered.
+struct Row {
+    x: f64,
+    less: Complex64,
+    weight: f64,
+}
+
+impl Row {
+    fn new(heights: &Heights, z_range: [f64; 2], z: f64) -> Self {
+        let x = z * heights.half_range;
+        if !begins_at_zero(z_range) {
+            return Self { x, less: -Complex64::ONE, weight: heights.scattered(z).sqrt().recip() };
+        }
+        let less = mean_beyond_one(heights, x);
+        let square: f64 = heights.bins.iter().map(|&(t, w)| (beyond_one(x * t) - less).norm_sqr() * w).sum();
+        // A flat surface scatters nothing.
+        Self { x, less, weight: if square > 0.0 { square.sqrt().recip() } else { 0.0 } }
+    }
+
+    fn value(&self, t: f64) -> Complex64 {
+        (beyond_one(self.x * t) - self.less) * self.weight
+    }
+}
+
+/// e^{ix} − 1 with every digit, however small x is.
+fn beyond_one(x: f64) -> Complex64 {
+    let (sin, cos) = (x / 2.0).sin_cos();
+    Complex64::new(-2.0 * sin * sin, 2.0 * sin * cos)
+}
+
+/// ⟨e^{ixt}⟩ − 1 over the heights.
+fn mean_beyond_one(heights: &Heights, x: f64) -> Complex64 {
+    heights.bins.iter().map(|&(t, w)| beyond_one(x * t) * w).sum()
 }
 
 /// Linear between the entries of a table over t ∈ \[−1, 1\].
@@ -84,11 +131,19 @@ impl Expansion for Optimal {
     /// The projection of e^{izh} on b_n under the heights' weights.
     fn coefficients(&self, z: f64, out: &mut [Complex64]) {
         out.fill(Complex64::ZERO);
+        let x = z * self.heights.half_range;
+        let first = usize::from(begins_at_zero(self.z_range)).min(out.len());
+        // The other functions are orthogonal to the constant; without it nothing is left of them at z = 0, rounding included.
+        let mean = mean_beyond_one(&self.heights, x);
+        let less = if first == 1 { mean } else { -Complex64::ONE };
         for (bin, &(t, weight)) in self.heights.bins.iter().enumerate() {
-            let value = Complex64::cis(z * self.heights.half_range * t) * weight;
-            for (c, b) in out.iter_mut().zip(&self.at_bins) {
+            let value = (beyond_one(x * t) - less) * weight;
+            for (c, b) in out.iter_mut().zip(&self.at_bins).skip(first) {
                 *c += value * b[bin].conj();
             }
+        }
+        if first == 1 {
+            out[0] = Complex64::ONE + mean;
         }
     }
 
@@ -163,12 +218,45 @@ mod tests {
     }
 
     #[test]
+    fn toward_z_0_the_error_fades_with_what_is_scattered() {
+        let field = even(0.43);
+        let heights = Heights::of(&field);
+        let optimal = Optimal::new(&field, [0.0, 4.0 * std::f64::consts::PI / 0.38]);
+        for terms in [2, 4, 6] {
+            let mut c = vec![Complex64::ZERO; terms];
+            let mut left = |z: f64| -> f64 {
+                optimal.coefficients(z, &mut c);
+                let off = |t: f64| -> f64 {
+                    let sum: Complex64 = c.iter().enumerate().map(|(n, c)| c * optimal.basis(n, t)).sum();
+                    (sum - Complex64::cis(z * heights.half_range * t)).norm_sqr()
+                };
+                let square: f64 = heights.bins.iter().map(|&(t, w)| w * off(t)).sum();
+                // ⟨|e^{izh} − m|²⟩, which 1 − |m|² has no digits of.
+                let x = z * heights.half_range;
+                let mean = mean_beyond_one(&heights, x);
+                let scattered: f64 =
+                    heights.bins.iter().map(|&(t, w)| w * (beyond_one(x * t) - mean).norm_sqr()).sum();
+                (square / scattered).sqrt()
+            };
+            let near = left(0.3);
+            for z in [1e-2, 1e-4, 1e-6] {
+                assert!(left(z) < 1.5 * near, "{terms} terms at z = {z}: {:e}, {near:e} at 0.3", left(z));
+            }
+            optimal.coefficients(0.0, &mut c);
+            assert!(c[0] == Complex64::ONE && c[1..].iter().all(|c| *c == Complex64::ZERO), "{c:?}");
+        }
+    }
+
+    #[test]
     fn a_flat_surface_has_one_function() {
         let flat = HeightField::new(4, 4, [0.1, 0.1], vec![2.0; 16]).unwrap();
-        let optimal = Optimal::new(&flat, [0.0, 33.0]);
-        let mut c = [Complex64::ZERO];
-        optimal.coefficients(20.0, &mut c);
-        // All heights are one, but a thousandth of the weight is spread over heights that do not occur.
-        assert!((c[0] * optimal.basis(0, 0.0) - 1.0).norm() < 2e-3);
+        for z_range in [[0.0, 33.0], [16.0, 33.0]] {
+            let optimal = Optimal::new(&flat, z_range);
+            assert_eq!(optimal.most_terms(), 1);
+            let mut c = [Complex64::ZERO];
+            optimal.coefficients(20.0, &mut c);
+            // All heights are one, but a thousandth of the weight is spread over heights that do not occur.
+            assert!((c[0] * optimal.basis(0, 0.0) - 1.0).norm() < 2e-3);
+        }
     }
 }

@@ -44,6 +44,18 @@ impl Row {
     pub fn fps(&self) -> f64 {
         1e3 / self.frame_ms
     }
+
+    /// Whether its numbers are such as a measurement gives: figures have them on logarithmic scales.
+    fn is_sound(&self) -> bool {
+        /// Milliseconds from a femtosecond to a century.
+        const TIMES: std::ops::RangeInclusive<f64> = 1e-12..=3e12;
+        /// Whatever else is counted or compared.
+        const OTHERS: std::ops::RangeInclusive<f64> = 0.0..=1e15;
+        [self.frame_ms, self.fastest_ms, self.gpu_ms].iter().all(|x| TIMES.contains(x))
+            && [self.wavelengths, self.samples, self.spread, self.relative_l2, self.p99, self.flip]
+                .iter()
+                .all(|x| OTHERS.contains(x))
+    }
 }
 
 /// Series of what others do: they are compared with, but never advised, because no option asks for them.
@@ -156,7 +168,7 @@ pub fn rows_of(text: &str, frame: &str) -> Vec<Row> {
     reader
         .deserialize()
         .filter_map(|row: std::result::Result<Row, _>| row.ok())
-        .filter(|row| row.frame == frame)
+        .filter(|row| row.frame == frame && row.is_sound())
         .collect()
 }
 
@@ -298,6 +310,10 @@ mod tests {
         let text = csv(&rows).unwrap();
         assert_eq!(rows_of(&text, "f"), rows);
         assert!(rows_of(&text, "g").is_empty());
+        for number in ["NaN", "inf", "-1.0", "0.0", "1e300"] {
+            let changed = text.replace("10.123456789", number);
+            assert!(changed != text && rows_of(&changed, "f") == rows[1..], "{number}");
+        }
         let half = &text[..text.len() - 20];
         assert_eq!(rows_of(half, "f"), rows[..1]);
         let page = markdown(&rows, "A machine.", &[("--c".into(), "no".into())]);

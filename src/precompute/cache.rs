@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// First bytes of a file; the number changes whenever the layers of the same key would change.
-const MAGIC: &[u8; 20] = b"diffract layers 0007";
+const MAGIC: &[u8; 20] = b"diffract layers 0008";
 /// Bytes of the check sum and of the key.
 const HASH: usize = blake3::OUT_LEN;
 /// Numbers of 8 bytes that describe the layers in front of the texels.

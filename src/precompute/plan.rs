@@ -78,8 +78,10 @@ impl Plan {
 
     /// Fails where the host has no room for the transforms.
     fn checked(&self, own: &[Samples; 2]) -> Result<()> {
-        let needed = self.axes().map(|[x, y]| Transformer::memory(x, y, &own[1])).max();
-        memory::ensure_room(needed.unwrap_or(0), "the Fourier transforms")
+        let transform = self.axes().map(|[x, y]| Transformer::memory(x, y, &own[1])).max();
+        // Beside the transform, every height once more, in units of their range.
+        let heights = (own[0].count * own[1].count * size_of::<f64>()) as u64;
+        memory::ensure_room(transform.unwrap_or(0).saturating_add(heights), "the Fourier transforms")
     }
 }
 

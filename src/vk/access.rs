@@ -48,7 +48,7 @@ impl Access {
             ),
             Self::ShaderRead => (
                 S::VERTEX_SHADER | S::FRAGMENT_SHADER | S::COMPUTE_SHADER,
-                A::SHADER_SAMPLED_READ | A::SHADER_STORAGE_READ | A::UNIFORM_READ,
+                A::SHADER_READ | A::UNIFORM_READ,
                 L::SHADER_READ_ONLY_OPTIMAL,
             ),
             Self::ComputeWrite => (S::COMPUTE_SHADER, A::SHADER_STORAGE_WRITE, L::GENERAL),
@@ -85,11 +85,13 @@ impl Access {
         if self == Self::Nothing {
             (src_stage, src_access) = (dst_stage, vk::AccessFlags2::NONE);
         }
+        // No image is a uniform buffer.
+        let of_image = |access: vk::AccessFlags2| access & !vk::AccessFlags2::UNIFORM_READ;
         vk::ImageMemoryBarrier2::default()
             .src_stage_mask(src_stage)
-            .src_access_mask(src_access)
+            .src_access_mask(of_image(src_access))
             .dst_stage_mask(dst_stage)
-            .dst_access_mask(dst_access)
+            .dst_access_mask(of_image(dst_access))
             .old_layout(old)
             .new_layout(new)
             .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)

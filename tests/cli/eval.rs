@@ -172,6 +172,31 @@ fn windows_are_averaged_one_after_another_by_layers() {
 }
 
 #[test]
+fn a_thousand_repeats_are_right_at_their_orders_and_hardly_beside_them() {
+    let sandbox = Sandbox::new();
+    // sin θ = j λ/d at normal incidence along x, d = 2.5 µm. Through a patch of 2.5 µm a phase of 1e-10 is an angle of 1.9e-10°.
+    let mut queries = String::from("theta_i,phi_i,theta_r,phi_r,wavelength\n");
+    for order in 1..=3 {
+        let angle = (f64::from(order) * 0.5 / 2.5).asin().to_degrees();
+        for off in [-1e-7, -1.9e-10, 0.0, 1.9e-10, 1e-7] {
+            for turn in [0, 180] {
+                queries += &format!("0,0,{},{turn},500\n", angle + off);
+            }
+        }
+    }
+    sandbox.write("q.csv", queries);
+    for repeats in ["repeats:1x1", "repeats:1000x1", "repeats:1x1000", "repeats:1000x1000"] {
+        let ask = |method: &str| {
+            let more = ["--queries", "q.csv", "--coherence", repeats, "--method", method];
+            answers(&sandbox.run2(&["eval", "blaze"], &more).done(), 1)
+        };
+        let (exact, found) = (ask("reference"), ask("spectral"));
+        assert!(found.iter().flatten().all(|x| x.is_finite() && *x >= 0.0), "{repeats}: {found:?}");
+        assert!(deviation(&found, &exact) < 1e-2, "{repeats}: {found:?} for {exact:?}");
+    }
+}
+
+#[test]
 fn a_surface_that_32_bit_powers_cannot_hold_needs_no_option_and_taylor_by_name_is_refused() {
     let sandbox = Sandbox::new();
     sandbox.write("q.csv", QUERIES);

@@ -1,6 +1,7 @@
 //! What fuzzing once found, and what it started from, read again: success or an error, and never a panic.
 
 use diffract::cli::untrusted::READERS;
+use diffract::random::Random;
 use std::fs;
 use std::path::Path;
 
@@ -53,5 +54,60 @@ fn every_folder_of_findings_belongs_to_a_reader_and_every_reader_has_seeds_that_
         let taken =
             seeds.filter(|seed| (reader.read)(&fs::read(seed.as_ref().unwrap().path()).unwrap()).is_ok());
         assert!(taken.count() > 0, "{} takes none of its seeds", reader.name);
+    }
+}
+
+/// `bytes` with a few things done to them that a disk, a transfer or a stranger does.
+fn damaged(bytes: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    for _ in 0..1 + (3.0 * random.share()) as usize {
+        let place = (random.share() * bytes.len() as f64) as usize;
+        let end = bytes.len().min(place + 1 + (8.0 * random.share()) as usize);
+        match (6.0 * random.share()) as usize {
+            0 if !bytes.is_empty() => bytes[place] ^= 1 << (8.0 * random.share()) as u32,
+            1 if !bytes.is_empty() => {
+                bytes[place] = [0, 1, 0x7f, 0x80, 0xff, b'-', b'9'][(7.0 * random.share()) as usize]
+            }
+            2 => bytes.truncate(place),
+            3 => drop(bytes.drain(place..end)),
+            4 => {
+                let twice = bytes[place..end].to_vec();
+                bytes.splice(place..place, twice);
+            }
+            _ => {
+                let from = (random.share() * other.len() as f64) as usize;
+                bytes.truncate(place);
+                bytes.extend(&other[from..]);
+            }
+        }
+    }
+    bytes
+}
+
+#[test]
+fn seeds_that_are_damaged_at_random_are_read_or_refused_in_a_line() {
+    const TRIES: usize = 400;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds");
+    let mut random = Random::new(0xda_3a6e);
+    for reader in READERS {
+        let files = fs::read_dir(root.join(reader.name)).unwrap().map(|entry| entry.unwrap().path());
+        let mut seeds: Vec<_> = files.map(|path| (path.clone(), fs::read(path).unwrap())).collect();
+        seeds.sort();
+        let mut refused = 0;
+        for i in 0..TRIES {
+            let (_, seed) = &seeds[i % seeds.len()];
+            let (_, other) = &seeds[(random.share() * seeds.len() as f64) as usize];
+            let bytes = damaged(seed, other, &mut random);
+            if let Err(error) = (reader.read)(&bytes) {
+                let line = error.to_string();
+                assert!(
+                    line.contains("; ") && !line.contains(['\n', '\r', '\u{1b}']),
+                    "{}: {bytes:?}: {line}",
+                    reader.name
+                );
+                refused += 1;
+            }
+        }
+        assert!(refused > 0, "{} refuses nothing", reader.name);
     }
 }

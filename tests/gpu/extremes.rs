@@ -3,20 +3,24 @@
 
 use crate::device::with_device;
 use crate::evaluation::{patch, shading};
+use crate::measure::channel;
 use diffract::error::Result;
 use diffract::expansion::Basis;
 use diffract::optics::brdf::{cosine_weighted, schlick};
 use diffract::optics::coherence::Coherence;
 use diffract::optics::geometry::{Pair, direction};
+use diffract::optics::orders::Repeats;
 use diffract::optics::reference::Reference;
 use diffract::precompute::audit::FAINT;
+use diffract::precompute::texels::{HALF_UNIT, Texels};
 use diffract::precompute::{Layers, Settings, compute};
 use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::frame::View;
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
-use diffract::render::reference_picture::displayed;
+use diffract::render::reference_picture::{displayed, reference_picture};
+use diffract::render::resources::Optics;
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
 use diffract::surface::HeightField;
@@ -167,6 +171,8 @@ fn directions_at_the_ends_keep_the_tolerance_and_are_numbers_everywhere() {
                 let e = errors(&queries, &found, &reference, &shading);
                 eprintln!("directions: {} {tolerance:e}: {e}", basis.name());
                 assert!(e.rms <= tolerance, "{} at {tolerance:e}: {e:?}", basis.name());
+                // No light where there is none, however close both directions are to the horizon.
+                assert!(e.anywhere.iter().all(|e| *e <= 3.0 * tolerance), "{}: {e:?}", basis.name());
             }
         }
         // The check sees a surface that is a hundredth higher.
@@ -239,6 +245,89 @@ fn terms_and_wavelengths_at_their_ends_give_numbers() {
             let shading = Shading { wavelengths: Some(wavelengths), ..shading(2.0, 1e-2) };
             let layers = layers_of(&field, &shading).unwrap();
             drop(answers(device, &layers, &shading, &queries));
+        }
+    });
+}
+
+/// The layers with every number times `scale`, in 16 bits where `half`.
+fn scaled(layers: &Layers, scale: f32, half: bool) -> Layers {
+    let numbers = (0..layers.texels.len()).map(|i| layers.texels.at(i) * scale).collect();
+    Layers { texels: Texels::of(half, numbers), ..layers.clone() }
+}
+
+#[test]
+fn sixteen_bit_layers_are_read_right_at_their_overflow_and_in_their_subnormals() {
+    let shading = Shading { basis: Basis::Optimal, ..shading(4.0, 1e-1) };
+    let layers = layers_of(&patch(Kind::Bumps, 2.0), &shading).unwrap();
+    let largest = (0..layers.texels.len()).map(|i| layers.texels.at(i).abs()).fold(0.0, f32::max);
+    let queries: Vec<Query> = end_queries()
+        .into_iter()
+        .filter(|q| clear(q) && q.pair.view.z > 0.01 && q.pair.light.z > 0.01)
+        .collect();
+    /// The largest 16-bit float and the smallest normal one.
+    const ENDS: (f32, f32) = (65_504.0 * HALF_UNIT, 6.103_515_6e-5 * HALF_UNIT);
+    with_device(|device| {
+        // The largest number at the overflow, in the middle, and itself a subnormal with six bits left.
+        for (name, scale, allowed) in [
+            ("overflow", ENDS.0 / largest, 2e-3),
+            ("middle", 1e-2, 2e-3),
+            ("subnormal", 0.99 * ENDS.1 / largest, 1e-2),
+        ] {
+            let of = |half: bool| {
+                let own = scaled(&layers, scale, half);
+                assert!(own.texels.are_finite() && own.texels.is_half() == half);
+                answers(device, &own, &shading, &queries)
+            };
+            let (wide, narrow) = (of(false), of(true));
+            // Amplitudes, relative to the mirror peak's: what a texel is rounded by, however faint it is itself.
+            let error =
+                queries.iter().zip(wide.iter().zip(&narrow)).fold(0.0f64, |worst, (q, (wide, narrow))| {
+                    let peak = promised(q, &shading) / FAINT * f64::from(scale).powi(2);
+                    worst.max((narrow.sqrt() - wide.sqrt()).abs() / peak.sqrt())
+                });
+            eprintln!("halves: {name}: {error:.1e} of the peak's amplitude");
+            assert!(error <= allowed, "{name}: {error}");
+            assert!(wide.iter().any(|x| *x > 0.0) && narrow != wide, "{name}");
+        }
+        // Beyond the end there is no number, and that is known beforehand.
+        assert!(!Texels::fit_halves(&[ENDS.0 * 1.001]) && Texels::fit_halves(&[ENDS.0]));
+    });
+}
+
+#[test]
+fn repeats_from_one_to_a_thousand_give_the_reference_picture() {
+    let field = patch(Kind::Bumps, 2.0);
+    let scene = Scene::open("sphere").unwrap();
+    let lights = vec![Light { theta: 50.0, phi: -40.0, intensity: 2.0 }];
+    let view = View::of(&scene, lights);
+    let size = [24, 18];
+    with_device(|device| {
+        for copies in [[1, 1], [1, 1000], [1000, 1], [1000, 1000]] {
+            let shading =
+                Shading { coherence: Coherence::Repeats(copies), tolerance: 1e-2, ..Shading::default() };
+            let shading = shading.for_pictures();
+            let settings = Settings {
+                sigma: f64::INFINITY,
+                shortest_wavelength: 0.38,
+                budget: shading.budget(),
+                basis: shading.basis,
+                aim: shading.aim(),
+                lines: None,
+                terms: None,
+                memory_limit: 1 << 30,
+                side_limit: 16_384,
+            };
+            let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
+            let optics = Optics::Repeats(&layers, Repeats { copies, period: field.patch_size() });
+            let mut painter =
+                Painter::new(device, optics, &shading, &scene.mesh, &Pigment::white(), size, 1).unwrap();
+            let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let directions = [painter.directions(&view, 0).unwrap()];
+            let exact = reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap();
+            assert!(picture.radiance.iter().flatten().all(|x| x.is_finite()), "{copies:?}");
+            let errors = [0, 1, 2].map(|c| channel(&picture.radiance, &exact, c));
+            eprintln!("repeats: {copies:?}: {errors:.5?}");
+            assert!(errors.iter().all(|e| *e <= 1e-2), "{copies:?}: {errors:?}");
         }
     });
 }

@@ -3,11 +3,17 @@
 use crate::device::with_device;
 use crate::evaluation::{layers, patch, queries, shading};
 use diffract::error::Result;
-use diffract::precompute::Layers;
+use diffract::measure::profile;
+use diffract::optics::coherence::Coherence;
+use diffract::optics::orders::Repeats;
+use diffract::precompute::{Settings, compute};
+use diffract::render::color_table::{self, Filter, bake};
+use diffract::render::difference::DifferencePass;
 use diffract::render::evaluator::Evaluator;
 use diffract::render::frame::View;
 use diffract::render::picture::{Painter, Picture};
 use diffract::render::pigment::Pigment;
+use diffract::render::resources::Optics;
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
 use diffract::surface::synth::Kind;
@@ -38,10 +44,18 @@ fn with_each_allocation_failing<T>(device: &Arc<Device>, mut work: impl FnMut() 
     unreachable!("a picture takes a number of allocations")
 }
 
-fn paint(device: &Arc<Device>, layers: &Layers, shading: &Shading, scene: &Scene) -> Result<Picture> {
-    let view = View::of(scene, vec![Light { theta: 40.0, phi: 20.0, intensity: 1.0 }]);
-    let mut painter = Painter::new(device, layers, shading, &scene.mesh, &Pigment::white(), [16, 12], 1)?;
-    painter.paint(&view, 0.0, DVec3::ZERO)
+fn view(scene: &Scene) -> View {
+    View::of(scene, vec![Light { theta: 40.0, phi: 20.0, intensity: 1.0 }])
+}
+
+fn paint<'a>(
+    device: &Arc<Device>,
+    optics: impl Into<Optics<'a>>,
+    shading: &Shading,
+    scene: &Scene,
+) -> Result<Picture> {
+    let mut painter = Painter::new(device, optics, shading, &scene.mesh, &Pigment::white(), [16, 12], 1)?;
+    painter.paint(&view(scene), 0.0, DVec3::ZERO)
 }
 
 #[test]
@@ -57,6 +71,81 @@ fn a_picture_fails_cleanly_at_each_of_its_allocations_and_succeeds_afterwards() 
         assert!(allocations > 10, "{allocations}");
         assert_eq!(picture, undisturbed);
         assert_eq!(device.memory_in_use(), 0);
+    });
+}
+
+#[test]
+fn a_bake_and_its_picture_fail_cleanly_at_each_of_their_allocations_and_succeed_afterwards() {
+    let shading = shading(4.0, 2e-1);
+    let field = patch(Kind::Bumps, 2.0);
+    let scene = Scene::open("plate").unwrap();
+    with_device(|device| {
+        let settings = bake::layer_settings(&shading, device.candidate()).unwrap();
+        let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
+        let make =
+            || color_table::make(device, (&field, layers.clone(), &settings), &shading, &|_, _, _| Ok(()));
+        let undisturbed = make().unwrap();
+        let (allocations, table) = with_each_allocation_failing(device, make);
+        eprintln!("{allocations} allocations bake a table");
+        assert!(allocations > 5 && table == undisturbed, "{allocations}");
+        for filter in [Filter::Point, Filter::Pixel] {
+            let paint = || paint(device, Optics::Table(&table, filter), &shading, &scene);
+            let expected = paint().unwrap();
+            let (allocations, picture) = with_each_allocation_failing(device, paint);
+            assert!(allocations > 10 && picture == expected, "{allocations}");
+        }
+    });
+}
+
+#[test]
+fn a_picture_through_repeats_fails_cleanly_at_each_of_its_allocations_and_succeeds_afterwards() {
+    let copies = [3, 2];
+    let shading = Shading { coherence: Coherence::Repeats(copies), tolerance: 1e-1, ..Shading::default() }
+        .for_pictures();
+    let field = patch(Kind::Bumps, 2.0);
+    let settings = Settings {
+        sigma: f64::INFINITY,
+        shortest_wavelength: 0.38,
+        budget: shading.budget(),
+        basis: shading.basis,
+        terms: None,
+        aim: shading.aim(),
+        lines: None,
+        memory_limit: 1 << 30,
+        side_limit: 16_384,
+    };
+    let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
+    let scene = Scene::open("plate").unwrap();
+    with_device(|device| {
+        let optics = Optics::Repeats(&layers, Repeats { copies, period: field.patch_size() });
+        let expected = paint(device, optics, &shading, &scene).unwrap();
+        let (allocations, picture) =
+            with_each_allocation_failing(device, || paint(device, optics, &shading, &scene));
+        assert!(allocations > 10 && picture == expected, "{allocations}");
+    });
+}
+
+#[test]
+fn a_profile_and_what_a_window_adds_fail_cleanly_at_each_of_their_allocations() {
+    let shading = shading(4.0, 1e-1);
+    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
+    let scene = Scene::open("plate").unwrap();
+    let view = view(&scene);
+    with_device(|device| {
+        let (allocations, samples) = with_each_allocation_failing(device, || {
+            let mesh = &scene.mesh;
+            let mut painter = Painter::new(device, &layers, &shading, mesh, &Pigment::white(), [16, 12], 1)?;
+            let times = profile::measure(&mut painter, &view, 3, 1.0, &|_, _| Ok(()))?;
+            let rates = profile::rates(&mut painter, 16 * 12)?;
+            painter.directions(&view, 0)?;
+            painter.cosine_weighted(&queries(3, 5))?;
+            painter.draw_while(&view, 0.0, DVec3::ZERO, [16, 12], &mut || true)?;
+            let mut errors = DifferencePass::new(device, [8, 6])?;
+            errors.draw(painter.target(), painter.target(), 0.0, DVec3::ONE)?;
+            Ok(times.frame.min.min(rates.coherent))
+        });
+        eprintln!("{allocations} allocations make a profile and an error in false colour");
+        assert!(allocations > 15 && samples > 0.0, "{allocations}");
     });
 }
 
@@ -79,7 +168,7 @@ fn a_painter_that_could_not_grow_still_paints() {
     let shading = shading(4.0, 1e-1);
     let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
     let scene = Scene::open("plate").unwrap();
-    let view = View::of(&scene, vec![Light { theta: 40.0, phi: 20.0, intensity: 1.0 }]);
+    let view = view(&scene);
     with_device(|device| {
         let mut painter =
             Painter::new(device, &layers, &shading, &scene.mesh, &Pigment::white(), [16, 12], 1).unwrap();

@@ -8,6 +8,7 @@ mod closed_forms;
 mod coherence;
 mod colour;
 mod efficiency;
+mod ends;
 mod facets;
 mod invariants;
 mod plain;

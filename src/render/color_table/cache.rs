@@ -43,10 +43,14 @@ pub fn load(folder: &Path, key: &blake3::Hash, limit: u64) -> Option<ColorTable>
     let place = path(folder, key);
     // Asked before opening, since opening a pipe waits for its other end.
     let size = std::fs::metadata(&place).ok().filter(std::fs::Metadata::is_file)?.len();
-    let mut file = File::open(&place).ok()?;
+    read(&mut File::open(&place).ok()?, size, key, limit)
+}
+
+/// The table of `key` in the next `size` bytes of `file`; `None` where it is not whole or not one that this program makes.
+pub fn read(file: &mut impl Read, size: u64, key: &blake3::Hash, limit: u64) -> Option<ColorTable> {
     let mut head = vec![0u8; HEAD];
     file.read_exact(&mut head).ok()?;
-    if head[..MAGIC.len() + HASH] != [MAGIC.as_slice(), key.as_bytes().as_slice()].concat() {
+    if head[..MAGIC.len() + HASH] != preamble(key) {
         return None;
     }
     let numbers: Vec<f64> = bytemuck::pod_collect_to_vec(&head[MAGIC.len() + HASH..]);
@@ -63,12 +67,43 @@ pub fn load(folder: &Path, key: &blake3::Hash, limit: u64) -> Option<ColorTable>
     }
     let mut sum = [0u8; HASH];
     file.read_exact(&mut sum).ok()?;
-    (check_sum(&head, &levels) == sum).then(|| ColorTable {
-        grid,
-        sigma: numbers[3],
-        unit: numbers[4] as f32,
-        levels,
-    })
+    let table = ColorTable { grid, sigma: numbers[3], unit: numbers[4] as f32, levels };
+    (check_sum(&head, &table.levels) == sum).then_some(table).filter(is_sound)
+}
+
+/// What a file of `key` begins with.
+fn preamble(key: &blake3::Hash) -> Vec<u8> {
+    [MAGIC.as_slice(), key.as_bytes()].concat()
+}
+
+/// A file of `key` whose numbers and texels are `body`, with the check sum that belongs to it, filled up with zeros to the
+/// length that its numbers ask for where that is at most `most` bytes: what a stranger would leave in the folder who knows
+/// the format.
+pub fn sealed(key: &blake3::Hash, body: &[u8], most: u64) -> Vec<u8> {
+    let mut file = [&preamble(key), body].concat();
+    if let Some(numbers) = body.get(..HEADER * 8) {
+        let numbers: Vec<f64> = bytemuck::pod_collect_to_vec(numbers);
+        let grid = Grid { side: numbers[0] as usize, spacing: numbers[1], pieces: numbers[2] as usize };
+        let few = grid.side <= 1 << 16 && grid.pieces <= super::nodes::MOST && grid.bytes() <= most;
+        let whole = if few { HEAD + grid.bytes() as usize } else { 0 };
+        file.resize(file.len().max(whole), 0);
+    }
+    let sum = *blake3::hash(&file).as_bytes();
+    file.extend(sum);
+    file
+}
+
+/// Whether `table` is such as this program makes: what follows divides by its numbers and makes images of its sizes. The check
+/// sum finds accidents; it does not know who wrote it.
+fn is_sound(table: &ColorTable) -> bool {
+    /// All bits of the exponent, which infinities and what is no number have.
+    const EXPONENT: u16 = 0x7c00;
+    let positive = |x: f64| x.is_finite() && x > 0.0;
+    table.grid.side >= 1 << (LEVELS - 1)
+        && table.grid.side.is_multiple_of(1 << (LEVELS - 1))
+        && table.grid.pieces >= 1
+        && [table.grid.spacing, table.sigma, f64::from(table.unit)].into_iter().all(positive)
+        && table.levels.iter().all(|level| level.iter().all(|x| x & EXPONENT != EXPONENT))
 }
 
 /// Writes the table of `key` into `folder`.
@@ -136,6 +171,33 @@ mod tests {
         for length in [0, 10, 100, whole.len() - 1] {
             std::fs::write(&place, &whole[..length]).unwrap();
             assert!(load(folder.path(), &key, 1 << 30).is_none(), "cut to {length}");
+        }
+    }
+
+    #[test]
+    fn numbers_that_no_table_has_make_a_file_absent_in_spite_of_its_check_sum() {
+        let key = blake3::hash(b"a table");
+        let sound = [128.0, 4.0 / 126.0, 1.0, 1.5, 0.25];
+        let body = |numbers: [f64; HEADER], texels: &[u16]| {
+            [bytemuck::cast_slice::<f64, u8>(&numbers), bytemuck::cast_slice(texels)].concat()
+        };
+        let found = |body: Vec<u8>| {
+            let file = sealed(&key, &body, 1 << 22);
+            read(&mut file.as_slice(), file.len() as u64, &key, 1 << 30)
+        };
+        assert!(found(body(sound, &[0x3c00; 7])).is_some_and(|table| table.levels[0][6] == 0x3c00));
+        for number in 0..HEADER {
+            for value in [f64::NAN, f64::INFINITY, -1.0, 0.0, 1e300] {
+                let mut numbers = sound;
+                numbers[number] = value;
+                // Any spacing and any window is one, if it is one.
+                let harmless = value == 1e300 && (number == 1 || number == 3);
+                assert_eq!(found(body(numbers, &[])).is_some(), harmless, "number {number}: {value}");
+            }
+        }
+        assert!(found(body([130.0, 1.0, 1.0, 1.0, 1.0], &[])).is_none(), "no side that halves");
+        for texel in [0x7c00, 0xfc00, 0x7e00] {
+            assert!(found(body(sound, &[0, texel])).is_none(), "{texel:x}");
         }
     }
 
