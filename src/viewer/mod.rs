@@ -5,6 +5,7 @@
 
 mod app;
 mod compare;
+mod easel;
 mod graph;
 #[allow(unsafe_code, reason = "hands Vulkan objects to the panel's renderer")]
 mod gui;

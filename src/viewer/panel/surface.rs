@@ -1,0 +1,88 @@
+//! The rows of the height field.
+
+use super::{LABEL, WIDTH, heading, row, rows, short};
+use crate::surface::synth::Kind;
+use crate::surface::{Level, Source};
+use crate::viewer::model::Model;
+use crate::viewer::style;
+use egui::{ComboBox, DragValue, RichText, Ui};
+
+/// Height field, coherence, index.
+pub fn show(ui: &mut Ui, model: &mut Model) {
+    heading(ui, "Surface");
+    rows(ui, "surface", |ui| {
+        let source = &mut model.settings.surface;
+        let kind = Kind::from_name(&source.name);
+        row(ui, "height field", |ui| {
+            let mut chosen = None;
+            ComboBox::from_id_salt("surface name")
+                .selected_text(short(&source.name))
+                .width(WIDTH - LABEL - 64.0)
+                .show_ui(ui, |ui| {
+                    for other in Kind::ALL {
+                        if ui.selectable_label(kind == Some(other), other.name()).clicked() {
+                            chosen = Some(other);
+                        }
+                    }
+                });
+            if let Some(kind) = chosen.filter(|k| Some(*k) != kind) {
+                *source = Source {
+                    name: kind.name().to_owned(),
+                    pixel_size: None,
+                    height: None,
+                    level: Level::None,
+                    seed: 1,
+                };
+            }
+        });
+        if kind.is_none() {
+            units(ui, source);
+        } else if matches!(kind, Some(Kind::Elaphe | Kind::Xenopeltis)) {
+            row(ui, "seed", |ui| {
+                ui.add(DragValue::new(&mut source.seed).range(0..=9999));
+            });
+        }
+        row(ui, "level", |ui| {
+            for level in [Level::None, Level::Mean, Level::Plane] {
+                ui.selectable_value(&mut source.level, level, level.name());
+            }
+        });
+        row(ui, "coherence", |ui| {
+            let length = &mut model.settings.coherence;
+            ui.add(DragValue::new(length).speed(0.5).range(1.0..=200.0).fixed_decimals(1).suffix(" µm"));
+        });
+        row(ui, "index", |ui| {
+            let ior = &mut model.settings.ior;
+            ui.add(DragValue::new(ior).speed(0.01).range(1.0..=4.0).fixed_decimals(2));
+        });
+    });
+    ui.label(
+        RichText::new("Drop a height image, a scene or an OBJ mesh on the window.")
+            .small()
+            .color(style::FAINT),
+    );
+}
+
+/// Units of a file that carries none.
+fn units(ui: &mut Ui, source: &mut Source) {
+    row(ui, "sample", |ui| {
+        let mut nm = source.pixel_size.unwrap_or([0.1; 2]).map(|um| um * 1e3);
+        let mut changed = false;
+        for n in &mut nm {
+            let field = DragValue::new(n).speed(0.1).range(1.0..=10_000.0).max_decimals(4).suffix(" nm");
+            changed |= ui.add(field).changed();
+        }
+        if changed {
+            source.pixel_size = Some(nm.map(|nm| nm * 1e-3));
+        }
+    });
+    row(ui, "full height", |ui| {
+        let mut nm = source.height.unwrap_or(0.5) * 1e3;
+        if ui
+            .add(DragValue::new(&mut nm).speed(1.0).range(0.1..=100_000.0).max_decimals(4).suffix(" nm"))
+            .changed()
+        {
+            source.height = Some(nm * 1e-3);
+        }
+    });
+}
