@@ -113,6 +113,7 @@ impl Resources {
                     period: repeats.period.map(|x| x as f32),
                     colour_lag: colours.lag as f32,
                     tolerance: tolerance as f32,
+                    queries: 0,
                 };
                 let (optics, combs) = ((layers, repeats.sigma()), Combs::densities(&colours));
                 let resources = Self::of_layers(device, optics, combs, shading, pigment)?;

@@ -170,6 +170,7 @@ impl Easel {
         let some = judge::thinned(&directions, pixels);
         let cost = match &wish.own.made {
             Made::Layers(layers) => Cost::of(layers, slot.painter.combs(), &some),
+            Made::Repeats(layers, repeating) => Cost::of_repeats(layers, repeating, &some),
             Made::Table(table, filter) => Cost::of_table(&table.grid, *filter, &some, wish.size),
         };
         let seen = some.first().map_or(1, |d| d.view.len()).max(1);
@@ -236,6 +237,11 @@ fn paint(
             slot.shown = Some((view.clone(), exposure, size));
             return Ok(Some([0.0; 2]));
         }
+    }
+    if let Made::Repeats(_, repeating) = &prepared.made
+        && repeating.has_limits()
+    {
+        repeating.check(&judge::directions(&mut slot.painter, view)?)?;
     }
     slot.shown = None;
     let start = Instant::now();

@@ -13,6 +13,7 @@ use super::model::Model;
 use super::screen::{Scenery, Screen};
 use super::settings::Settings;
 use super::studio::{Stage, Studio, Wish};
+use super::words::Words;
 use super::worker::{Bake, Worker};
 use super::{hand, overlay, panel, style};
 use crate::error::{Error, Result};
@@ -57,6 +58,7 @@ pub struct Live {
     // What the last look at the panel left to draw.
     painting: Painting,
     context: egui::Context,
+    words: Option<Words>,
     number: u64,
     // What was asked of the worker last, by role, with its number.
     asked: [Option<(u64, Settings)>; 3],
@@ -128,6 +130,7 @@ impl Live {
             egui,
             painting: Painting { primitives: Vec::new(), textures: TexturesDelta::default(), scale: 1.0 },
             context,
+            words: Words::from_environment(),
             number: 0,
             asked: [None, None, None],
             wished: None,
@@ -244,6 +247,9 @@ impl Live {
             overlay::show(ui, picture, model);
         });
         let scale = output.pixels_per_point;
+        if let Some(words) = &mut self.words {
+            words.tell(&output.shapes, scale);
+        }
         self.model.size = [picture.width(), picture.height()].map(|n| (n.max(0.0) * scale).round() as u32);
         self.egui.handle_platform_output(&self.window, output.platform_output);
         self.painting.primitives = context.tessellate(output.shapes, scale);

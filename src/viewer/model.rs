@@ -43,6 +43,8 @@ pub struct Model {
     pub original: Settings,
     /// The settings of the optics that are shown; the user's may still be in the making.
     pub applied: Settings,
+    /// The coherence length \[µm\] and the copies that were set last, for whichever the user turns back to.
+    pub kept: (f64, [u32; 2]),
     /// The setting to compare with.
     pub other: Optics,
     /// What stands right of the split.
@@ -100,6 +102,7 @@ impl Model {
             original: settings.clone(),
             applied: settings.clone(),
             other: compare::strict(&settings.optics),
+            kept: (65.0, [3, 3]),
             settings,
             compare: Compare::Alone,
             split: 0.5,

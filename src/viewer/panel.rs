@@ -48,10 +48,24 @@ fn rows(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
     Grid::new(name).num_columns(2).min_col_width(LABEL).max_col_width(WIDTH - LABEL - 44.0).show(ui, add);
 }
 
+/// A number to drag. What a command line has named stays as it is, also beyond what a hand drags it to.
+fn number<N: egui::emath::Numeric>(value: &mut N) -> DragValue<'_> {
+    DragValue::new(value).clamp_existing_to_range(false)
+}
+
 fn row(ui: &mut Ui, label: &str, add: impl FnOnce(&mut Ui)) {
     ui.label(RichText::new(label).color(style::FAINT));
     ui.horizontal(add);
     ui.end_row();
+}
+
+/// Why something above cannot be chosen.
+fn reason(ui: &mut Ui, why: Option<&str>) {
+    if let Some(why) = why {
+        row(ui, "", |ui| {
+            ui.label(RichText::new(why).small().color(style::FAINT));
+        });
+    }
 }
 
 fn value(ui: &mut Ui, label: &str, text: impl Into<String>) {
@@ -94,7 +108,7 @@ fn scene(ui: &mut Ui, model: &mut Model) {
         });
         row(ui, "exposure", |ui| {
             let exposure = &mut model.settings.exposure;
-            ui.add(DragValue::new(exposure).speed(0.05).range(-20.0..=20.0).fixed_decimals(1).suffix(" EV"));
+            ui.add(number(exposure).speed(0.05).range(-20.0..=20.0).fixed_decimals(1).suffix(" EV"));
         });
         row(ui, "base colour", |ui| {
             let mut rgb = model.settings.base_color.to_array();
@@ -115,7 +129,7 @@ fn lights(ui: &mut Ui, model: &mut Model) {
     Grid::new("lights").num_columns(4).min_col_width(60.0).show(ui, |ui| {
         for (index, light) in lights.iter_mut().enumerate() {
             ui.add(
-                DragValue::new(&mut light.theta)
+                number(&mut light.theta)
                     .speed(0.3)
                     .range(0.0..=90.0)
                     .fixed_decimals(1)
@@ -123,7 +137,7 @@ fn lights(ui: &mut Ui, model: &mut Model) {
                     .suffix("°"),
             );
             ui.add(
-                DragValue::new(&mut light.phi)
+                number(&mut light.phi)
                     .speed(0.5)
                     .range(-360.0..=360.0)
                     .fixed_decimals(1)
@@ -131,11 +145,7 @@ fn lights(ui: &mut Ui, model: &mut Model) {
                     .suffix("°"),
             );
             ui.add(
-                DragValue::new(&mut light.intensity)
-                    .speed(0.02)
-                    .range(0.01..=1000.0)
-                    .fixed_decimals(2)
-                    .prefix("× "),
+                number(&mut light.intensity).speed(0.02).range(0.01..=1000.0).fixed_decimals(2).prefix("× "),
             );
             if several && ui.small_button("remove").clicked() {
                 removed = Some(index);
@@ -161,7 +171,7 @@ fn compare(ui: &mut Ui, model: &mut Model) {
             }
         });
         if model.compare != Compare::Alone {
-            optics::setting(ui, "other", &mut model.other);
+            optics::setting(ui, "other", &mut model.other, model.settings.coherence);
         }
     });
 }

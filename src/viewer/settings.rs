@@ -1,6 +1,6 @@
 //! What the user has set, what a change of it asks for, and the command line that says the same.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
@@ -39,8 +39,8 @@ pub struct Settings {
     pub surface: Source,
     /// The optics.
     pub optics: Optics,
-    /// Coherence length \[µm\].
-    pub coherence: f64,
+    /// What surrounds the patch.
+    pub coherence: Coherence,
     /// Refractive index.
     pub ior: f64,
     /// The light's spectrum: a name or a file.
@@ -93,19 +93,32 @@ impl Settings {
     /// The settings of the optics, with `optics` for the user's own.
     ///
     /// # Errors
-    /// Where the illuminant's file cannot be read.
+    /// Where the illuminant's file cannot be read, and for what no method does.
     pub fn shading(&self, optics: &Optics) -> Result<Shading> {
+        if let Some(why) = clash(self.coherence, optics.method) {
+            return Err(Error::usage(why, "use --method spectral, or --coherence gaussian:LENGTH"));
+        }
         Ok(Shading {
-            coherence: Coherence::Gaussian { length: self.coherence },
+            coherence: self.coherence,
             ior: self.ior,
             illuminant: Illuminant::from_name_or_file(&self.illuminant)?,
             tolerance: optics.tolerance,
             windows: if optics.method == Reads::Table { optics.windows } else { [1, 1] },
             basis: optics.basis,
             terms: optics.terms.filter(|_| optics.method == Reads::Layers),
-            wavelengths: optics.wavelengths,
+            wavelengths: self.wavelengths(optics),
             purpose: Purpose::Picture,
         })
+    }
+
+    /// The wavelengths that are named in `optics`: through repeats they stand where the orders do.
+    fn wavelengths(&self, optics: &Optics) -> Option<usize> {
+        optics.wavelengths.filter(|_| !self.repeats())
+    }
+
+    /// Whether the patch repeats so many times and no more.
+    pub fn repeats(&self) -> bool {
+        matches!(self.coherence, Coherence::Repeats(_))
     }
 
     /// The camera as a command line can name it: standing where its eye is, not where its angles put it to the last bit.
@@ -152,10 +165,14 @@ impl Settings {
         if let Some(terms) = self.optics.terms.filter(|_| self.optics.method == Reads::Layers) {
             option("terms", terms.to_string());
         }
-        if let Some(wavelengths) = self.optics.wavelengths {
+        if let Some(wavelengths) = self.wavelengths(&self.optics) {
             option("wavelengths", wavelengths.to_string());
         }
-        option("coherence", format!("gaussian:{}um", self.coherence));
+        let coherence = match self.coherence {
+            Coherence::Gaussian { length } => format!("gaussian:{length}um"),
+            Coherence::Repeats([n, m]) => format!("repeats:{n}x{m}"),
+        };
+        option("coherence", coherence);
         option("ior", self.ior.to_string());
         option("illuminant", self.illuminant.clone());
         for light in &self.lights {
@@ -175,6 +192,14 @@ impl Settings {
         option("size", format!("{}x{}", size[0], size[1]));
         words.push(format!("-o {}", quoted(output)));
         words.join(" ")
+    }
+}
+
+/// Why `method` does not do `coherence`, where it does not.
+pub fn clash(coherence: Coherence, method: Reads) -> Option<&'static str> {
+    match (coherence, method) {
+        (Coherence::Repeats(_), Reads::Table) => Some("tables are for a gaussian window"),
+        _ => None,
     }
 }
 
@@ -217,7 +242,7 @@ mod tests {
             scene: "plate".to_owned(),
             surface,
             optics,
-            coherence: 65.0,
+            coherence: Coherence::SUNLIGHT,
             ior: 1.5,
             illuminant: "d65".to_owned(),
             lights: scene.lights.clone(),
@@ -258,6 +283,18 @@ mod tests {
         let table = Settings { optics: by_table, ..s.clone() }.command(&scene, [64, 48], "a.png");
         let expected = "--method table --filter point --windows 2x3 --tolerance 1e-2";
         assert!(table.contains(expected) && !table.contains("--terms"), "{table}");
+        let through = Coherence::Repeats([3, 7]);
+        let named = Optics { wavelengths: Some(9), ..s.optics.clone() };
+        let repeats = Settings { coherence: through, optics: named, ..s.clone() };
+        let told = repeats.command(&scene, [64, 48], "a.png");
+        assert!(told.contains("--coherence repeats:3x7") && !told.contains("--wavelengths"), "{told}");
+        assert_eq!(repeats.shading(&repeats.optics).unwrap().wavelengths, None);
+        let by_table = Optics { method: Reads::Table, ..s.optics.clone() };
+        let refused = repeats.shading(&by_table).unwrap_err().to_string();
+        assert!(
+            refused.contains("tables are for a gaussian window") && refused.contains("--method spectral"),
+            "{refused}"
+        );
         s.surface.name = "my scan's.png".to_owned();
         s.surface.pixel_size = Some([0.09, 0.1]);
         s.camera.phi += 0.25;

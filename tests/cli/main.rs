@@ -22,3 +22,5 @@ mod table;
 mod trade;
 mod usage;
 mod view;
+mod viewer;
+mod viewer_panel;

@@ -1,11 +1,11 @@
 //! What it costs, and the foot of the panel.
 
 use super::optics::percent;
-use super::{heading, row, rows, value};
+use super::{heading, number, row, rows, value};
 use crate::viewer::judge::Verdict;
 use crate::viewer::model::Model;
 use crate::viewer::{graph, style};
-use egui::{Align, DragValue, Layout, RichText, Ui};
+use egui::{Align, Layout, RichText, Ui};
 
 /// The graph of frame times and the numbers below it.
 pub fn show(ui: &mut Ui, model: &mut Model) {
@@ -48,9 +48,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
             }
         });
         row(ui, "budget", |ui| {
-            ui.add(
-                DragValue::new(&mut model.fps).speed(0.2).range(1.0..=240.0).max_decimals(1).suffix(" fps"),
-            );
+            ui.add(number(&mut model.fps).speed(0.2).range(1.0..=240.0).max_decimals(1).suffix(" fps"));
             ui.checkbox(&mut model.continuous, "continuous");
         });
     });

@@ -1,19 +1,20 @@
 //! The rows of the optics.
 
-use super::{choice, heading, row, rows};
+use super::{choice, heading, number, reason, row, rows};
 use crate::expansion::Basis;
+use crate::optics::coherence::Coherence;
 use crate::render::color_table::Filter;
 use crate::render::resources::Reads;
 use crate::viewer::model::Model;
-use crate::viewer::settings::Optics;
+use crate::viewer::settings::{Optics, clash};
 use crate::viewer::style;
-use egui::{DragValue, RichText, Ui};
+use egui::{Button, RichText, Ui};
 
 /// The user's own setting, and the light's spectrum.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     heading(ui, "Optics");
     rows(ui, "optics", |ui| {
-        setting(ui, "own", &mut model.settings.optics);
+        setting(ui, "own", &mut model.settings.optics, model.settings.coherence);
         row(ui, "illuminant", |ui| {
             for name in ["d65", "a", "e"] {
                 let chosen = model.settings.illuminant == name;
@@ -26,12 +27,20 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 }
 
 /// Method, tolerance and what else the method knows of one setting.
-pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics) {
+pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics, coherence: Coherence) {
     row(ui, "method", |ui| {
         for method in [Reads::Layers, Reads::Table] {
-            ui.selectable_value(&mut optics.method, method, method.method());
+            let now = optics.method == method;
+            let why = clash(coherence, method);
+            let choice = ui.add_enabled(now || why.is_none(), Button::selectable(now, method.method()));
+            if choice.on_disabled_hover_text(why.unwrap_or_default()).clicked() {
+                optics.method = method;
+            }
         }
     });
+    if optics.method == Reads::Layers {
+        reason(ui, clash(coherence, Reads::Table));
+    }
     match optics.method {
         Reads::Layers => row(ui, "basis", |ui| {
             let all = Basis::ALL.map(|b| (b, b.name()));
@@ -45,7 +54,7 @@ pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics) {
             });
             row(ui, "windows", |ui| {
                 for n in &mut optics.windows {
-                    ui.add(DragValue::new(n).speed(0.1).range(1..=16));
+                    ui.add(number(n).speed(0.1).range(1..=16));
                 }
             });
         }
@@ -59,29 +68,31 @@ pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics) {
     if optics.method == Reads::Layers {
         named(ui, "terms", &mut optics.terms, 10, 1..=64);
     }
-    named(ui, "wavelengths", &mut optics.wavelengths, 32, 4..=512);
+    match coherence {
+        Coherence::Gaussian { .. } => named(ui, "wavelengths", &mut optics.wavelengths, 32, 4..=512),
+        Coherence::Repeats(_) => row(ui, "wavelengths", |ui| {
+            ui.label(RichText::new("where the orders are").color(style::FAINT));
+        }),
+    }
 }
 
 /// A number that follows from the tolerance unless the user names it.
 fn named(
     ui: &mut Ui,
     label: &str,
-    number: &mut Option<usize>,
+    named: &mut Option<usize>,
     first: usize,
     range: std::ops::RangeInclusive<usize>,
 ) {
     row(ui, label, |ui| {
-        let mut own = number.is_some();
-        if ui.checkbox(&mut own, "").changed() {
-            *number = own.then_some(first);
+        let mut own = named.is_some();
+        let text =
+            if own { RichText::default() } else { RichText::new("from the tolerance").color(style::FAINT) };
+        if ui.checkbox(&mut own, text).changed() {
+            *named = own.then_some(first);
         }
-        match number {
-            Some(n) => {
-                ui.add(DragValue::new(n).speed(0.2).range(range));
-            }
-            None => {
-                ui.label(RichText::new("from the tolerance").color(style::FAINT));
-            }
+        if let Some(n) = named {
+            ui.add(number(n).speed(0.2).range(range));
         }
     });
 }

@@ -1,15 +1,20 @@
 //! The rows of the height field.
 
-use super::{LABEL, WIDTH, heading, row, rows, short};
+use super::{LABEL, WIDTH, heading, number, reason, row, rows, short};
+use crate::optics::coherence::Coherence;
+use crate::render::resources::Reads;
 use crate::surface::synth::Kind;
 use crate::surface::{Level, Source};
+use crate::viewer::compare::Compare;
 use crate::viewer::model::Model;
+use crate::viewer::settings::{Settings, clash};
 use crate::viewer::style;
-use egui::{ComboBox, DragValue, RichText, Ui};
+use egui::{Button, ComboBox, RichText, Ui};
 
 /// Height field, coherence, index.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     heading(ui, "Surface");
+    let other = (model.compare != Compare::Alone).then_some(model.other.method);
     rows(ui, "surface", |ui| {
         let source = &mut model.settings.surface;
         let kind = Kind::from_name(&source.name);
@@ -39,7 +44,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
             units(ui, source);
         } else if matches!(kind, Some(Kind::Elaphe | Kind::Xenopeltis)) {
             row(ui, "seed", |ui| {
-                ui.add(DragValue::new(&mut source.seed).range(0..=9999));
+                ui.add(number(&mut source.seed).range(0..=9999));
             });
         }
         row(ui, "level", |ui| {
@@ -47,13 +52,10 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
                 ui.selectable_value(&mut source.level, level, level.name());
             }
         });
-        row(ui, "coherence", |ui| {
-            let length = &mut model.settings.coherence;
-            ui.add(DragValue::new(length).speed(0.5).range(1.0..=200.0).fixed_decimals(1).suffix(" µm"));
-        });
+        coherence(ui, &mut model.settings, &mut model.kept, other);
         row(ui, "index", |ui| {
             let ior = &mut model.settings.ior;
-            ui.add(DragValue::new(ior).speed(0.01).range(1.0..=4.0).fixed_decimals(2));
+            ui.add(number(ior).speed(0.01).range(1.0..=4.0).fixed_decimals(2));
         });
     });
     ui.label(
@@ -63,13 +65,45 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     );
 }
 
+/// What surrounds the patch: a window of a length, or so many copies and nothing else.
+fn coherence(ui: &mut Ui, settings: &mut Settings, kept: &mut (f64, [u32; 2]), other: Option<Reads>) {
+    let methods = || std::iter::once(settings.optics.method).chain(other);
+    let why = methods().find_map(|method| clash(Coherence::Repeats(kept.1), method));
+    row(ui, "coherence", |ui| {
+        let now = settings.repeats();
+        if ui.selectable_label(!now, "gaussian").clicked() {
+            settings.coherence = Coherence::Gaussian { length: kept.0 };
+        }
+        let repeats = ui.add_enabled(now || why.is_none(), Button::selectable(now, "repeats"));
+        if repeats.on_disabled_hover_text(why.unwrap_or_default()).clicked() {
+            settings.coherence = Coherence::Repeats(kept.1);
+        }
+    });
+    reason(ui, why.filter(|_| !settings.repeats()));
+    match &mut settings.coherence {
+        Coherence::Gaussian { length } => {
+            row(ui, "length", |ui| {
+                ui.add(number(length).speed(0.5).range(1.0..=200.0).fixed_decimals(1).suffix(" µm"));
+            });
+            kept.0 = *length;
+        }
+        Coherence::Repeats(copies) => {
+            row(ui, "copies", |ui| {
+                ui.add(number(&mut copies[0]).speed(0.1).range(1..=1000).suffix(" in x"));
+                ui.add(number(&mut copies[1]).speed(0.1).range(1..=1000).suffix(" in y"));
+            });
+            kept.1 = *copies;
+        }
+    }
+}
+
 /// Units of a file that carries none.
 fn units(ui: &mut Ui, source: &mut Source) {
     row(ui, "sample", |ui| {
         let mut nm = source.pixel_size.unwrap_or([0.1; 2]).map(|um| um * 1e3);
         let mut changed = false;
         for n in &mut nm {
-            let field = DragValue::new(n).speed(0.1).range(1.0..=10_000.0).max_decimals(4).suffix(" nm");
+            let field = number(n).speed(0.1).range(1.0..=10_000.0).max_decimals(4).suffix(" nm");
             changed |= ui.add(field).changed();
         }
         if changed {
@@ -78,10 +112,7 @@ fn units(ui: &mut Ui, source: &mut Source) {
     });
     row(ui, "full height", |ui| {
         let mut nm = source.height.unwrap_or(0.5) * 1e3;
-        if ui
-            .add(DragValue::new(&mut nm).speed(1.0).range(0.1..=100_000.0).max_decimals(4).suffix(" nm"))
-            .changed()
-        {
+        if ui.add(number(&mut nm).speed(1.0).range(0.1..=100_000.0).max_decimals(4).suffix(" nm")).changed() {
             source.height = Some(nm * 1e-3);
         }
     });
