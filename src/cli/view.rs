@@ -81,12 +81,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let shading = arguments.optics.shading(&arguments.colour)?.for_pictures();
     if matches!(shading.coherence, Coherence::Repeats(_)) {
-        if method == Reads::Table {
-            return Err(Error::usage(
-                "--method table is baked for a Gaussian window, not for --coherence repeats",
-                "use --method spectral, or --coherence gaussian:LENGTH",
-            ));
-        }
         check_wavelengths(&shading)?;
     }
     if shading.windows != [1, 1] && method == Reads::Layers {

@@ -3,7 +3,7 @@
 use super::compare::Compare;
 use super::inset::{self, Inset};
 use super::judge;
-use super::pace::Rung;
+use super::pace::{Degree, Rung};
 use super::studio::{Counted, Errand, Exhibit, Shared, Stage, Wish, Word};
 use super::worker::{Made, Prepared};
 use crate::error::{Error, Result};
@@ -24,11 +24,29 @@ struct Slot {
     shown: Option<(View, f64, [u32; 2])>,
 }
 
+impl Slot {
+    /// Whether all that is large of `prepared` and of the scene of `wish` is on the device.
+    fn serves(&self, prepared: &Prepared, wish: &Wish) -> bool {
+        Arc::ptr_eq(&self.stage, &wish.stage) && self.prepared.made.shares_all_with(&prepared.made)
+    }
+
+    /// Shades by `prepared` from now on: of what is on the device, only what depends on its settings is made anew.
+    fn take_over(&mut self, prepared: &Arc<Prepared>, lights: usize) -> Result<()> {
+        if self.prepared.number != prepared.number {
+            self.shown = None;
+            self.painter.shade_by(&prepared.made, &prepared.shading, lights)?;
+            self.prepared = prepared.clone();
+        }
+        Ok(())
+    }
+}
+
 /// What the thread keeps between pictures.
 pub struct Easel {
     own: Option<Slot>,
     other: Option<Slot>,
-    coarse: Option<Slot>,
+    // For moving pictures: fewer wavelengths and layers, and fewer wavelengths alone.
+    lighter: [Option<Slot>; 2],
     difference: Option<DifferencePass>,
     inset: Option<(Arc<Inset>, u64)>,
     counted: Option<(u64, View, [u32; 2], Counted)>,
@@ -41,7 +59,15 @@ const PATIENCE: f64 = 400.0;
 impl Easel {
     /// Without any painter yet.
     pub fn new(device: Arc<Device>) -> Self {
-        Self { own: None, other: None, coarse: None, difference: None, inset: None, counted: None, device }
+        Self {
+            own: None,
+            other: None,
+            lighter: [None, None],
+            difference: None,
+            inset: None,
+            counted: None,
+            device,
+        }
     }
 
     /// Does what is asked for until it is stopped.
@@ -85,13 +111,23 @@ impl Easel {
         };
         let milliseconds = || start.elapsed().as_secs_f64() * 1e3;
         let mut go_on = || !(newer() && (!moving || milliseconds() > PATIENCE));
-        let coarse = wish.coarse.as_ref().filter(|_| wish.rung.coarse());
-        let (slot, prepared) = match coarse {
-            Some(coarse) => (&mut self.coarse, coarse),
-            None => (&mut self.own, &wish.own),
+        self.tidy(wish);
+        let slot = match (wish.rung.degree, &wish.lighter) {
+            (Degree::Own, _) | (_, None) => &mut self.own,
+            (Degree::Coarse, _) => &mut self.lighter[0],
+            (Degree::FewerWavelengths, _) => &mut self.lighter[1],
         };
+        let prepared = wish.lighter.as_ref().unwrap_or(&wish.own);
         let size = wish.rung.size(wish.size);
-        let Some([mut gpu, mut wall]) = paint(&self.device, slot, prepared, wish, size, &mut go_on)? else {
+        let first = slot.as_ref().is_none_or(|slot| !slot.serves(prepared, wish));
+        let painted = match paint(&self.device, slot, prepared, wish, size, &mut go_on) {
+            Err(_) if wish.lighter.is_some() && !self.device.is_lost() => {
+                *slot = None;
+                return Ok(Some(Word::NoRoom(wish.rung.degree)));
+            }
+            painted => painted?,
+        };
+        let Some([mut gpu, mut wall]) = painted else {
             return Ok(moving.then(|| Word::TooSlow(wish.rung, milliseconds())));
         };
         let Some(left) = slot.as_ref().map(|s| s.painter.target().display.clone()) else { return Ok(None) };
@@ -101,8 +137,7 @@ impl Easel {
                 return Ok(None);
             };
             (gpu, wall) = (gpu + more[0], wall + more[1]);
-            let judged = if coarse.is_some() { &self.coarse } else { &self.own };
-            if let (Some(a), Some(b)) = (judged, &self.other) {
+            if let (Some(a), Some(b)) = (&self.own, &self.other) {
                 right = match wish.compare {
                     Compare::Error => {
                         let pass = match &mut self.difference {
@@ -121,7 +156,7 @@ impl Easel {
         }
         let inset = if wish.inset { self.hemisphere(wish)? } else { None };
         let cost = match wish.rung {
-            Rung::Whole if !newer() => self.count(wish)?,
+            Rung::WHOLE if !newer() => self.count(wish)?,
             _ => None,
         };
         Ok(Some(Word::Drawn(Box::new(Exhibit {
@@ -130,10 +165,18 @@ impl Easel {
             rung: wish.rung,
             gpu,
             wall,
+            first,
             cost,
             inset,
             number: wish.own.number,
         }))))
+    }
+
+    /// Gives up the lighter spectra of a setting that is no more.
+    fn tidy(&mut self, wish: &Wish) {
+        let own = wish.own.number;
+        // They are asked for after the user's own.
+        self.lighter.iter_mut().for_each(|slot| drop(slot.take_if(|slot| slot.prepared.number < own)));
     }
 
     /// The hemisphere of the first light, with the layers that are on the device anyway.
@@ -146,10 +189,11 @@ impl Easel {
             return Ok(Some(inset.clone()));
         }
         let of = |slot: &&mut Slot, number: u64| slot.prepared.number == number;
-        let coarse = wish.coarse.as_ref().map(|p| p.number);
         let own = self.own.as_mut().filter(|slot| of(slot, number));
-        // The coarse layers do for some thousand points.
-        let other = self.coarse.as_mut().filter(|slot| coarse.is_some_and(|number| of(slot, number)));
+        // Lighter spectra do for some thousand points.
+        let lighter = wish.lighter.as_ref().map(|prepared| prepared.number);
+        let mut others = self.lighter.iter_mut().flatten();
+        let other = others.find(|slot| lighter.is_some_and(|number| of(slot, number)));
         let Some(slot) = own.or(other) else { return Ok(None) };
         let inset = Arc::new(inset::hemisphere(&mut slot.painter, light)?);
         self.inset = Some((inset.clone(), number));
@@ -171,9 +215,11 @@ impl Easel {
         let cost = match &wish.own.made {
             Made::Layers(layers) => Cost::of(layers, slot.painter.combs(), &some),
             Made::Repeats(layers, repeating) => Cost::of_repeats(layers, repeating, &some),
-            Made::Table(table, filter) => Cost::of_table(&table.grid, *filter, &some, wish.size),
+            // How far apart neighbours are decides what it reads.
+            Made::Table(table, filter) => Cost::of_table(&table.grid, *filter, &directions, wish.size),
         };
-        let seen = some.first().map_or(1, |d| d.view.len()).max(1);
+        let judged = if matches!(wish.own.made, Made::Table(..)) { &directions } else { &some };
+        let seen = judged.first().map_or(1, |d| d.view.len()).max(1);
         let counted = Counted {
             covered: cost.covered as f64 / seen as f64,
             wavelengths: cost.wavelengths_per_pixel(),
@@ -210,10 +256,10 @@ fn paint(
     go_on: &mut dyn FnMut() -> bool,
 ) -> Result<Option<[f64; 2]>> {
     let lights = wish.view.lights.len();
-    let fits = |s: &Slot| s.prepared.number == prepared.number && Arc::ptr_eq(&s.stage, &wish.stage);
     let slot = match slot {
-        Some(slot) if fits(slot) => {
+        Some(slot) if slot.serves(prepared, wish) => {
             slot.painter.resize(wish.size, lights)?;
+            slot.take_over(prepared, lights)?;
             slot
         }
         slot => {

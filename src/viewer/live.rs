@@ -14,7 +14,7 @@ use super::screen::{Scenery, Screen};
 use super::settings::Settings;
 use super::studio::{Stage, Studio, Wish};
 use super::words::Words;
-use super::worker::{Bake, Worker};
+use super::worker::{Bake, ROLES, Worker};
 use super::{hand, overlay, panel, style};
 use crate::error::{Error, Result};
 use crate::render::color_table;
@@ -61,7 +61,7 @@ pub struct Live {
     words: Option<Words>,
     number: u64,
     // What was asked of the worker last, by role, with its number.
-    asked: [Option<(u64, Settings)>; 3],
+    asked: [Option<(u64, Settings)>; ROLES],
     // What was asked of the studio last.
     wished: Option<Wish>,
     // Settings and time of the last movement.
@@ -132,7 +132,7 @@ impl Live {
             context,
             words: Words::from_environment(),
             number: 0,
-            asked: [None, None, None],
+            asked: Default::default(),
             wished: None,
             before: settings,
             moved: None,

@@ -59,15 +59,6 @@ fn row(ui: &mut Ui, label: &str, add: impl FnOnce(&mut Ui)) {
     ui.end_row();
 }
 
-/// Why something above cannot be chosen.
-fn reason(ui: &mut Ui, why: Option<&str>) {
-    if let Some(why) = why {
-        row(ui, "", |ui| {
-            ui.label(RichText::new(why).small().color(style::FAINT));
-        });
-    }
-}
-
 fn value(ui: &mut Ui, label: &str, text: impl Into<String>) {
     row(ui, label, |ui| {
         ui.add(egui::Label::new(text.into()).truncate());

@@ -1,6 +1,6 @@
 //! What the user has set, what a change of it asks for, and the command line that says the same.
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
@@ -93,11 +93,8 @@ impl Settings {
     /// The settings of the optics, with `optics` for the user's own.
     ///
     /// # Errors
-    /// Where the illuminant's file cannot be read, and for what no method does.
+    /// Where the illuminant's file cannot be read.
     pub fn shading(&self, optics: &Optics) -> Result<Shading> {
-        if let Some(why) = clash(self.coherence, optics.method) {
-            return Err(Error::usage(why, "use --method spectral, or --coherence gaussian:LENGTH"));
-        }
         Ok(Shading {
             coherence: self.coherence,
             ior: self.ior,
@@ -108,6 +105,7 @@ impl Settings {
             terms: optics.terms.filter(|_| optics.method == Reads::Layers),
             wavelengths: self.wavelengths(optics),
             purpose: Purpose::Picture,
+            looser_colours: 1.0,
         })
     }
 
@@ -192,14 +190,6 @@ impl Settings {
         option("size", format!("{}x{}", size[0], size[1]));
         words.push(format!("-o {}", quoted(output)));
         words.join(" ")
-    }
-}
-
-/// Why `method` does not do `coherence`, where it does not.
-pub fn clash(coherence: Coherence, method: Reads) -> Option<&'static str> {
-    match (coherence, method) {
-        (Coherence::Repeats(_), Reads::Table) => Some("tables are for a gaussian window"),
-        _ => None,
     }
 }
 
@@ -289,12 +279,6 @@ mod tests {
         let told = repeats.command(&scene, [64, 48], "a.png");
         assert!(told.contains("--coherence repeats:3x7") && !told.contains("--wavelengths"), "{told}");
         assert_eq!(repeats.shading(&repeats.optics).unwrap().wavelengths, None);
-        let by_table = Optics { method: Reads::Table, ..s.optics.clone() };
-        let refused = repeats.shading(&by_table).unwrap_err().to_string();
-        assert!(
-            refused.contains("tables are for a gaussian window") && refused.contains("--method spectral"),
-            "{refused}"
-        );
         s.surface.name = "my scan's.png".to_owned();
         s.surface.pixel_size = Some([0.09, 0.1]);
         s.camera.phi += 0.25;

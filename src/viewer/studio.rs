@@ -5,7 +5,7 @@ use super::compare::Compare;
 use super::easel::Easel;
 use super::inset::Inset;
 use super::judge::Samples;
-use super::pace::Rung;
+use super::pace::{Degree, Rung};
 use super::worker::Prepared;
 use crate::error::{Error, Result};
 use crate::render::frame::View;
@@ -35,8 +35,8 @@ pub struct Wish {
     pub own: Arc<Prepared>,
     /// The setting to compare with.
     pub other: Option<Arc<Prepared>>,
-    /// What is taken while something moves.
-    pub coarse: Option<Arc<Prepared>>,
+    /// What the rung takes instead of the user's setting.
+    pub lighter: Option<Arc<Prepared>>,
     /// How much is done.
     pub rung: Rung,
     /// Whether it moves: then it is finished before a newer wish is looked at, unless that takes too long.
@@ -78,6 +78,8 @@ pub struct Exhibit {
     pub gpu: f64,
     /// Milliseconds on the wall.
     pub wall: f64,
+    /// Whether it was the first of its painter.
+    pub first: bool,
     /// What the whole picture costs, where it was counted.
     pub cost: Option<Counted>,
     /// The hemisphere, where it was asked for.
@@ -103,6 +105,8 @@ pub enum Word {
     Drawn(Box<Exhibit>),
     /// A moving picture took at least so many milliseconds and was given up.
     TooSlow(Rung, f64),
+    /// The device has no room for the spectra of moving pictures.
+    NoRoom(Degree),
     /// The picture that was asked for.
     Picture(Box<Picture>),
     /// The samples that were asked for.

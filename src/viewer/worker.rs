@@ -20,11 +20,14 @@ pub enum Role {
     Own,
     /// The setting that it is compared with.
     Other,
-    /// Moving pictures.
+    /// Moving pictures, of fewer wavelengths and layers.
     Coarse,
+    /// Moving pictures, of fewer wavelengths alone.
+    FewerWavelengths,
 }
 
-const ROLES: [Role; 3] = [Role::Own, Role::Other, Role::Coarse];
+/// Number of roles.
+pub const ROLES: usize = 4;
 
 /// A surface and settings that are ready to be drawn.
 pub struct Prepared {
@@ -59,6 +62,17 @@ impl Made {
                 (layers.count(), size, layers.bytes() as u64)
             }
             Self::Table(table, _) => (table.grid.layers(), [table.grid.side; 2], table.grid.bytes()),
+        }
+    }
+
+    /// Whether both read the very same texture, however it is shaded.
+    pub fn shares_all_with(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Layers(a), Self::Layers(b)) | (Self::Repeats(a, _), Self::Repeats(b, _)) => {
+                Arc::ptr_eq(a, b)
+            }
+            (Self::Table(a, by), Self::Table(b, as_well)) => Arc::ptr_eq(a, b) && by == as_well,
+            _ => false,
         }
     }
 
@@ -123,13 +137,13 @@ pub enum Report {
 
 #[derive(Default)]
 struct Shared {
-    requests: Mutex<[Option<Request>; ROLES.len()]>,
+    requests: Mutex<[Option<Request>; ROLES]>,
     wake: Condvar,
     stop: AtomicBool,
 }
 
 impl Shared {
-    fn requests(&self) -> MutexGuard<'_, [Option<Request>; ROLES.len()]> {
+    fn requests(&self) -> MutexGuard<'_, [Option<Request>; ROLES]> {
         self.requests.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -189,8 +203,8 @@ type KeptTable = (Arc<HeightField>, Shading, Arc<ColorTable>);
 #[derive(Default)]
 struct Kept {
     field: Option<(Source, Arc<HeightField>)>,
-    layers: [Option<KeptLayers>; ROLES.len()],
-    tables: [Option<KeptTable>; ROLES.len()],
+    layers: [Option<KeptLayers>; ROLES],
+    tables: [Option<KeptTable>; ROLES],
 }
 
 fn run(shared: &Shared, by: (&Candidate, &Bake), report: &dyn Fn(Report)) {

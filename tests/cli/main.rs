@@ -23,4 +23,6 @@ mod trade;
 mod usage;
 mod view;
 mod viewer;
+mod viewer_hand;
+mod viewer_losses;
 mod viewer_panel;

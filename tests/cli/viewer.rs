@@ -35,7 +35,8 @@ impl Viewer {
     /// The viewer with `arguments` and environment variables.
     pub fn start(arguments: &[&str], variables: &[(&str, &str)]) -> Self {
         let (sandbox, display) = (Sandbox::with_small_surface(), Display::new());
-        let mut command = sandbox.command([&["view"], arguments, &SMALL, &QUICK].concat());
+        let small = if arguments.contains(&"--coherence") { &SMALL[..6] } else { &SMALL[..] };
+        let mut command = sandbox.command([&["view"], arguments, small, &QUICK].concat());
         command.env("DISPLAY", &display.name).env("DIFFRACT_VALIDATION", "1");
         command.env("DIFFRACT_WORDS", sandbox.path("words"));
         command.envs(variables.iter().copied());
@@ -43,6 +44,13 @@ impl Viewer {
         let program = command.spawn().unwrap();
         let window = display.window();
         Self { sandbox, display, program, window }
+    }
+
+    /// Hundredths of a second of processor time that the program has taken so far.
+    pub fn ticks(&self) -> u64 {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.program.id())).unwrap();
+        let fields: Vec<&str> = stat.rsplit_once(") ").unwrap().1.split(' ').collect();
+        fields[11..13].iter().map(|n| n.parse::<u64>().unwrap()).sum()
     }
 
     /// All that can be read in the window, the last drawn first.

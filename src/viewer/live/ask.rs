@@ -19,12 +19,14 @@ impl Live {
             let optics = self.model.other.clone();
             self.ask(Role::Other, &Settings { optics, ..own.clone() });
         }
-        let slow = self.model.pace.moving(false) != Rung::Whole;
         let ready = self.model.own.as_ref().map(|p| p.number) == self.asked[0].as_ref().map(|a| a.0);
         // No layers are as fast as a table: its moving picture has its resolution to give.
-        if slow && ready && own.optics.method == Reads::Layers {
-            let optics = compare::coarse(&own.optics);
-            self.ask(Role::Coarse, &Settings { optics, ..own });
+        if self.model.pace.is_slow() && ready && own.optics.method == Reads::Layers {
+            self.ask(Role::Coarse, &Settings { optics: compare::coarse(&own.optics), ..own.clone() });
+            // Through repeats wavelengths stand where the orders are.
+            if !own.repeats() && compare::looser_colours(&own.optics).is_some() {
+                self.ask(Role::FewerWavelengths, &own);
+            }
         }
     }
 
@@ -39,7 +41,11 @@ impl Live {
         self.number += 1;
         *asked = Some((self.number, settings.clone()));
         match settings.shading(&settings.optics) {
-            Ok(shading) => {
+            Ok(mut shading) => {
+                if role == Role::FewerWavelengths {
+                    shading.looser_colours = compare::looser_colours(&settings.optics).unwrap_or(1.0);
+                    shading.wavelengths = None;
+                }
                 let source = settings.surface.clone();
                 let Optics { method, filter, .. } = settings.optics;
                 self.worker.ask(Request { role, number: self.number, source, shading, method, filter });
@@ -51,7 +57,8 @@ impl Live {
         match role {
             // What was made for the former setting shows another thing.
             Role::Other => self.model.judge = None,
-            Role::Coarse => self.model.coarse = None,
+            Role::Coarse => self.model.lighter[0] = None,
+            Role::FewerWavelengths => self.model.lighter[1] = None,
             Role::Own => self.title(),
         }
     }
@@ -71,8 +78,8 @@ impl Live {
             stage: model.stage.clone(),
             own,
             other: model.judge.clone(),
-            coarse: None,
-            rung: Rung::Whole,
+            lighter: None,
+            rung: Rung::WHOLE,
             moving: false,
             again: false,
             view,
@@ -88,8 +95,8 @@ impl Live {
     pub(super) fn wish(&mut self, again: bool) {
         let Some(wish) = self.wish_now() else { return };
         let rung = self.model.rung();
-        let coarse = self.model.coarse.clone().filter(|_| self.model.compare == Compare::Alone);
-        let wish = Wish { rung, coarse, moving: self.model.moving, again, ..wish };
+        let lighter = self.model.lighter(rung.degree).cloned();
+        let wish = Wish { rung, lighter, moving: self.model.moving, again, ..wish };
         if !again && self.wished.as_ref().is_some_and(|w| alike(w, &wish)) {
             return;
         }

@@ -109,7 +109,7 @@ impl Live {
         settings.scene.clone_from(&name);
         self.model.applied.scene = name;
         self.model.stage = Arc::new(stage);
-        self.model.pace.forget();
+        self.model.pace.doubt();
         self.model.message = None;
         self.title();
     }

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::render::picture::Picture;
 use crate::viewer::app::Event;
 use crate::viewer::judge::Judge;
+use crate::viewer::pace::Degree;
 use crate::viewer::save;
 use crate::viewer::settings::Settings;
 use crate::viewer::studio::Word;
@@ -53,18 +54,22 @@ impl Live {
                             model.applied = Settings { scene, ..settings.clone() };
                         }
                         model.own = Some(prepared);
-                        (model.coarse, self.asked[Role::Coarse as usize]) = (None, None);
-                        model.pace.forget();
+                        model.lighter = [None, None];
+                        for role in [Role::Coarse, Role::FewerWavelengths] {
+                            self.asked[role as usize] = None;
+                        }
+                        model.pace.doubt();
                         model.message = model.message.take().filter(|m| !m.bad);
                     }
                     Role::Other => model.judge = Some(prepared),
-                    Role::Coarse => model.coarse = Some(prepared),
+                    Role::Coarse => model.lighter[0] = Some(prepared),
+                    Role::FewerWavelengths => model.lighter[1] = Some(prepared),
                 }
             }
             Report::Failed(role, error) => {
                 model.progress[role as usize] = None;
-                // Without coarse layers a moving picture has its resolution to give.
-                if role != Role::Coarse {
+                // Without lighter spectra a moving picture has its resolution to give.
+                if matches!(role, Role::Own | Role::Other) {
                     model.complain(&error);
                 }
             }
@@ -77,7 +82,7 @@ impl Live {
                 // A display that was changed alone says nothing of frames.
                 if exhibit.gpu > 0.0 {
                     self.model.history.push(exhibit.wall);
-                    self.model.pace.took(exhibit.rung, exhibit.wall);
+                    self.model.pace.took(exhibit.rung, exhibit.wall, exhibit.first);
                 }
                 let former = self.model.exhibit.take();
                 if let Some(former) = former.filter(|f| f.number == exhibit.number) {
@@ -89,7 +94,11 @@ impl Live {
                     self.wish(true);
                 }
             }
-            Word::TooSlow(rung, milliseconds) => self.model.pace.took(rung, 2.0 * milliseconds),
+            Word::TooSlow(rung, milliseconds) => self.model.pace.took(rung, 2.0 * milliseconds, true),
+            Word::NoRoom(degree) => {
+                // Resolution is left to give.
+                self.model.lighter[usize::from(degree == Degree::FewerWavelengths)] = None;
+            }
             Word::Picture(picture) => self.save(&picture),
             Word::Samples(prepared, shown, samples) => {
                 if samples.radiance.is_empty() {

@@ -1,14 +1,14 @@
 //! The rows of the optics.
 
-use super::{choice, heading, number, reason, row, rows};
+use super::{choice, heading, number, row, rows};
 use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::render::color_table::Filter;
 use crate::render::resources::Reads;
 use crate::viewer::model::Model;
-use crate::viewer::settings::{Optics, clash};
+use crate::viewer::settings::Optics;
 use crate::viewer::style;
-use egui::{Button, RichText, Ui};
+use egui::{RichText, Ui};
 
 /// The user's own setting, and the light's spectrum.
 pub fn show(ui: &mut Ui, model: &mut Model) {
@@ -30,17 +30,9 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics, coherence: Coherence) {
     row(ui, "method", |ui| {
         for method in [Reads::Layers, Reads::Table] {
-            let now = optics.method == method;
-            let why = clash(coherence, method);
-            let choice = ui.add_enabled(now || why.is_none(), Button::selectable(now, method.method()));
-            if choice.on_disabled_hover_text(why.unwrap_or_default()).clicked() {
-                optics.method = method;
-            }
+            ui.selectable_value(&mut optics.method, method, method.method());
         }
     });
-    if optics.method == Reads::Layers {
-        reason(ui, clash(coherence, Reads::Table));
-    }
     match optics.method {
         Reads::Layers => row(ui, "basis", |ui| {
             let all = Basis::ALL.map(|b| (b, b.name()));

@@ -1,20 +1,17 @@
 //! The rows of the height field.
 
-use super::{LABEL, WIDTH, heading, number, reason, row, rows, short};
+use super::{LABEL, WIDTH, heading, number, row, rows, short};
 use crate::optics::coherence::Coherence;
-use crate::render::resources::Reads;
 use crate::surface::synth::Kind;
 use crate::surface::{Level, Source};
-use crate::viewer::compare::Compare;
 use crate::viewer::model::Model;
-use crate::viewer::settings::{Settings, clash};
+use crate::viewer::settings::Settings;
 use crate::viewer::style;
-use egui::{Button, ComboBox, RichText, Ui};
+use egui::{ComboBox, RichText, Ui};
 
 /// Height field, coherence, index.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     heading(ui, "Surface");
-    let other = (model.compare != Compare::Alone).then_some(model.other.method);
     rows(ui, "surface", |ui| {
         let source = &mut model.settings.surface;
         let kind = Kind::from_name(&source.name);
@@ -52,7 +49,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
                 ui.selectable_value(&mut source.level, level, level.name());
             }
         });
-        coherence(ui, &mut model.settings, &mut model.kept, other);
+        coherence(ui, &mut model.settings, &mut model.kept);
         row(ui, "index", |ui| {
             let ior = &mut model.settings.ior;
             ui.add(number(ior).speed(0.01).range(1.0..=4.0).fixed_decimals(2));
@@ -66,20 +63,17 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 }
 
 /// What surrounds the patch: a window of a length, or so many copies and nothing else.
-fn coherence(ui: &mut Ui, settings: &mut Settings, kept: &mut (f64, [u32; 2]), other: Option<Reads>) {
-    let methods = || std::iter::once(settings.optics.method).chain(other);
-    let why = methods().find_map(|method| clash(Coherence::Repeats(kept.1), method));
+fn coherence(ui: &mut Ui, settings: &mut Settings, kept: &mut (f64, [u32; 2])) {
     row(ui, "coherence", |ui| {
-        let now = settings.repeats();
-        if ui.selectable_label(!now, "gaussian").clicked() {
-            settings.coherence = Coherence::Gaussian { length: kept.0 };
-        }
-        let repeats = ui.add_enabled(now || why.is_none(), Button::selectable(now, "repeats"));
-        if repeats.on_disabled_hover_text(why.unwrap_or_default()).clicked() {
-            settings.coherence = Coherence::Repeats(kept.1);
+        for (of, name) in
+            [(Coherence::Gaussian { length: kept.0 }, "gaussian"), (Coherence::Repeats(kept.1), "repeats")]
+        {
+            let now = std::mem::discriminant(&of) == std::mem::discriminant(&settings.coherence);
+            if ui.selectable_label(now, name).clicked() && !now {
+                settings.coherence = of;
+            }
         }
     });
-    reason(ui, why.filter(|_| !settings.repeats()));
     match &mut settings.coherence {
         Coherence::Gaussian { length } => {
             row(ui, "length", |ui| {
