@@ -226,13 +226,13 @@ impl PixelPass {
 
     /// Records the pass into `target.radiance`, which it leaves as a colour attachment.
     pub fn record(&self, record: &Recorder<'_>, target: &Target, descriptors: &Descriptors, push: &[u8]) {
-        let push = if push.is_empty() { &self.settings } else { push };
         record.images(&[(&target.radiance, Access::Nothing, Access::ColorAttachment)]);
         self.go_on(record, target, descriptors, push);
     }
 
     /// Records another part of a pass that [`PixelPass::record`] began.
     pub fn go_on(&self, record: &Recorder<'_>, target: &Target, descriptors: &Descriptors, push: &[u8]) {
+        let push = if push.is_empty() { &self.settings } else { push };
         record.render(&[(&target.radiance, [0.0; 4])], None, |draw| {
             draw.bind(&self.pipeline, descriptors);
             if !push.is_empty() {

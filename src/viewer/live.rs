@@ -67,6 +67,8 @@ pub struct Live {
     // Settings and time of the last movement.
     before: Settings,
     moved: Option<Instant>,
+    // Whether frames were drawn without end at the last look.
+    continuous: bool,
     saving: Vec<Saving>,
     wake: Option<Instant>,
     // When the last frame was handed to the window.
@@ -136,6 +138,7 @@ impl Live {
             wished: None,
             before: settings,
             moved: None,
+            continuous: false,
             saving: Vec::new(),
             wake: None,
             presented: Instant::now(),
@@ -293,7 +296,10 @@ impl Live {
         if self.model.moving {
             self.sooner(still);
         }
-        self.wish(false);
+        // Each frame that is drawn asks for the next one; this is the first.
+        let begins = self.model.continuous && !self.continuous;
+        self.continuous = self.model.continuous;
+        self.wish(begins);
     }
 
     fn title(&self) {

@@ -134,7 +134,7 @@ impl Pace {
     fn expected(&self, rung: Rung) -> Option<f64> {
         let part = match rung.degree {
             Degree::Own => None,
-            Degree::FewerWavelengths => Some(0.75),
+            Degree::FewerWavelengths => Some(0.65),
             Degree::Coarse => Some(1.0 / 3.0),
         };
         let alike = (1..=LEAST).map(|divisor| Rung { divisor, ..rung });
@@ -176,7 +176,7 @@ mod tests {
         let mut pace = Pace::new(15.0);
         pace.took(Rung::WHOLE, 80.0, false);
         assert!(pace.is_slow());
-        assert_eq!(pace.moving(all), WAVELENGTHS, "three quarters of 80 ms fit");
+        assert_eq!(pace.moving(all), WAVELENGTHS, "two thirds of 80 ms fit");
         pace.took(WAVELENGTHS, 75.0, false);
         assert_eq!(pace.moving(all), COARSE, "a third of 80 ms fits");
         let no_wavelengths = |degree| degree == Degree::Coarse;

@@ -193,5 +193,6 @@ fn a_display_that_vanishes_ends_the_program_with_exit_code_1() {
     display.window();
     display.vanish();
     let ended = outcome(program);
-    assert_eq!((ended.code, ended.stderr.lines().count()), (Some(1), 1), "{ended:?}");
+    // The last word is that of the system's library of the display, which ends the program.
+    assert!(ended.code == Some(1) && ended.stderr.contains("X server"), "{ended:?}");
 }

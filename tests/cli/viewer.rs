@@ -93,11 +93,18 @@ impl Viewer {
         self.display.click(1, self.find(text), 1);
     }
 
-    /// Drags number `index` in the row that is called `label` by `pixels` to the right.
+    /// Drags the word number `index` in the row that is called `label` by `pixels` to the right; what it has become.
     #[track_caller]
-    pub fn drag(&self, label: &str, index: usize, pixels: i16) {
-        let [x, y] = self.row(label)[index].at;
+    pub fn drag(&self, label: &str, index: usize, pixels: i16) -> String {
+        let Word { text: before, at: [x, y] } = self.row(label)[index].clone();
         self.display.drag(1, [x, y], [x + pixels, y]);
+        let now = || self.row(label).get(index).map(|word| word.text.clone());
+        // The last steps of the drag may still be on their way.
+        wait_for("another number", || {
+            let first = now().filter(|text| *text != before)?;
+            std::thread::sleep(std::time::Duration::from_millis(500));
+            now().filter(|text| *text == first)
+        })
     }
 
     /// Chooses `text` in the list of the row that is called `label`.
@@ -132,12 +139,29 @@ impl Viewer {
         image::open(self.sandbox.path("told.png")).unwrap().to_rgb8()
     }
 
+    /// Waits until a saved picture says a value of `option` that a panel shows as `text`, and checks the picture.
+    #[track_caller]
+    pub fn shows_number(&self, option: &str, text: &str) -> (RgbImage, String) {
+        let digits = text.split_once('.').map_or(0, |(_, digits)| digits.len() as i32);
+        let shown: f64 = text.replace('−', "-").parse().unwrap(); // as egui writes it
+        self.shows_where(text, |command| {
+            let value = command.split(&format!("{option} ")).nth(1).unwrap().split(' ').next().unwrap();
+            let number = value.trim_start_matches("gaussian:").trim_end_matches("um").parse::<f64>();
+            number.is_ok_and(|n| (n - shown).abs() <= 0.51 * 10_f64.powi(-digits))
+        })
+    }
+
     /// Waits until a saved picture says `option`, and makes sure that it is the picture of the command in it.
     #[track_caller]
     pub fn shows(&self, option: &str) -> (RgbImage, String) {
-        let (picture, command, _) = wait_for(option, || {
+        self.shows_where(option, |command| format!(" {command} ").contains(&format!(" {option} ")))
+    }
+
+    #[track_caller]
+    fn shows_where(&self, what: &str, wanted: impl Fn(&str) -> bool) -> (RgbImage, String) {
+        let (picture, command, _) = wait_for(what, || {
             let saved = self.save(&[]);
-            format!(" {} ", saved.1).contains(&format!(" {option} ")).then_some(saved)
+            wanted(&saved.1).then_some(saved)
         });
         assert!(picture == self.render(&command), "the window shows something else than {command}");
         (picture, command)

@@ -14,7 +14,7 @@ fn a_lost_device_ends_the_program_and_the_scene_is_not_lost() {
     // In the middle of uploads, and of frames.
     for lost_at in ["submission=25", "submission=300"] {
         let viewer = Viewer::start(
-            &["sphere", "--size", "320x240", "--light", "20,10"],
+            &["sphere", "--size", "700x500", "--light", "20,10"],
             &[("DIFFRACT_DEVICE_MASK", lost_at)],
         );
         let (mut viewer, space) = (viewer, u32::from(' '));

@@ -64,6 +64,9 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
             painter.shade_by(then, shading, 1).unwrap();
             assert!(device.memory_in_use().abs_diff(memory) < layers.bytes() as u64 / 2);
             assert!(painter.paint(&view, 0.0, DVec3::ZERO).unwrap() == expected);
+            // In strips, too, each of which is a submission of its own.
+            painter.draw_while(&view, 0.0, DVec3::ZERO, SIZE, &mut || true).unwrap();
+            assert!(painter.picture().unwrap() == expected);
         }
         // Layers, coefficients and pigment alone take as many allocations as that and more.
         let mut painter = new(Optics::Layers(&layers), &before);
