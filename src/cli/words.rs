@@ -15,12 +15,13 @@ pub fn coherence(coherence: &Coherence) -> String {
 
 /// Method, and what it depends on.
 pub fn optics(options: &OpticsOptions) -> String {
-    let by = match options.method {
+    let by = match options.method() {
         Method::Reference => "direct sum (reference)".to_owned(),
         method => {
             let name = clap::ValueEnum::to_possible_value(&method)
                 .map_or_else(String::new, |v| v.get_name().to_owned());
-            format!("method {name}, {} basis, tolerance {}", options.basis.name(), options.tolerance)
+            let basis = options.basis.map_or_else(String::new, |basis| format!(", {} basis", basis.name()));
+            format!("method {name}{basis}, tolerance {}", options.tolerance())
         }
     };
     let windows = match options.windows {

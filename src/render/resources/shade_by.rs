@@ -2,7 +2,7 @@
 
 use super::{Optics, Resources, lines_block, numbers, optics_block, repeated, table_optics_block};
 use crate::error::Result;
-use crate::precompute::Layers;
+use crate::precompute::{Layers, thesis};
 use crate::render::interface::binding;
 use crate::render::shading::Shading;
 use crate::render::tables::Combs;
@@ -30,6 +30,10 @@ impl Resources {
                 self.of_layers_by(device, (layers, repeats.sigma()), combs, shading.ior)?;
                 self.copies = Some(block);
                 Ok(())
+            }
+            Optics::Thesis(layers, _) => {
+                let combs = Combs::even_wavelengths(&shading.illuminant, thesis::WAVELENGTHS);
+                self.of_layers_by(device, (layers, layers.sigma), combs, shading.ior)
             }
             // Of a table only the reflectance depends on more than the table.
             Optics::Table(table, filter) => {
