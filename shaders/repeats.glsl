@@ -7,6 +7,7 @@ layout(push_constant) uniform Copies {
     vec2 period;      // T_x, T_y [um]
     float colour_lag; // lag beyond which the colour functions have little [um]
     float tolerance;  // of the sum over wavelengths
+    uint queries;     // answered at once; none in a picture
 } copies;
 
 const float SHORTEST = 0.380; // [um]

@@ -3,12 +3,10 @@
 use super::prepare;
 use crate::error::{Error, Result};
 use crate::measure::cost::Cost;
-use crate::optics::coherence::Coherence;
-use crate::optics::geometry::Pair;
-use crate::optics::orders::{Colours, Repeats};
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::Layers;
 use crate::render::picture::{Directions, Painter};
+use crate::render::repeating::Repeating;
 use crate::render::resources::Optics;
 use crate::render::shading::Shading;
 use crate::surface::HeightField;
@@ -18,8 +16,7 @@ use crate::vk::device::Device;
 pub struct Spectral {
     /// The layers.
     pub layers: Layers,
-    repeats: Option<(Repeats, Colours)>,
-    tolerance: f64,
+    repeats: Option<Repeating>,
 }
 
 /// Fails where wavelengths are named that repeats would not take.
@@ -39,22 +36,19 @@ impl Spectral {
     /// # Errors
     /// For settings that layers cannot do, and where they do not fit.
     pub fn prepare(field: &HeightField, shading: &Shading, device: &Device) -> Result<Self> {
-        let tolerance = shading.quadrature();
-        let Coherence::Repeats(copies) = shading.coherence else {
+        let Some(repeats) = Repeating::of(field, shading) else {
             let layers = prepare::layers(field, shading, SHORTEST, device)?;
-            return Ok(Self { layers, repeats: None, tolerance });
+            return Ok(Self { layers, repeats: None });
         };
         check_wavelengths(shading)?;
         let layers = prepare::windowed_layers(field, shading, f64::INFINITY, SHORTEST, device)?;
-        let repeats = Repeats { copies, period: field.patch_size() };
-        let colours = Colours::new(&shading.illuminant, tolerance);
-        Ok(Self { layers, repeats: Some((repeats, colours)), tolerance })
+        Ok(Self { layers, repeats: Some(repeats) })
     }
 
     /// As a painter takes it.
     pub fn optics(&self) -> Optics<'_> {
         match &self.repeats {
-            Some((repeats, _)) => Optics::Repeats(&self.layers, *repeats),
+            Some(repeating) => Optics::Repeats(&self.layers, repeating.repeats),
             None => Optics::Layers(&self.layers),
         }
     }
@@ -69,25 +63,13 @@ impl Spectral {
     /// # Errors
     /// With their number.
     pub fn check(&self, directions: &[Directions]) -> Result<()> {
-        let Some((repeats, colours)) = &self.repeats else { return Ok(()) };
-        let uvs = directions.iter().flat_map(|seen| {
-            let covered = seen.light.iter().zip(&seen.view).filter(|(_, view)| view[3] != 0.0);
-            covered.map(|(light, view)| {
-                let vector = |v: &[f32; 4]| glam::Vec3::new(v[0], v[1], v[2]).as_dvec3();
-                Pair::new(vector(light), vector(view)).uvw().truncate()
-            })
-        });
-        uvs.map(|uv| repeats.sampling(uv, colours.lag, self.tolerance))
-            .max_by(|a, b| a.wavelengths().total_cmp(&b.wavelengths()))
-            .map_or(Ok(()), |most| repeats.check(&most))
+        self.repeats.as_ref().map_or(Ok(()), |repeating| repeating.check(directions))
     }
 
     /// What a frame of `painter` does that shades `directions`.
     pub fn cost(&self, painter: &Painter, directions: &[Directions]) -> Cost {
         match &self.repeats {
-            Some((repeats, colours)) => {
-                Cost::of_repeats(&self.layers, (repeats, colours, self.tolerance), directions)
-            }
+            Some(repeating) => Cost::of_repeats(&self.layers, repeating, directions),
             None => Cost::of(&self.layers, painter.combs(), directions),
         }
     }

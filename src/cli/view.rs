@@ -3,6 +3,7 @@
 use super::options::{
     ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions, real,
 };
+use super::spectral::check_wavelengths;
 use super::{check_validation, validation};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
@@ -79,12 +80,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
     };
     let shading = arguments.optics.for_pictures(&arguments.colour)?;
-    let Coherence::Gaussian { length } = shading.coherence else {
-        return Err(Error::usage(
-            "the window does not do --coherence repeats",
-            "use --coherence gaussian:LENGTH, or `diffract render`",
-        ));
-    };
+    if matches!(shading.coherence, Coherence::Repeats(_)) {
+        check_wavelengths(&shading)?;
+    }
     if shading.windows != [1, 1] && method == Reads::Layers {
         return Err(Error::usage(
             "pictures by --method spectral do one window only",
@@ -110,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         tolerance: shading.tolerance,
         terms: shading.terms,
         wavelengths: shading.wavelengths,
-        coherence: length,
+        coherence: shading.coherence,
         ior: shading.ior,
         illuminant: arguments.colour.illuminant.clone(),
         size: arguments.size,

@@ -1,10 +1,10 @@
 //! What a frame does, counted: the same loops as `shaders/diffraction.glsl`, in f64.
 
 use crate::optics::geometry::Pair;
-use crate::optics::orders::{Colours, Repeats};
 use crate::precompute::Layers;
 use crate::render::color_table::{Filter, Grid};
 use crate::render::picture::Directions;
+use crate::render::repeating::Repeating;
 use crate::render::tables::Combs;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -69,16 +69,12 @@ impl Cost {
 }
 
 impl Cost {
-    /// Counts a frame that shades `directions` (one entry per light) from `layers` of one period through `repeats`, against
-    /// `colours` at a relative error of `tolerance`.
-    pub fn of_repeats(
-        layers: &Layers,
-        (repeats, colours, tolerance): (&Repeats, &Colours, f64),
-        directions: &[Directions],
-    ) -> Self {
+    /// Counts a frame that shades `directions` (one entry per light) from `layers` of one period, `repeating`.
+    pub fn of_repeats(layers: &Layers, repeating: &Repeating, directions: &[Directions]) -> Self {
+        let Repeating { repeats, colours, tolerance } = repeating;
         Self::counted(directions, |pair| {
             let uv = pair.uvw().truncate();
-            let sampling = repeats.sampling(uv, colours.lag, tolerance);
+            let sampling = repeats.sampling(uv, colours.lag, *tolerance);
             let per_read = layers.interpolation.samples() as usize;
             of_wavenumbers(layers, pair, per_read, sampling.wavenumbers())
         })

@@ -212,6 +212,19 @@ impl Repeats {
         Sampling { axis, periods, pattern }
     }
 
+    /// More wavelengths than [`Repeats::sampling`] takes of any direction, against colour functions of lag `colour_lag` \[µm\].
+    pub fn most_wavelengths(&self, colour_lag: f64) -> f64 {
+        // A period takes at most three wavelengths beside those that the other axis and the colours ask for, or `n` more where
+        // every part of it is taken; |(u, v)| ≤ 2.
+        let [x, y] = [0, 1].map(|axis| f64::from(self.copies[axis]) * self.period[axis]);
+        SPAN * (6.0 * self.period[0].max(self.period[1]) + colour_lag + 2.0 * x.hypot(y))
+    }
+
+    /// Most wavelengths that a colour may take.
+    pub fn limit(&self) -> f64 {
+        MAX_WAVELENGTHS
+    }
+
     /// Fails where `sampling` is of more wavelengths than a colour may take.
     ///
     /// # Errors
@@ -338,6 +351,25 @@ mod tests {
         assert!(needed([100, 1], [0.8, 0.1], 150.0) > 2.5 * needed([100, 1], [0.8, 0.1], 15.0));
         // In the mirror direction the colour functions alone are left.
         assert!((needed([9000, 9000], [0.0, 0.0], 15.0) - SPAN * 15.0).abs() < 1.0);
+    }
+
+    #[test]
+    fn no_direction_takes_more_wavelengths_than_the_most() {
+        for (copies, period) in
+            [([1, 1], [5.0, 5.0]), ([3, 7], [20.0, 2.0]), ([40, 40], [65.0, 3.0]), ([1, 900], [2.0, 2.0])]
+        {
+            let repeats = Repeats { copies, period };
+            let most = repeats.most_wavelengths(15.0);
+            let mut largest: f64 = 0.0;
+            for step in 0..4000 {
+                let (r, phi) = (2.0 * f64::from(step % 40) / 39.0, f64::from(step / 40) * PI / 50.0);
+                let uv = DVec2::from_angle(phi) * r;
+                largest = largest.max(repeats.sampling(uv, 15.0, 1e-2).wavelengths());
+            }
+            assert!(largest <= most, "{copies:?}: {largest} {most}");
+            // With one long row of copies, orders alone are summed, which the bound does not know.
+            assert!(copies == [1, 900] || largest > most / 8.0, "{copies:?}: {largest} {most}");
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Answers to single directions, by the same optics that frames shade with.
 
-use super::interface::{QueryBlock, binding};
+use super::interface::{CopiesBlock, QueryBlock, binding};
 use super::pigment::Pigment;
 use super::resources::{Optics, Reads, Resources};
 use super::shader;
@@ -82,22 +82,24 @@ impl Asker {
         let answers = Buffer::new(device, "answers", bytes(16), storage, MemoryLocation::GpuToCpu)?;
         resources.descriptors.buffer(binding::QUERIES, &queries);
         resources.descriptors.buffer(binding::ANSWERS, &answers);
-        let code = match resources.reads {
-            Reads::Layers => shader!("eval.comp"),
-            Reads::Table => shader!("table_eval.comp"),
+        let (code, push_bytes) = match (resources.reads, &resources.copies) {
+            (Reads::Layers, None) => (shader!("eval.comp"), size_of::<u32>()),
+            (Reads::Layers, Some(_)) => (shader!("repeats_eval.comp"), size_of::<CopiesBlock>()),
+            (Reads::Table, _) => (shader!("table_eval.comp"), size_of::<u32>()),
         };
         let code = code.with(&resources.specialization);
-        let pipeline = Pipeline::compute(device, code, &resources.descriptors, 4)?;
+        let pipeline = Pipeline::compute(device, code, &resources.descriptors, push_bytes as u32)?;
         Ok(Self { commands: Commands::new(device, "evaluation")?, pipeline, queries, answers })
     }
 
     /// As [`Evaluator::cosine_weighted`].
     ///
     /// # Errors
-    /// Where the device is lost, and where single wavelengths are asked of layers that hold lines.
+    /// Where the device is lost, and where single wavelengths are asked of layers that hold lines, or through repeats.
     pub fn ask(&mut self, resources: &Resources, queries: &[Query]) -> Result<Vec<DVec3>> {
-        if resources.combs.sliding.is_some() && queries.iter().any(|query| query.wavelength.is_some()) {
-            // Their plane ends where the lines begin.
+        let colours_alone = resources.combs.sliding.is_some() || resources.copies.is_some();
+        if colours_alone && queries.iter().any(|query| query.wavelength.is_some()) {
+            // The plane of layers with lines ends where the lines begin.
             return Err(Error::failed(
                 "layers for colours alone are asked for a single wavelength",
                 "report this as a bug of diffract",
@@ -109,7 +111,14 @@ impl Asker {
             self.queries.write(bytemuck::cast_slice(&blocks))?;
             self.commands.run(|record| {
                 record.bind(&self.pipeline, &resources.descriptors);
-                record.push(&self.pipeline, &(part.len() as u32).to_ne_bytes());
+                let count = part.len() as u32;
+                match resources.copies {
+                    Some(copies) => {
+                        let copies = CopiesBlock { queries: count, ..copies };
+                        record.push(&self.pipeline, bytemuck::bytes_of(&copies));
+                    }
+                    None => record.push(&self.pipeline, &count.to_ne_bytes()),
+                }
                 record.dispatch(part.len().div_ceil(GROUP) as u32);
                 record.memory(Access::ComputeWrite, Access::HostRead);
                 Ok(())

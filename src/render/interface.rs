@@ -156,6 +156,8 @@ pub struct CopiesBlock {
     pub colour_lag: f32,
     /// Relative error of the sum over wavelengths.
     pub tolerance: f32,
+    /// Queries that `repeats_eval.comp` answers at once; 0 in a picture.
+    pub queries: u32,
 }
 
 /// The `Table` block (std140).

@@ -9,6 +9,7 @@ pub mod interface;
 pub mod picture;
 pub mod pigment;
 pub mod reference_picture;
+pub mod repeating;
 pub mod resources;
 pub mod shading;
 pub mod tables;

@@ -118,6 +118,26 @@ impl Painter {
         Ok(())
     }
 
+    /// Shades by `shading` from now on, from the very layers or table that the painter has, under at most `lights` lights: what
+    /// depends on the index, the illuminant or the number of copies is uploaded, and the rest stays.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn shade_by<'a>(
+        &mut self,
+        optics: impl Into<Optics<'a>>,
+        shading: &Shading,
+        lights: usize,
+    ) -> Result<()> {
+        self.whole = false;
+        let copies = self.resources.copies;
+        self.resources.shade_by(&self.device, optics.into(), shading)?;
+        if copies != self.resources.copies {
+            self.shade = PixelPass::shading(&self.device, &self.resources, lights)?;
+        }
+        Ok(())
+    }
+
     /// Draws `view` and leaves the result on the device; milliseconds that the device took for shading and display.
     ///
     /// # Errors

@@ -1,5 +1,7 @@
 //! What the optics needs on the device: the layers as a 2D-array texture, the tables, their descriptor set.
 
+mod shade_by;
+
 use super::color_table::{ColorTable, Filter, grid::LEVELS, pyramid::in_layers};
 use super::interface::{
     CopiesBlock, FrameBlock, LinesBlock, MORE_LIGHTS, OpticsBlock, TableBlock, binding, optics_bindings,
@@ -88,10 +90,10 @@ pub struct Resources {
     /// Half the range of heights \[µm\], where the layers are those of the thesis.
     pub thesis: Option<f32>,
     // Held for the descriptor set; fields go in order, so it goes first.
-    _images: Vec<Image>,
+    images: Vec<Image>,
     edge: Sampler,
     _samplers: Vec<Sampler>,
-    _buffers: Vec<Buffer>,
+    buffers: Vec<Buffer>,
 }
 
 impl Resources {
@@ -111,15 +113,8 @@ impl Resources {
                 Self::of_layers(device, (layers, layers.sigma), combs, shading, pigment)
             }
             Optics::Repeats(layers, repeats) => {
-                let tolerance = shading.quadrature();
-                let colours = Colours::new(&shading.illuminant, tolerance);
-                let block = CopiesBlock {
-                    count: repeats.copies.map(|n| n as f32),
-                    period: repeats.period.map(|x| x as f32),
-                    colour_lag: colours.lag as f32,
-                    tolerance: tolerance as f32,
-                };
-                let (optics, combs) = ((layers, repeats.sigma()), Combs::densities(&colours));
+                let (block, combs) = repeated(&repeats, shading);
+                let optics = (layers, repeats.sigma());
                 let resources = Self::of_layers(device, optics, combs, shading, pigment)?;
                 Ok(Self { copies: Some(block), ..resources })
             }
@@ -140,9 +135,6 @@ impl Resources {
         pigment: &Pigment,
     ) -> Result<Self> {
         let float = vk::Format::R32G32B32A32_SFLOAT;
-        let table = |name, table: &Table| {
-            texture(device, name, float, table.size, None, bytemuck::cast_slice(&table.values))
-        };
         let count = layers.count() as u32;
         let pigment_size = pigment.size.map(|n| n as usize);
         let images = vec![
@@ -162,10 +154,10 @@ impl Resources {
                 Some(count),
                 bytemuck::cast_slice(&layers.coefficients.values),
             )?,
-            table("nodes", &combs.nodes)?,
+            numbers(device, "nodes", &combs.nodes)?,
             texture(device, "pigment", vk::Format::R8G8B8A8_SRGB, pigment_size, None, &pigment.texels)?,
             lines_texture(device, layers)?,
-            table("weights of lines", &combs.line_weights())?,
+            numbers(device, "weights of lines", &combs.line_weights())?,
         ];
         let edge = Sampler::linear(device, "table sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         let repeat = Sampler::linear(device, "pigment sampler", vk::SamplerAddressMode::REPEAT)?;
@@ -208,10 +200,10 @@ impl Resources {
             reads: Reads::Layers,
             copies: None,
             thesis: None,
-            _images: images,
+            images,
             edge,
             _samplers: vec![repeat],
-            _buffers: buffers,
+            buffers,
         })
     }
 
@@ -259,14 +251,7 @@ impl Resources {
         };
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
-        // What is read of the layers, by the probe, is the table.
-        let optics = OpticsBlock {
-            texture_size: texels.map(|n| n as f32),
-            origin: texels.map(|n| n as f32 / 2.0),
-            sigma: table.sigma as f32,
-            normal_reflectance: schlick(shading.ior, 1.0) as f32,
-            ..OpticsBlock::default()
-        };
+        let optics = table_optics_block(table, filter, shading.ior);
         let block = TableBlock {
             texture_per_uv: (1.0 / (grid.spacing * grid.side as f64)) as f32,
             texels_per_uv: (1.0 / grid.spacing) as f32,
@@ -308,10 +293,10 @@ impl Resources {
             reads: Reads::Table,
             copies: None,
             thesis: None,
-            _images: images,
+            images,
             edge,
             _samplers: vec![repeat, levels],
-            _buffers: buffers,
+            buffers,
         })
     }
 }
@@ -353,6 +338,18 @@ pub fn optics_block(layers: &Layers, sigma: f64, ior: f64) -> OpticsBlock {
     }
 }
 
+/// The `Optics` block of a table: what is read of the layers, by the probe, is the table.
+fn table_optics_block(table: &ColorTable, filter: Filter, ior: f64) -> OpticsBlock {
+    let (texels, _) = table.grid.texture(filter);
+    OpticsBlock {
+        texture_size: texels.map(|n| n as f32),
+        origin: texels.map(|n| n as f32 / 2.0),
+        sigma: table.sigma as f32,
+        normal_reflectance: schlick(ior, 1.0) as f32,
+        ..OpticsBlock::default()
+    }
+}
+
 /// The `Lines` block of `layers` and the weights of `combs`.
 fn lines_block(layers: &Layers, combs: &Combs) -> LinesBlock {
     let (Some(lines), Some(sliding)) = (&layers.lines, &combs.sliding) else { return LinesBlock::default() };
@@ -371,6 +368,26 @@ fn lines_block(layers: &Layers, combs: &Combs) -> LinesBlock {
         last_column: (Sliding::COLUMNS - 1) as f32,
         padding: [0.0; 3],
     }
+}
+
+/// What `shaders/repeats.glsl` takes, and the colour functions in place of combs.
+fn repeated(repeats: &Repeats, shading: &Shading) -> (CopiesBlock, Combs) {
+    let tolerance = shading.quadrature();
+    let colours = Colours::new(&shading.illuminant, tolerance);
+    let block = CopiesBlock {
+        count: repeats.copies.map(|n| n as f32),
+        period: repeats.period.map(|x| x as f32),
+        colour_lag: colours.lag as f32,
+        tolerance: tolerance as f32,
+        queries: 0,
+    };
+    (block, Combs::densities(&colours))
+}
+
+/// A table as a texture.
+fn numbers(device: &Arc<Device>, name: &str, table: &Table) -> Result<Image> {
+    let float = vk::Format::R32G32B32A32_SFLOAT;
+    texture(device, name, float, table.size, None, bytemuck::cast_slice(&table.values))
 }
 
 /// The lines of `layers`, or one texel where there are none.

@@ -56,6 +56,8 @@ pub struct Shading {
     pub tolerance: f64,
     /// What the tolerance is promised for.
     pub purpose: Purpose,
+    /// By how much more than its share the sum over wavelengths may err: 1, or more for a glance.
+    pub looser_colours: f64,
     /// Which expansion the layers hold.
     pub basis: Basis,
     /// Terms of the expansion, where the user names them.
@@ -124,7 +126,7 @@ impl Shading {
 
     /// What the sum over wavelengths may err by, relative to the colour.
     pub fn quadrature(&self) -> f64 {
-        self.shares().quadrature * self.tolerance
+        self.shares().quadrature * self.tolerance * self.looser_colours
     }
 
     fn shares(&self) -> Shares {
@@ -144,6 +146,7 @@ impl Default for Shading {
             illuminant: Illuminant::D65,
             tolerance: 1e-2,
             purpose: Purpose::Directions,
+            looser_colours: 1.0,
             basis: Basis::default(),
             terms: None,
             wavelengths: None,

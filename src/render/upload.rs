@@ -17,17 +17,22 @@ const STAGING: usize = 32 << 20;
 pub fn buffer(device: &Arc<Device>, name: &str, usage: vk::BufferUsageFlags, data: &[u8]) -> Result<Buffer> {
     let usage = usage | vk::BufferUsageFlags::TRANSFER_DST;
     let target = Buffer::new(device, name, data.len() as u64, usage, MemoryLocation::GpuOnly)?;
-    if data.is_empty() {
-        return Ok(target);
+    if !data.is_empty() {
+        into(device, &target, data)?;
     }
+    Ok(target)
+}
+
+/// Writes `data` to the start of `target`, which the device must not be using.
+pub fn into(device: &Arc<Device>, target: &Buffer, data: &[u8]) -> Result<()> {
     let staging = Buffer::with_data(device, "staging", vk::BufferUsageFlags::TRANSFER_SRC, data)?;
     Commands::new(device, "upload")?.run(|record| {
-        record.copy_buffer(&staging, &target, data.len() as u64);
+        record.memory(Access::ShaderRead, Access::TransferWrite);
+        record.copy_buffer(&staging, target, data.len() as u64);
         record.memory(Access::TransferWrite, Access::ShaderRead);
         record.memory(Access::TransferWrite, Access::VertexRead);
         Ok(())
-    })?;
-    Ok(target)
+    })
 }
 
 /// Fills every layer of `image` with tightly packed `data`, layer by layer, and leaves it ready for shaders.

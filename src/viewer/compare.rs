@@ -43,7 +43,16 @@ pub fn strict(own: &Optics) -> Optics {
 
 /// What is drawn while something moves: ten times as loose.
 pub fn coarse(own: &Optics) -> Optics {
-    optimal((own.tolerance * 10.0).clamp(1e-1, 3e-1))
+    optimal(loose(own))
+}
+
+/// By how much looser the sum over wavelengths is while something moves, before layers go too; `None` where it is loose enough.
+pub fn looser_colours(own: &Optics) -> Option<f64> {
+    Some(loose(own) / own.tolerance).filter(|&factor| factor > 1.5)
+}
+
+fn loose(own: &Optics) -> f64 {
+    (own.tolerance * 10.0).clamp(1e-1, 3e-1)
 }
 
 fn optimal(tolerance: f64) -> Optics {

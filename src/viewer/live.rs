@@ -1,23 +1,24 @@
 //! The program while its window is open: what was asked of the threads, what they answered, what is drawn.
 
+mod ask;
+mod carry_out;
+mod hear;
+
 use super::Start;
 use super::app::Event;
-use super::compare::{self, Compare};
+use super::compare::Compare;
 use super::gui::Painting;
 use super::judge::Judge;
-use super::model::{Model, Wants};
+use super::model::Model;
 use super::screen::{Scenery, Screen};
-use super::settings::{Needs, Optics, Settings};
-use super::studio::{Errand, Stage, Studio, Wish, Word};
-use super::worker::{Bake, Report, Request, Role, Worker};
-use super::{hand, orbit, overlay, panel, save, style};
+use super::settings::Settings;
+use super::studio::{Stage, Studio, Wish};
+use super::words::Words;
+use super::worker::{Bake, ROLES, Worker};
+use super::{hand, overlay, panel, style};
 use crate::error::{Error, Result};
 use crate::render::color_table;
-use crate::render::frame::View;
-use crate::render::picture::Picture;
-use crate::render::resources::Reads;
 use crate::render::window::Place;
-use crate::scene::Scene;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
 use crate::vk::surface::Surface;
@@ -57,14 +58,17 @@ pub struct Live {
     // What the last look at the panel left to draw.
     painting: Painting,
     context: egui::Context,
+    words: Option<Words>,
     number: u64,
     // What was asked of the worker last, by role, with its number.
-    asked: [Option<(u64, Settings)>; 3],
+    asked: [Option<(u64, Settings)>; ROLES],
     // What was asked of the studio last.
     wished: Option<Wish>,
     // Settings and time of the last movement.
     before: Settings,
     moved: Option<Instant>,
+    // Whether frames were drawn without end at the last look.
+    continuous: bool,
     saving: Vec<Saving>,
     wake: Option<Instant>,
     // When the last frame was handed to the window.
@@ -128,11 +132,13 @@ impl Live {
             egui,
             painting: Painting { primitives: Vec::new(), textures: TexturesDelta::default(), scale: 1.0 },
             context,
+            words: Words::from_environment(),
             number: 0,
-            asked: [None, None, None],
+            asked: Default::default(),
             wished: None,
             before: settings,
             moved: None,
+            continuous: false,
             saving: Vec::new(),
             wake: None,
             presented: Instant::now(),
@@ -244,6 +250,9 @@ impl Live {
             overlay::show(ui, picture, model);
         });
         let scale = output.pixels_per_point;
+        if let Some(words) = &mut self.words {
+            words.tell(&output.shapes, scale);
+        }
         self.model.size = [picture.width(), picture.height()].map(|n| (n.max(0.0) * scale).round() as u32);
         self.egui.handle_platform_output(&self.window, output.platform_output);
         self.painting.primitives = context.tessellate(output.shapes, scale);
@@ -287,109 +296,10 @@ impl Live {
         if self.model.moving {
             self.sooner(still);
         }
-        self.wish(false);
-    }
-
-    fn carry_out(&mut self, wants: Wants) {
-        if wants.reset {
-            let panel = self.model.settings.clone();
-            self.model.settings = self.model.original.clone();
-            self.model.compare = Compare::Alone;
-            if panel.scene != self.model.original.scene {
-                self.open_scene(self.model.original.scene.clone());
-            }
-        }
-        if let Some(name) = wants.open {
-            self.open(name);
-        }
-        if let Some([x, y]) = wants.focus {
-            let camera = self.model.settings.shown_camera(&self.model.stage.scene);
-            let at = glam::Vec2::new(x, y);
-            if let Some(point) = orbit::hit(&camera, &self.model.stage.scene.mesh, at, self.model.size) {
-                self.model.settings.camera.target = point;
-            }
-        }
-        if let Some(with_exr) = wants.save {
-            match self.wish_now() {
-                Some(wish) => {
-                    let stem = save::free_name(Path::new(""));
-                    let name = stem.with_extension("png").to_string_lossy().into_owned();
-                    let command = self.model.shown().command(&self.model.stage.scene, wish.size, &name);
-                    self.saving.push(Saving { stem, with_exr, command });
-                    self.studio.errand(Errand::Picture(wish));
-                    self.model.say(format!("saving {name}"));
-                }
-                None => self.model.say("there is no picture yet that could be saved"),
-            }
-            self.window.request_redraw();
-        }
-        if wants.measure
-            && let Some(wish) = self.wish_now()
-        {
-            self.judge = None;
-            self.studio.errand(Errand::Samples(wish));
-            self.model.say("measuring against the direct sum in f64");
-            self.window.request_redraw();
-        }
-    }
-
-    /// Opens a file that was dropped, or a scene by name: what is no scene and no mesh is a height field.
-    fn open(&mut self, name: String) {
-        let extension =
-            Path::new(&name).extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-        if extension.is_empty() || extension == "obj" || extension == "toml" {
-            return self.open_scene(name);
-        }
-        let surface = &mut self.model.settings.surface;
-        let (pixel_size, height) = (surface.pixel_size, surface.height);
-        if pixel_size.is_none() || height.is_none() {
-            self.model.message = Some(super::model::Message {
-                text: "a height image carries no units: set sample and full height in the panel".to_owned(),
-                bad: false,
-            });
-        }
-        surface.name = name;
-        // A start for the hand: a scan of a skin.
-        surface.pixel_size = Some(pixel_size.unwrap_or([0.1; 2]));
-        surface.height = Some(height.unwrap_or(0.5));
-        self.window.request_redraw();
-    }
-
-    /// Opens a scene or a mesh beside, since a large one takes a while.
-    fn open_scene(&mut self, name: String) {
-        let proxy = self.proxy.clone();
-        let said = format!("opening {name}");
-        let open = move || {
-            let stage = Scene::open(&name).and_then(Stage::of);
-            let _ = proxy.send_event(Event::Scene(name, Box::new(stage))); // fails after the end of the loop
-        };
-        match std::thread::Builder::new().name("scene".to_owned()).spawn(open) {
-            Ok(_) => self.model.say(said),
-            Err(e) => {
-                self.model.complain(&Error::failed(format!("the system gives no thread ({e})"), "try again"))
-            }
-        }
-        self.window.request_redraw();
-    }
-
-    fn staged(&mut self, name: String, stage: Stage) {
-        let scene = &stage.scene;
-        let settings = &mut self.model.settings;
-        let of_mesh = name.to_lowercase().ends_with(".obj");
-        settings.camera = scene.camera;
-        if !of_mesh {
-            settings.lights.clone_from(&scene.lights);
-            settings.exposure = scene.exposure;
-            settings.base_color = scene.base_color;
-            settings.surface.name.clone_from(&scene.surface);
-            (settings.surface.pixel_size, settings.surface.height) = (scene.pixel_size, scene.full_height);
-        }
-        settings.scene.clone_from(&name);
-        self.model.applied.scene = name;
-        self.model.stage = Arc::new(stage);
-        self.model.pace.forget();
-        self.model.message = None;
-        self.title();
+        // Each frame that is drawn asks for the next one; this is the first.
+        let begins = self.model.continuous && !self.continuous;
+        self.continuous = self.model.continuous;
+        self.wish(begins);
     }
 
     fn title(&self) {
@@ -399,213 +309,6 @@ impl Live {
         };
         self.window.set_title(&format!("diffract: {}, {}", short(&s.scene), short(&s.surface.name)));
     }
-
-    /// Asks the worker for what is set and not asked for yet.
-    fn prepare(&mut self) {
-        let own = self.model.settings.clone();
-        self.ask(Role::Own, &own);
-        if self.model.compare != Compare::Alone {
-            let optics = self.model.other.clone();
-            self.ask(Role::Other, &Settings { optics, ..own.clone() });
-        }
-        let slow = self.model.pace.moving(false) != super::pace::Rung::Whole;
-        let ready = self.model.own.as_ref().map(|p| p.number) == self.asked[0].as_ref().map(|a| a.0);
-        // No layers are as fast as a table: its moving picture has its resolution to give.
-        if slow && ready && own.optics.method == Reads::Layers {
-            let optics = compare::coarse(&own.optics);
-            self.ask(Role::Coarse, &Settings { optics, ..own });
-        }
-    }
-
-    fn ask(&mut self, role: Role, settings: &Settings) {
-        let asked = &mut self.asked[role as usize];
-        if asked.as_ref().is_some_and(|(_, asked)| {
-            let alike = Settings { scene: asked.scene.clone(), ..settings.clone() };
-            alike.needs(asked) < Needs::Layers
-        }) {
-            return;
-        }
-        self.number += 1;
-        *asked = Some((self.number, settings.clone()));
-        match settings.shading(&settings.optics) {
-            Ok(shading) => {
-                let source = settings.surface.clone();
-                let Optics { method, filter, .. } = settings.optics;
-                self.worker.ask(Request { role, number: self.number, source, shading, method, filter });
-                self.model.progress[role as usize] = Some((0, 1));
-                self.window.request_redraw();
-            }
-            Err(e) => self.model.complain(&e),
-        }
-        match role {
-            // What was made for the former setting shows another thing.
-            Role::Other => self.model.judge = None,
-            Role::Coarse => self.model.coarse = None,
-            Role::Own => self.title(),
-        }
-    }
-
-    /// What is to be seen now, drawn whole; `None` before the first layers are there.
-    fn wish_now(&self) -> Option<Wish> {
-        let model = &self.model;
-        let own = model.own.clone().filter(|_| !model.size.contains(&0))?;
-        let (shown, scene) = (model.shown(), &model.stage.scene);
-        let view = View {
-            camera: shown.shown_camera(scene),
-            base_color: shown.base_color,
-            pigment: scene.pigment.is_some(),
-            ..View::of(scene, shown.lights)
-        };
-        Some(Wish {
-            stage: model.stage.clone(),
-            own,
-            other: model.judge.clone(),
-            coarse: None,
-            rung: super::pace::Rung::Whole,
-            moving: false,
-            again: false,
-            view,
-            exposure: shown.exposure,
-            background: scene.background,
-            size: model.size,
-            compare: model.compare,
-            inset: model.inset,
-        })
-    }
-
-    /// Asks the studio for what is to be seen, if that has changed.
-    fn wish(&mut self, again: bool) {
-        let Some(wish) = self.wish_now() else { return };
-        let rung = self.model.rung();
-        let coarse = self.model.coarse.clone().filter(|_| self.model.compare == Compare::Alone);
-        let wish = Wish { rung, coarse, moving: self.model.moving, again, ..wish };
-        if !again && self.wished.as_ref().is_some_and(|w| alike(w, &wish)) {
-            return;
-        }
-        let same_picture =
-            |w: &Wish| w.view == wish.view && w.own.number == wish.own.number && w.size == wish.size;
-        if !self.wished.as_ref().is_some_and(same_picture) {
-            // A measured error belongs to the picture that it was measured on.
-            self.judge = None;
-            self.model.verdict = None;
-        }
-        self.studio.wish(wish.clone());
-        self.wished = Some(wish);
-    }
-
-    /// What a thread has to say.
-    pub fn hear(&mut self, event: Event) -> Result<()> {
-        match event {
-            Event::Worker(report) => self.worked(report),
-            Event::Studio(word) => self.drawn(word)?,
-            Event::Judge(Ok(verdict)) => {
-                self.model.message = None;
-                self.model.verdict = Some(verdict);
-            }
-            Event::Judge(Err(e)) => self.model.complain(&e),
-            Event::Scene(name, stage) => match *stage {
-                Ok(stage) => self.staged(name, stage),
-                Err(e) => {
-                    self.model.settings.scene.clone_from(&self.model.applied.scene);
-                    self.model.complain(&e);
-                }
-            },
-        }
-        self.window.request_redraw();
-        Ok(())
-    }
-
-    fn worked(&mut self, report: Report) {
-        let model = &mut self.model;
-        match report {
-            Report::Progress { role, done, of } => model.progress[role as usize] = Some((done, of)),
-            Report::Ready(role, prepared, note) => {
-                let newest = self.asked[role as usize].as_ref().map(|a| a.0);
-                if newest != Some(prepared.number) {
-                    return;
-                }
-                model.progress[role as usize] = None;
-                if let Some(note) = note {
-                    model.say(note);
-                }
-                match role {
-                    Role::Own => {
-                        if let Some((_, settings)) = &self.asked[0] {
-                            let scene = model.applied.scene.clone();
-                            model.applied = Settings { scene, ..settings.clone() };
-                        }
-                        model.own = Some(prepared);
-                        (model.coarse, self.asked[Role::Coarse as usize]) = (None, None);
-                        model.pace.forget();
-                        model.message = model.message.take().filter(|m| !m.bad);
-                    }
-                    Role::Other => model.judge = Some(prepared),
-                    Role::Coarse => model.coarse = Some(prepared),
-                }
-            }
-            Report::Failed(role, error) => {
-                model.progress[role as usize] = None;
-                // Without coarse layers a moving picture has its resolution to give.
-                if role != Role::Coarse {
-                    model.complain(&error);
-                }
-            }
-        }
-    }
-
-    fn drawn(&mut self, word: Word) -> Result<()> {
-        match word {
-            Word::Drawn(mut exhibit) => {
-                // A display that was changed alone says nothing of frames.
-                if exhibit.gpu > 0.0 {
-                    self.model.history.push(exhibit.wall);
-                    self.model.pace.took(exhibit.rung, exhibit.wall);
-                }
-                let former = self.model.exhibit.take();
-                if let Some(former) = former.filter(|f| f.number == exhibit.number) {
-                    exhibit.cost = exhibit.cost.or(former.cost);
-                    exhibit.inset = exhibit.inset.or(former.inset);
-                }
-                self.model.exhibit = Some(*exhibit);
-                if self.model.continuous {
-                    self.wish(true);
-                }
-            }
-            Word::TooSlow(rung, milliseconds) => self.model.pace.took(rung, 2.0 * milliseconds),
-            Word::Picture(picture) => self.save(&picture),
-            Word::Samples(prepared, shown, samples) => {
-                if samples.radiance.is_empty() {
-                    self.model.say("the mesh covers no pixel: there is nothing to measure");
-                } else {
-                    let send = self.proxy.clone();
-                    let say = move |verdict| drop(send.send_event(Event::Judge(verdict)));
-                    let (view, exposure) = *shown;
-                    self.judge = Some(Judge::new(prepared, view, exposure, samples, say)?);
-                }
-            }
-            Word::Failed(e) if self.device.is_lost() => return Err(e),
-            Word::Failed(e) => self.model.complain(&e),
-        }
-        Ok(())
-    }
-
-    fn save(&mut self, picture: &Picture) {
-        if self.saving.is_empty() {
-            return;
-        }
-        let Saving { stem, with_exr, command } = self.saving.remove(0);
-        let (as_png, as_exr) = (stem.with_extension("png"), stem.with_extension("exr"));
-        let saved = save::png(&as_png, picture, &command)
-            .and_then(|()| if with_exr { save::exr(&as_exr, picture, &command) } else { Ok(()) });
-        match saved {
-            Ok(()) => {
-                let more = if with_exr { " and .exr" } else { "" };
-                let place = std::path::absolute(&as_png).unwrap_or(as_png);
-                self.model.say(format!("saved {}{more}", place.display()));
-            }
-            Err(e) => self.model.complain(&e),
-        }
-    }
 }
 
 impl Drop for Live {
@@ -613,17 +316,6 @@ impl Drop for Live {
         // What was not uploaded is not needed any more.
         self.painting.textures.clear();
     }
-}
-
-/// Whether both show the same.
-fn alike(a: &Wish, b: &Wish) -> bool {
-    let number = |p: &Option<Arc<super::worker::Prepared>>| p.as_ref().map(|p| p.number);
-    Arc::ptr_eq(&a.stage, &b.stage)
-        && a.own.number == b.own.number
-        && number(&a.other) == number(&b.other)
-        && (a.compare, a.rung, a.moving, a.size, a.inset) == (b.compare, b.rung, b.moving, b.size, b.inset)
-        && (a.exposure, a.background) == (b.exposure, b.background)
-        && a.view == b.view
 }
 
 /// Where the pictures lie in the window.

@@ -5,6 +5,7 @@
 
 mod app;
 mod compare;
+mod easel;
 mod graph;
 #[allow(unsafe_code, reason = "hands Vulkan objects to the panel's renderer")]
 mod gui;
@@ -22,10 +23,12 @@ mod screen;
 mod settings;
 mod studio;
 mod style;
+mod words;
 mod worker;
 
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
+use crate::optics::coherence::Coherence;
 use crate::render::color_table::Filter;
 use crate::render::pigment::Pigment;
 use crate::render::resources::Reads;
@@ -64,8 +67,8 @@ pub struct Start {
     pub terms: Option<usize>,
     /// Wavelengths, where the user names them.
     pub wavelengths: Option<usize>,
-    /// Coherence length \[µm\].
-    pub coherence: f64,
+    /// What surrounds the patch.
+    pub coherence: Coherence,
     /// Refractive index.
     pub ior: f64,
     /// The light's spectrum: a name or a file.

@@ -3,10 +3,10 @@
 use super::compare::{self, Compare};
 use super::graph::History;
 use super::judge::Verdict;
-use super::pace::{Pace, Rung};
+use super::pace::{Degree, Pace, Rung};
 use super::settings::{Optics, Settings};
 use super::studio::{Exhibit, Stage};
-use super::worker::{Prepared, Role};
+use super::worker::{Prepared, ROLES, Role};
 use std::sync::Arc;
 
 /// What the window asks the program to do beside drawing.
@@ -43,6 +43,8 @@ pub struct Model {
     pub original: Settings,
     /// The settings of the optics that are shown; the user's may still be in the making.
     pub applied: Settings,
+    /// The coherence length \[µm\] and the copies that were set last, for whichever the user turns back to.
+    pub kept: (f64, [u32; 2]),
     /// The setting to compare with.
     pub other: Optics,
     /// What stands right of the split.
@@ -55,10 +57,10 @@ pub struct Model {
     pub own: Option<Arc<Prepared>>,
     /// The setting to compare with, ready.
     pub judge: Option<Arc<Prepared>>,
-    /// For moving pictures, ready.
-    pub coarse: Option<Arc<Prepared>>,
+    /// For moving pictures, ready: fewer wavelengths and layers, and fewer wavelengths alone.
+    pub lighter: [Option<Arc<Prepared>>; 2],
     /// Steps done and steps in all of each role in the making.
-    pub progress: [Option<(usize, usize)>; 3],
+    pub progress: [Option<(usize, usize)>; ROLES],
     /// What is shown.
     pub exhibit: Option<Exhibit>,
     /// Frame times.
@@ -100,14 +102,15 @@ impl Model {
             original: settings.clone(),
             applied: settings.clone(),
             other: compare::strict(&settings.optics),
+            kept: (65.0, [3, 3]),
             settings,
             compare: Compare::Alone,
             split: 0.5,
             stage,
             own: None,
             judge: None,
-            coarse: None,
-            progress: [None; 3],
+            lighter: [None, None],
+            progress: [None; ROLES],
             exhibit: None,
             history: History::default(),
             pace: Pace::new(fps),
@@ -142,11 +145,22 @@ impl Model {
 
     /// How much a frame does now.
     pub fn rung(&self) -> Rung {
-        if !self.moving {
-            // The first picture of all comes at once, if coarsely.
-            return if self.exhibit.is_some() { Rung::Whole } else { Rung::Quarter };
+        match (&self.exhibit, self.moving) {
+            // The first picture of all comes at once, if coarsely, whatever the hand does meanwhile.
+            (None, _) => Rung::FIRST,
+            (_, false) => Rung::WHOLE,
+            // What is compared is of the settings that are named.
+            _ => self.pace.moving(|degree| self.compare == Compare::Alone && self.lighter(degree).is_some()),
         }
-        self.pace.moving(self.coarse.is_some() && self.compare == Compare::Alone)
+    }
+
+    /// What moving pictures of `degree` are drawn from, where it is ready; nothing for the user's own.
+    pub fn lighter(&self, degree: Degree) -> Option<&Arc<Prepared>> {
+        match degree {
+            Degree::Own => None,
+            Degree::Coarse => self.lighter[0].as_ref(),
+            Degree::FewerWavelengths => self.lighter[1].as_ref(),
+        }
     }
 
     /// A line for the user.
@@ -165,6 +179,7 @@ impl Model {
             (Role::Own, "computing spectra"),
             (Role::Other, "computing spectra to compare with"),
             (Role::Coarse, "computing spectra for moving"),
+            (Role::FewerWavelengths, "computing spectra for moving"),
         ];
         named.into_iter().find_map(|(role, name)| {
             let (done, of) = self.progress[role as usize]?;

@@ -61,9 +61,8 @@ fn state(painter: &Painter, rect: Rect, model: &Model) {
         at.y = ground.top() - 6.0;
     } else if let Some(exhibit) = &model.exhibit {
         let text = match (model.moving, exhibit.rung) {
-            (true, Rung::Whole) => format!("moving: everything, {:.0} ms", exhibit.wall),
             (true, rung) => format!("moving: {rung}, {:.0} ms", exhibit.wall),
-            (false, Rung::Whole) => "still: everything".to_owned(),
+            (false, Rung::WHOLE) => "still: everything".to_owned(),
             (false, _) => "still: refining".to_owned(),
         };
         at.y = note(painter, at, Align2::LEFT_BOTTOM, width, &text, style::FAINT).top() - 6.0;

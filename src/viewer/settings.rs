@@ -39,8 +39,8 @@ pub struct Settings {
     pub surface: Source,
     /// The optics.
     pub optics: Optics,
-    /// Coherence length \[µm\].
-    pub coherence: f64,
+    /// What surrounds the patch.
+    pub coherence: Coherence,
     /// Refractive index.
     pub ior: f64,
     /// The light's spectrum: a name or a file.
@@ -96,16 +96,27 @@ impl Settings {
     /// Where the illuminant's file cannot be read.
     pub fn shading(&self, optics: &Optics) -> Result<Shading> {
         Ok(Shading {
-            coherence: Coherence::Gaussian { length: self.coherence },
+            coherence: self.coherence,
             ior: self.ior,
             illuminant: Illuminant::from_name_or_file(&self.illuminant)?,
             tolerance: optics.tolerance,
             windows: if optics.method == Reads::Table { optics.windows } else { [1, 1] },
             basis: optics.basis,
             terms: optics.terms.filter(|_| optics.method == Reads::Layers),
-            wavelengths: optics.wavelengths,
+            wavelengths: self.wavelengths(optics),
             purpose: Purpose::Picture,
+            looser_colours: 1.0,
         })
+    }
+
+    /// The wavelengths that are named in `optics`: through repeats they stand where the orders do.
+    fn wavelengths(&self, optics: &Optics) -> Option<usize> {
+        optics.wavelengths.filter(|_| !self.repeats())
+    }
+
+    /// Whether the patch repeats so many times and no more.
+    pub fn repeats(&self) -> bool {
+        matches!(self.coherence, Coherence::Repeats(_))
     }
 
     /// The camera as a command line can name it: standing where its eye is, not where its angles put it to the last bit.
@@ -152,10 +163,14 @@ impl Settings {
         if let Some(terms) = self.optics.terms.filter(|_| self.optics.method == Reads::Layers) {
             option("terms", terms.to_string());
         }
-        if let Some(wavelengths) = self.optics.wavelengths {
+        if let Some(wavelengths) = self.wavelengths(&self.optics) {
             option("wavelengths", wavelengths.to_string());
         }
-        option("coherence", format!("gaussian:{}um", self.coherence));
+        let coherence = match self.coherence {
+            Coherence::Gaussian { length } => format!("gaussian:{length}um"),
+            Coherence::Repeats([n, m]) => format!("repeats:{n}x{m}"),
+        };
+        option("coherence", coherence);
         option("ior", self.ior.to_string());
         option("illuminant", self.illuminant.clone());
         for light in &self.lights {
@@ -217,7 +232,7 @@ mod tests {
             scene: "plate".to_owned(),
             surface,
             optics,
-            coherence: 65.0,
+            coherence: Coherence::SUNLIGHT,
             ior: 1.5,
             illuminant: "d65".to_owned(),
             lights: scene.lights.clone(),
@@ -258,6 +273,12 @@ mod tests {
         let table = Settings { optics: by_table, ..s.clone() }.command(&scene, [64, 48], "a.png");
         let expected = "--method table --filter point --windows 2x3 --tolerance 1e-2";
         assert!(table.contains(expected) && !table.contains("--terms"), "{table}");
+        let through = Coherence::Repeats([3, 7]);
+        let named = Optics { wavelengths: Some(9), ..s.optics.clone() };
+        let repeats = Settings { coherence: through, optics: named, ..s.clone() };
+        let told = repeats.command(&scene, [64, 48], "a.png");
+        assert!(told.contains("--coherence repeats:3x7") && !told.contains("--wavelengths"), "{told}");
+        assert_eq!(repeats.shading(&repeats.optics).unwrap().wavelengths, None);
         s.surface.name = "my scan's.png".to_owned();
         s.surface.pixel_size = Some([0.09, 0.1]);
         s.camera.phi += 0.25;

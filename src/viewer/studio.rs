@@ -2,15 +2,14 @@
 //! that moves is finished, one that stands still is given up for a newer one.
 
 use super::compare::Compare;
-use super::inset::{self, Inset};
-use super::judge::{self, Samples};
-use super::pace::Rung;
-use super::worker::{Made, Prepared};
+use super::easel::Easel;
+use super::inset::Inset;
+use super::judge::Samples;
+use super::pace::{Degree, Rung};
+use super::worker::Prepared;
 use crate::error::{Error, Result};
-use crate::measure::cost::Cost;
-use crate::render::difference::DifferencePass;
 use crate::render::frame::View;
-use crate::render::picture::{Painter, Picture};
+use crate::render::picture::Picture;
 use crate::render::pigment::Pigment;
 use crate::scene::Scene;
 use crate::vk::device::Device;
@@ -18,7 +17,6 @@ use crate::vk::image::Image;
 use glam::DVec3;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Instant;
 
 /// A scene, ready to be uploaded.
 pub struct Stage {
@@ -37,8 +35,8 @@ pub struct Wish {
     pub own: Arc<Prepared>,
     /// The setting to compare with.
     pub other: Option<Arc<Prepared>>,
-    /// What is taken while something moves.
-    pub coarse: Option<Arc<Prepared>>,
+    /// What the rung takes instead of the user's setting.
+    pub lighter: Option<Arc<Prepared>>,
     /// How much is done.
     pub rung: Rung,
     /// Whether it moves: then it is finished before a newer wish is looked at, unless that takes too long.
@@ -80,6 +78,8 @@ pub struct Exhibit {
     pub gpu: f64,
     /// Milliseconds on the wall.
     pub wall: f64,
+    /// Whether it was the first of its painter.
+    pub first: bool,
     /// What the whole picture costs, where it was counted.
     pub cost: Option<Counted>,
     /// The hemisphere, where it was asked for.
@@ -105,6 +105,8 @@ pub enum Word {
     Drawn(Box<Exhibit>),
     /// A moving picture took at least so many milliseconds and was given up.
     TooSlow(Rung, f64),
+    /// The device has no room for the spectra of moving pictures.
+    NoRoom(Degree),
     /// The picture that was asked for.
     Picture(Box<Picture>),
     /// The samples that were asked for.
@@ -113,21 +115,24 @@ pub enum Word {
     Failed(Error),
 }
 
+/// What is asked for.
 #[derive(Default)]
-struct Desk {
-    wish: Option<Wish>,
-    errands: Vec<Errand>,
-    stop: bool,
+pub struct Desk {
+    pub wish: Option<Wish>,
+    pub errands: Vec<Errand>,
+    pub stop: bool,
 }
 
+/// The desk, and how to wake who works at it.
 #[derive(Default)]
-struct Shared {
+pub struct Shared {
     desk: Mutex<Desk>,
-    wake: Condvar,
+    pub wake: Condvar,
 }
 
 impl Shared {
-    fn desk(&self) -> MutexGuard<'_, Desk> {
+    /// The desk, locked.
+    pub fn desk(&self) -> MutexGuard<'_, Desk> {
         self.desk.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -174,233 +179,4 @@ impl Drop for Studio {
             let _ = thread.join(); // it reports its errors itself
         }
     }
-}
-
-/// A painter and what it was made for.
-struct Slot {
-    painter: Painter,
-    prepared: Arc<Prepared>,
-    stage: Arc<Stage>,
-    // What its display shows: view, exposure, pixels.
-    shown: Option<(View, f64, [u32; 2])>,
-}
-
-/// What the thread keeps between pictures.
-struct Easel {
-    own: Option<Slot>,
-    other: Option<Slot>,
-    coarse: Option<Slot>,
-    difference: Option<DifferencePass>,
-    inset: Option<(Arc<Inset>, u64)>,
-    counted: Option<(u64, View, [u32; 2], Counted)>,
-    device: Arc<Device>,
-}
-
-/// A moving picture that takes so many times its budget is given up.
-const PATIENCE: f64 = 400.0;
-
-impl Easel {
-    fn new(device: Arc<Device>) -> Self {
-        Self { own: None, other: None, coarse: None, difference: None, inset: None, counted: None, device }
-    }
-
-    fn run(mut self, shared: &Shared, say: &dyn Fn(Word)) {
-        loop {
-            let (wish, errand) = {
-                let mut desk = shared.desk();
-                loop {
-                    if desk.stop {
-                        return;
-                    }
-                    if !desk.errands.is_empty() {
-                        break (None, Some(desk.errands.remove(0)));
-                    }
-                    if let Some(wish) = desk.wish.take() {
-                        break (Some(wish), None);
-                    }
-                    desk = shared.wake.wait(desk).unwrap_or_else(PoisonError::into_inner);
-                }
-            };
-            let word = match (wish, errand) {
-                (Some(wish), _) => self.draw(&wish, shared),
-                (_, Some(errand)) => self.go(errand).map(Some),
-                _ => Ok(None),
-            };
-            match word {
-                Ok(Some(word)) => say(word),
-                Ok(None) => {}
-                Err(e) => say(Word::Failed(e)),
-            }
-        }
-    }
-
-    /// Draws `wish`; `None` where a newer wish made it vain.
-    fn draw(&mut self, wish: &Wish, shared: &Shared) -> Result<Option<Word>> {
-        let start = Instant::now();
-        let moving = wish.moving;
-        let newer = || {
-            let desk = shared.desk();
-            desk.stop || desk.wish.is_some() || !desk.errands.is_empty()
-        };
-        let milliseconds = || start.elapsed().as_secs_f64() * 1e3;
-        let mut go_on = || !(newer() && (!moving || milliseconds() > PATIENCE));
-        let coarse = wish.coarse.as_ref().filter(|_| wish.rung.coarse());
-        let (slot, prepared) = match coarse {
-            Some(coarse) => (&mut self.coarse, coarse),
-            None => (&mut self.own, &wish.own),
-        };
-        let size = wish.rung.size(wish.size);
-        let Some([mut gpu, mut wall]) = paint(&self.device, slot, prepared, wish, size, &mut go_on)? else {
-            return Ok(moving.then(|| Word::TooSlow(wish.rung, milliseconds())));
-        };
-        let Some(left) = slot.as_ref().map(|s| s.painter.target().display.clone()) else { return Ok(None) };
-        let (mut right, mut right_size) = (left.clone(), size);
-        if let Some(other) = wish.other.as_ref().filter(|_| wish.compare != Compare::Alone) {
-            let Some(more) = paint(&self.device, &mut self.other, other, wish, size, &mut go_on)? else {
-                return Ok(None);
-            };
-            (gpu, wall) = (gpu + more[0], wall + more[1]);
-            let judged = if coarse.is_some() { &self.coarse } else { &self.own };
-            if let (Some(a), Some(b)) = (judged, &self.other) {
-                right = match wish.compare {
-                    Compare::Error => {
-                        let pass = match &mut self.difference {
-                            Some(pass) => pass,
-                            none => none.insert(DifferencePass::new(&self.device, wish.size)?),
-                        };
-                        let [judged, judge] = [a, b].map(|slot| slot.painter.target());
-                        pass.draw(judged, judge, wish.exposure, wish.background)?.clone()
-                    }
-                    _ => b.painter.target().display.clone(),
-                };
-                right_size = size;
-            }
-        } else {
-            self.other = None;
-        }
-        let inset = if wish.inset { self.hemisphere(wish)? } else { None };
-        let cost = match wish.rung {
-            Rung::Whole if !newer() => self.count(wish)?,
-            _ => None,
-        };
-        Ok(Some(Word::Drawn(Box::new(Exhibit {
-            images: [left, right],
-            sizes: [size, right_size],
-            rung: wish.rung,
-            gpu,
-            wall,
-            cost,
-            inset,
-            number: wish.own.number,
-        }))))
-    }
-
-    /// The hemisphere of the first light, with the layers that are on the device anyway.
-    fn hemisphere(&mut self, wish: &Wish) -> Result<Option<Arc<Inset>>> {
-        let Some(light) = wish.view.lights.first().copied() else { return Ok(None) };
-        let number = wish.own.number;
-        if let Some((inset, of)) = &self.inset
-            && (inset.light, *of) == (light, number)
-        {
-            return Ok(Some(inset.clone()));
-        }
-        let of = |slot: &&mut Slot, number: u64| slot.prepared.number == number;
-        let coarse = wish.coarse.as_ref().map(|p| p.number);
-        let own = self.own.as_mut().filter(|slot| of(slot, number));
-        // The coarse layers do for some thousand points.
-        let other = self.coarse.as_mut().filter(|slot| coarse.is_some_and(|number| of(slot, number)));
-        let Some(slot) = own.or(other) else { return Ok(None) };
-        let inset = Arc::new(inset::hemisphere(&mut slot.painter, light)?);
-        self.inset = Some((inset.clone(), number));
-        Ok(Some(inset))
-    }
-
-    /// Counts the work of the whole picture, once for each.
-    fn count(&mut self, wish: &Wish) -> Result<Option<Counted>> {
-        let key = (wish.own.number, &wish.view, wish.size);
-        if let Some((number, view, size, counted)) = &self.counted
-            && (*number, view, *size) == key
-        {
-            return Ok(Some(*counted));
-        }
-        let Some(slot) = &mut self.own else { return Ok(None) };
-        let pixels = wish.size[0] as usize * wish.size[1] as usize;
-        let directions = judge::directions(&mut slot.painter, &wish.view)?;
-        let some = judge::thinned(&directions, pixels);
-        let cost = match &wish.own.made {
-            Made::Layers(layers) => Cost::of(layers, slot.painter.combs(), &some),
-            Made::Table(table, filter) => Cost::of_table(&table.grid, *filter, &some, wish.size),
-        };
-        let seen = some.first().map_or(1, |d| d.view.len()).max(1);
-        let counted = Counted {
-            covered: cost.covered as f64 / seen as f64,
-            wavelengths: cost.wavelengths_per_pixel(),
-            samples: cost.samples_per_pixel(),
-        };
-        self.counted = Some((wish.own.number, wish.view.clone(), wish.size, counted));
-        Ok(Some(counted))
-    }
-
-    fn go(&mut self, errand: Errand) -> Result<Word> {
-        let (Errand::Picture(wish) | Errand::Samples(wish)) = &errand;
-        paint(&self.device, &mut self.own, &wish.own, wish, wish.size, &mut || true)?;
-        let Some(slot) = &mut self.own else {
-            return Err(Error::failed("there is no picture", "report this as a bug of diffract"));
-        };
-        match &errand {
-            Errand::Picture(_) => Ok(Word::Picture(Box::new(slot.painter.picture()?))),
-            Errand::Samples(wish) => {
-                let samples = judge::samples(&mut slot.painter, &wish.view)?;
-                Ok(Word::Samples(wish.own.clone(), Box::new((wish.view.clone(), wish.exposure)), samples))
-            }
-        }
-    }
-}
-
-/// Draws `wish` from `prepared` into the painter of `slot`, which is made where it is not there; milliseconds on the device
-/// and on the wall, 0 for a frame that was there, or `None` where `go_on` said no.
-fn paint(
-    device: &Arc<Device>,
-    slot: &mut Option<Slot>,
-    prepared: &Arc<Prepared>,
-    wish: &Wish,
-    size: [u32; 2],
-    go_on: &mut dyn FnMut() -> bool,
-) -> Result<Option<[f64; 2]>> {
-    let lights = wish.view.lights.len();
-    let fits = |s: &Slot| s.prepared.number == prepared.number && Arc::ptr_eq(&s.stage, &wish.stage);
-    let slot = match slot {
-        Some(slot) if fits(slot) => {
-            slot.painter.resize(wish.size, lights)?;
-            slot
-        }
-        slot => {
-            *slot = None; // its memory first
-            let Stage { scene, pigment } = &*wish.stage;
-            let Prepared { made, shading, .. } = &**prepared;
-            let painter = Painter::new(device, made, shading, &scene.mesh, pigment, wish.size, lights)?;
-            let (prepared, stage) = (prepared.clone(), wish.stage.clone());
-            slot.insert(Slot { painter, prepared, stage, shown: None })
-        }
-    };
-    let (view, exposure, background) = (&wish.view, wish.exposure, wish.background);
-    if let Some((shown, at, pixels)) = &slot.shown
-        && !wish.again
-        && (shown, *pixels, slot.painter.target().size()) == (view, size, wish.size)
-    {
-        if *at == exposure {
-            return Ok(Some([0.0; 2]));
-        }
-        if slot.painter.display_again(size, exposure, background)? {
-            slot.shown = Some((view.clone(), exposure, size));
-            return Ok(Some([0.0; 2]));
-        }
-    }
-    slot.shown = None;
-    let start = Instant::now();
-    let gpu = slot.painter.draw_while(view, exposure, background, size, go_on)?;
-    Ok(gpu.map(|gpu| {
-        slot.shown = Some((view.clone(), exposure, size));
-        [gpu, start.elapsed().as_secs_f64() * 1e3]
-    }))
 }

@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::{Layers, Settings, cache};
 use crate::render::color_table::{ColorTable, Filter};
+use crate::render::repeating::Repeating;
 use crate::render::resources::{Optics, Reads};
 use crate::render::shading::Shading;
 use crate::surface::{HeightField, Source};
@@ -19,11 +20,14 @@ pub enum Role {
     Own,
     /// The setting that it is compared with.
     Other,
-    /// Moving pictures.
+    /// Moving pictures, of fewer wavelengths and layers.
     Coarse,
+    /// Moving pictures, of fewer wavelengths alone.
+    FewerWavelengths,
 }
 
-const ROLES: [Role; 3] = [Role::Own, Role::Other, Role::Coarse];
+/// Number of roles.
+pub const ROLES: usize = 4;
 
 /// A surface and settings that are ready to be drawn.
 pub struct Prepared {
@@ -42,6 +46,8 @@ pub struct Prepared {
 pub enum Made {
     /// Layers.
     Layers(Arc<Layers>),
+    /// Layers of one period, and how it repeats.
+    Repeats(Arc<Layers>, Arc<Repeating>),
     /// A colour table, and how it is read.
     Table(Arc<ColorTable>, Filter),
 }
@@ -50,7 +56,7 @@ impl Made {
     /// Layers of the texture, texels along its sides, and its bytes.
     pub fn texture(&self) -> (usize, [usize; 2], u64) {
         match self {
-            Self::Layers(layers) => {
+            Self::Layers(layers) | Self::Repeats(layers, _) => {
                 // Lines hold nearly all of it, where there are any.
                 let size = layers.lines.as_ref().map_or(layers.size, |lines| lines.size);
                 (layers.count(), size, layers.bytes() as u64)
@@ -59,10 +65,21 @@ impl Made {
         }
     }
 
+    /// Whether both read the very same texture, however it is shaded.
+    pub fn shares_all_with(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Layers(a), Self::Layers(b)) | (Self::Repeats(a, _), Self::Repeats(b, _)) => {
+                Arc::ptr_eq(a, b)
+            }
+            (Self::Table(a, by), Self::Table(b, as_well)) => Arc::ptr_eq(a, b) && by == as_well,
+            _ => false,
+        }
+    }
+
     /// Terms of the expansion, where one is summed.
     pub fn terms(&self) -> Option<usize> {
         match self {
-            Self::Layers(layers) => Some(layers.terms),
+            Self::Layers(layers) | Self::Repeats(layers, _) => Some(layers.terms),
             Self::Table(..) => None,
         }
     }
@@ -72,6 +89,7 @@ impl<'a> From<&'a Made> for Optics<'a> {
     fn from(made: &'a Made) -> Self {
         match made {
             Made::Layers(layers) => Self::Layers(layers),
+            Made::Repeats(layers, repeating) => Self::Repeats(layers, repeating.repeats),
             Made::Table(table, filter) => Self::Table(table, *filter),
         }
     }
@@ -119,13 +137,13 @@ pub enum Report {
 
 #[derive(Default)]
 struct Shared {
-    requests: Mutex<[Option<Request>; ROLES.len()]>,
+    requests: Mutex<[Option<Request>; ROLES]>,
     wake: Condvar,
     stop: AtomicBool,
 }
 
 impl Shared {
-    fn requests(&self) -> MutexGuard<'_, [Option<Request>; ROLES.len()]> {
+    fn requests(&self) -> MutexGuard<'_, [Option<Request>; ROLES]> {
         self.requests.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -185,8 +203,8 @@ type KeptTable = (Arc<HeightField>, Shading, Arc<ColorTable>);
 #[derive(Default)]
 struct Kept {
     field: Option<(Source, Arc<HeightField>)>,
-    layers: [Option<KeptLayers>; ROLES.len()],
-    tables: [Option<KeptTable>; ROLES.len()],
+    layers: [Option<KeptLayers>; ROLES],
+    tables: [Option<KeptTable>; ROLES],
 }
 
 fn run(shared: &Shared, by: (&Candidate, &Bake), report: &dyn Fn(Report)) {
@@ -259,7 +277,11 @@ fn make(
         let made = Made::Table(table, request.filter);
         return Ok((Arc::new(Prepared { number: *number, field, made, shading: shading.clone() }), note));
     }
-    let settings = shading.layer_settings(SHORTEST, device)?;
+    let repeating = Repeating::of(&field, shading);
+    let settings = match &repeating {
+        None => shading.layer_settings(SHORTEST, device)?,
+        Some(_) => shading.windowed_settings(f64::INFINITY, SHORTEST, device)?,
+    };
     let same = |known: &&KeptLayers| Arc::ptr_eq(&known.0, &field) && known.1 == settings;
     let (layers, note) = match kept.layers.iter().flatten().find(same) {
         Some((_, _, layers)) => (layers.clone(), None),
@@ -271,7 +293,10 @@ fn make(
     };
     kept.tables[*role as usize] = None;
     kept.layers[*role as usize] = Some((field.clone(), settings, layers.clone()));
-    let made = Made::Layers(layers);
+    let made = match repeating {
+        None => Made::Layers(layers),
+        Some(repeating) => Made::Repeats(layers, Arc::new(repeating)),
+    };
     let prepared = Prepared { number: *number, field, made, shading: shading.clone() };
     Ok((Arc::new(prepared), note))
 }

@@ -24,6 +24,9 @@ pub struct Device {
     allocator: Mutex<Option<Allocator>>,
     // How many allocations succeed before one is refused, for tests.
     until_refusal: AtomicU64,
+    // How many submissions and images of a window succeed before the device, or the window's surface, is lost, for tests.
+    until_loss: AtomicU64,
+    until_surface_loss: AtomicU64,
     names: Option<ext::debug_utils::Device>,
     raw: ash::Device,
     queue: Mutex<vk::Queue>,
@@ -104,6 +107,8 @@ impl Device {
         let mut device = Self {
             allocator: Mutex::new(None),
             until_refusal: AtomicU64::new(instance.mask().allocation.map_or(u64::MAX, |n| n - 1)),
+            until_loss: AtomicU64::new(instance.mask().submission.map_or(u64::MAX, |n| n - 1)),
+            until_surface_loss: AtomicU64::new(instance.mask().acquisition.map_or(u64::MAX, |n| n - 1)),
             names,
             raw,
             queue: Mutex::new(queue),
@@ -147,6 +152,12 @@ impl Device {
     /// # Errors
     /// Where the device is lost or out of memory.
     pub fn submit(&self, work: vk::SubmitInfo2<'_>, fence: vk::Fence) -> Result<()> {
+        // Once lost, it stays lost.
+        let take = |left: u64| if left == u64::MAX { None } else { left.checked_sub(1) };
+        let left = self.until_loss.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take);
+        if left == Err(0) {
+            return Err(failure("submit work", vk::Result::ERROR_DEVICE_LOST));
+        }
         // SAFETY: the queue is locked; the caller's command buffers and semaphores are live and of this device.
         self.with_queue(|queue| unsafe { self.raw.queue_submit2(queue, &[work], fence) })?
             .map_err(|c| failure("submit work", c))
@@ -176,6 +187,9 @@ impl Device {
 
     /// Whether the device is lost for good.
     pub fn is_lost(&self) -> bool {
+        if self.until_loss.load(Ordering::Relaxed) == 0 {
+            return true;
+        }
         // SAFETY: the queue is locked.
         let idle = self.with_queue(|queue| unsafe { self.raw.queue_wait_idle(queue) });
         matches!(idle, Ok(Err(vk::Result::ERROR_DEVICE_LOST)))
@@ -213,6 +227,12 @@ impl Device {
     /// Makes the `n`-th allocation from now on (from 1) fail, and no other: for tests of what follows.
     pub fn refuse_allocation(&self, n: u64) {
         self.until_refusal.store(n.saturating_sub(1), Ordering::Relaxed);
+    }
+
+    /// Whether a mask says that the surface of a window is lost now, which it says once.
+    pub fn loses_surface(&self) -> bool {
+        let take = |left: u64| left.checked_sub(1).or(Some(u64::MAX));
+        self.until_surface_loss.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take) == Ok(0)
     }
 
     /// Gives memory back.

@@ -6,6 +6,8 @@
 //! | --- | --- |
 //! | `memory=256MiB` | no more memory than that (`KiB`, `MiB`, `GiB`) is taken from the driver |
 //! | `allocation=7` | the seventh resource that asks for memory gets none |
+//! | `submission=40` | the device is lost when work is handed to it for the fortieth time, and stays lost |
+//! | `acquisition=3` | the window's surface is lost when an image of it is asked for the third time |
 //! | `side=1024` | images are at most so long |
 //! | `layers=4` | images have at most so many array layers |
 //! | `without=synchronization2` | a feature, format or version is missing, by a part of the name that errors give it |
@@ -24,6 +26,10 @@ pub struct Mask {
     pub memory: Option<u64>,
     /// Number of the allocation that fails, from 1.
     pub allocation: Option<u64>,
+    /// Number of the submission at which the device is lost, from 1.
+    pub submission: Option<u64>,
+    /// Number of the image of a window that finds its surface lost, from 1.
+    pub acquisition: Option<u64>,
     /// Longest side of an image, in texels.
     pub side: Option<u32>,
     /// Most array layers of an image.
@@ -54,7 +60,8 @@ impl Mask {
             let refuse = || {
                 Error::usage(
                     format!("`{entry}` takes nothing away"),
-                    "write memory=256MiB, allocation=7, side=1024, layers=4 or without=FEATURE, with ; between",
+                    "write memory=256MiB, allocation=7, submission=40, acquisition=3, side=1024, layers=4 or \
+                     without=FEATURE, with ; between",
                 )
             };
             let (key, value) = entry.split_once('=').ok_or_else(refuse)?;
@@ -63,6 +70,8 @@ impl Mask {
             match key {
                 "memory" => mask.memory = Some(bytes(value).ok_or_else(refuse)?),
                 "allocation" => mask.allocation = Some(count()?.into()),
+                "submission" => mask.submission = Some(count()?.into()),
+                "acquisition" => mask.acquisition = Some(count()?.into()),
                 "side" => mask.side = Some(count()?),
                 "layers" => mask.layers = Some(count()?),
                 "without" if !value.is_empty() => mask.without.push(value.to_owned()),
@@ -98,6 +107,8 @@ mod tests {
             (mask.memory, mask.allocation, mask.side, mask.layers),
             (Some(3 << 20), Some(7), Some(64), Some(2))
         );
+        let losses = Mask::parse("submission=40;acquisition=3").unwrap();
+        assert_eq!((losses.submission, losses.acquisition), (Some(40), Some(3)));
         assert!(mask.hides("dynamic rendering") && mask.hides("Vulkan 1.3") && !mask.hides("maintenance4"));
         assert!(!Mask::default().hides("anything"));
     }
@@ -114,6 +125,8 @@ mod tests {
             "side=-1",
             "layers=1.5",
             "allocation=0",
+            "submission=0",
+            "acquisition=-1",
             "without=",
             "x=1",
             "=",

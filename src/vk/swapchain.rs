@@ -122,6 +122,9 @@ impl Swapchain {
     /// # Errors
     /// Where the device is lost.
     pub fn acquire(&self, acquired: &Semaphore) -> Result<Shown<usize>> {
+        if self.device.loses_surface() {
+            return Ok(Shown::Lost);
+        }
         // SAFETY: the semaphore is unsignalled: the work that waited for it is done.
         let next = unsafe {
             self.functions.acquire_next_image(self.raw, u64::MAX, acquired.raw(), vk::Fence::null())

@@ -45,7 +45,7 @@ pub fn wait_for<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
 impl Display {
     pub fn new() -> Self {
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1100x800x24", "-nolisten", "tcp"])
+            .args(["-displayfd", "1", "-screen", "0", "1100x1080x24", "-nolisten", "tcp"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
@@ -95,20 +95,27 @@ impl Display {
         std::thread::sleep(Duration::from_millis(25));
     }
 
-    /// Presses `keysym` while `held` are down.
-    pub fn key(&self, keysym: u32, held: &[u32]) {
+    /// The key that makes `keysym`.
+    fn code(&self, keysym: u32) -> u8 {
         let setup = self.connection.setup();
         let first = setup.min_keycode;
         let count = setup.max_keycode - first + 1;
         let map = self.connection.get_keyboard_mapping(first, count).unwrap().reply().unwrap();
         let width = usize::from(map.keysyms_per_keycode);
-        let code = |wanted: u32| {
-            let place = map.keysyms.chunks(width).position(|syms| syms.contains(&wanted));
-            first + place.unwrap_or_else(|| panic!("no key for {wanted:#x}")) as u8
-        };
-        held.iter().for_each(|&k| self.fake(KEY[0], code(k), [0; 2]));
-        KEY.into_iter().for_each(|kind| self.fake(kind, code(keysym), [0; 2]));
-        held.iter().for_each(|&k| self.fake(KEY[1], code(k), [0; 2]));
+        let place = map.keysyms.chunks(width).position(|syms| syms.contains(&keysym));
+        first + place.unwrap_or_else(|| panic!("no key for {keysym:#x}")) as u8
+    }
+
+    /// Presses `keysym` while `held` are down.
+    pub fn key(&self, keysym: u32, held: &[u32]) {
+        self.holding(held, || KEY.into_iter().for_each(|kind| self.fake(kind, self.code(keysym), [0; 2])));
+    }
+
+    /// Does `something` while the keys `held` are down.
+    pub fn holding(&self, held: &[u32], something: impl FnOnce()) {
+        held.iter().for_each(|&k| self.fake(KEY[0], self.code(k), [0; 2]));
+        something();
+        held.iter().for_each(|&k| self.fake(KEY[1], self.code(k), [0; 2]));
     }
 
     /// Drags with `button` from one point to another.

@@ -22,3 +22,7 @@ mod table;
 mod trade;
 mod usage;
 mod view;
+mod viewer;
+mod viewer_hand;
+mod viewer_losses;
+mod viewer_panel;

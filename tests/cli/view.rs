@@ -7,7 +7,6 @@ use std::process::{Child, Stdio};
 
 const ESCAPE: u32 = 0xff1b;
 const SHIFT: u32 = 0xffe1;
-const CONTROL: u32 = 0xffe3;
 
 /// Quick to compute.
 const QUICK: [&str; 4] = ["--tolerance", "1e-1", "--size", "320x240"];
@@ -175,25 +174,6 @@ fn a_split_shows_both_settings_and_errors_have_colours_and_escape_closes() {
 }
 
 #[test]
-fn a_light_is_dragged_with_control_as_well() {
-    let (sandbox, display) = (Sandbox::with_small_surface(), Display::new());
-    let program = view(&sandbox, &display, &["sphere"]);
-    let window = display.window();
-    wait_for("the size", || display.look(window).filter(|p| p.dimensions() == (320, 240)));
-    display.key(letter('p'), &[]);
-    wait_for("a picture", || {
-        display.look(window).filter(|p| p.get_pixel(160, 100) != p.get_pixel(310, 10)).map(drop)
-    });
-    display.key(CONTROL, &[]); // wakes the modifiers of a fresh keyboard
-    display.drag(3, [150, 90], [130, 120]);
-    save(&sandbox, &display, "diffract-001.png", &[]);
-    let (_, command) = told(&sandbox, "diffract-001.png");
-    assert!(!command.contains("--light 35,-50,2") && !command.contains("--eye"), "{command}");
-    display.close(window);
-    assert_eq!(outcome(program).done(), "");
-}
-
-#[test]
 fn without_a_display_one_line_says_what_to_do_instead() {
     let sandbox = Sandbox::new();
     let line = sandbox.run(["view"]).refused(1);
@@ -213,5 +193,6 @@ fn a_display_that_vanishes_ends_the_program_with_exit_code_1() {
     display.window();
     display.vanish();
     let ended = outcome(program);
-    assert_eq!(ended.code, Some(1), "{ended:?}");
+    // The last word is that of the system's library of the display, which ends the program.
+    assert!(ended.code == Some(1) && ended.stderr.contains("X server"), "{ended:?}");
 }

@@ -206,3 +206,32 @@ fn a_budget_of_memory_holds() {
     drop(device);
     assert_eq!(instance.messages(), [""; 0]);
 }
+
+#[test]
+fn a_device_that_is_lost_at_any_submission_is_told_and_stays_lost() {
+    let shading = shading(4.0, 1e-1);
+    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
+    let scene = Scene::open("plate").unwrap();
+    for n in (1..).step_by(7) {
+        let mask = Mask { submission: Some(n), ..Mask::default() };
+        let instance = Arc::new(Instance::masked(true, mask).unwrap());
+        let device = Device::open(instance.clone(), &Wish::Any).unwrap();
+        let painted = paint(&device, &layers, &shading, &scene);
+        let done = painted.is_ok();
+        if let Err(error) = painted {
+            assert!(error.exit_code() == 1 && device.is_lost(), "{error}");
+            assert!(error.to_string().contains("lost"), "{error}");
+            assert!(
+                paint(&device, &layers, &shading, &scene).is_err(),
+                "a lost device does nothing any more"
+            );
+            assert_eq!(device.memory_in_use(), 0);
+        }
+        drop(device);
+        assert_eq!(instance.messages(), [""; 0], "lost at submission {n}");
+        if done {
+            assert!(n > 20, "{n}");
+            break;
+        }
+    }
+}

@@ -2,11 +2,15 @@
 //! orders are summed.
 
 use crate::device::with_device;
-use crate::evaluation::patch;
+use crate::evaluation::{patch, queries};
 use crate::measure::channel;
 use diffract::optics::coherence::Coherence;
+use diffract::optics::fine::cosine_weighted_xyz;
 use diffract::optics::orders::Repeats;
-use diffract::precompute::{Settings, compute};
+use diffract::optics::reference::Reference;
+use diffract::optics::spectrum::Illuminant;
+use diffract::precompute::{Layers, Settings, compute};
+use diffract::render::evaluator::Query;
 use diffract::render::frame::View;
 use diffract::render::picture::{Directions, Painter, Picture};
 use diffract::render::pigment::Pigment;
@@ -26,15 +30,8 @@ fn shading(copies: [u32; 2], tolerance: f64) -> Shading {
     Shading { coherence: Coherence::Repeats(copies), tolerance, ..Shading::default() }.for_pictures()
 }
 
-/// A picture through the copies that `shading` names, with the directions that it shaded.
-fn paint(
-    device: &Arc<Device>,
-    field: &HeightField,
-    shading: &Shading,
-    scene: &Scene,
-    view: &View,
-) -> (Picture, Vec<Directions>) {
-    let Coherence::Repeats(copies) = shading.coherence else { panic!("{shading:?} has a window") };
+/// The layers of one period.
+fn layers(field: &HeightField, shading: &Shading) -> Layers {
     let settings = Settings {
         sigma: f64::INFINITY,
         shortest_wavelength: 0.38,
@@ -46,13 +43,64 @@ fn paint(
         memory_limit: 1 << 30,
         side_limit: 16_384,
     };
-    let layers = compute(field, &settings, &|_, _| Ok(())).unwrap();
+    compute(field, &settings, &|_, _| Ok(())).unwrap()
+}
+
+/// A picture through the copies that `shading` names, with the directions that it shaded.
+fn paint(
+    device: &Arc<Device>,
+    field: &HeightField,
+    shading: &Shading,
+    scene: &Scene,
+    view: &View,
+) -> (Picture, Vec<Directions>) {
+    let Coherence::Repeats(copies) = shading.coherence else { panic!("{shading:?} has a window") };
+    let layers = layers(field, shading);
     let optics = Optics::Repeats(&layers, Repeats { copies, period: field.patch_size() });
     let (mesh, lights) = (&scene.mesh, view.lights.len());
     let mut painter = Painter::new(device, optics, shading, mesh, &Pigment::white(), SIZE, lights).unwrap();
     let picture = painter.paint(view, 0.0, DVec3::ZERO).unwrap();
     let directions = (0..lights).map(|light| painter.directions(view, light).unwrap()).collect();
     (picture, directions)
+}
+
+#[test]
+fn answers_through_repeats_are_the_reference_within_their_tolerance() {
+    let queries: Vec<Query> =
+        queries(11, 400).into_iter().map(|query| Query { wavelength: None, ..query }).collect();
+    with_device(|device| {
+        let scene = Scene::open("plate").unwrap();
+        let mesh = &scene.mesh;
+        for (copies, other) in [([3, 3], [3, 4]), ([20, 2], [19, 2])] {
+            let (field, tolerance) = (patch(Kind::Blaze, 7.0), 1e-2);
+            let exact: Vec<DVec3> = {
+                let reference = Reference::new(&field, Coherence::Repeats(copies), [1, 1], 1.5);
+                let pairs: Vec<_> = queries.iter().map(|query| query.pair).collect();
+                cosine_weighted_xyz(&reference, &Illuminant::D65, &pairs, &|_, _| Ok(())).unwrap()
+            };
+            let answers = |copies| {
+                let shading = shading(copies, tolerance);
+                let layers = layers(&field, &shading);
+                let optics = Optics::Repeats(&layers, Repeats { copies, period: field.patch_size() });
+                let mut painter =
+                    Painter::new(device, optics, &shading, mesh, &Pigment::white(), SIZE, 1).unwrap();
+                let single = Query { wavelength: Some(0.5), ..queries[0] };
+                assert!(painter.cosine_weighted(&[single]).is_err(), "wavelengths are chosen by the shader");
+                painter.cosine_weighted(&queries).unwrap()
+            };
+            let error = |copies| {
+                let pairs = || exact.iter().zip(answers(copies)).collect::<Vec<_>>();
+                let sum = |of: &dyn Fn(DVec3, DVec3) -> f64| -> f64 {
+                    pairs().into_iter().map(|(exact, got)| of(*exact, got)).sum()
+                };
+                (sum(&|exact, got| (got - exact).length_squared()) / sum(&|exact, _| exact.length_squared()))
+                    .sqrt()
+            };
+            let (right, wrong) = (error(copies), error(other));
+            eprintln!("{copies:?}: {right:.1e}, as {other:?}: {wrong:.1e}");
+            assert!(right <= tolerance && wrong > 2.0 * tolerance, "{copies:?}: {right} {wrong}");
+        }
+    });
 }
 
 #[test]

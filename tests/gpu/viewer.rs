@@ -2,10 +2,17 @@
 
 use crate::device::with_device;
 use crate::evaluation::{layers, patch, shading};
+use crate::measure::channel;
+use diffract::measure::cost::Cost;
+use diffract::optics::orders::Repeats;
+use diffract::optics::spectrum::Illuminant;
+use diffract::precompute::compute;
 use diffract::render::difference::{self, DifferencePass};
 use diffract::render::frame::View;
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
+use diffract::render::resources::Optics;
+use diffract::render::shading::Shading;
 use diffract::render::target;
 use diffract::scene::{Light, Scene};
 use diffract::surface::synth::Kind;
@@ -25,6 +32,80 @@ fn painter(device: &Arc<Device>, scene: &Scene, size: [u32; 2]) -> Painter {
 fn view(scene: &Scene, intensity: f64) -> View {
     let view = View::of(scene, vec![Light { theta: 40.0, phi: -30.0, intensity }]);
     View { base_color: Vec3::ZERO, ..view }
+}
+
+#[test]
+fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_picture() {
+    let scene = Scene::open("sphere").unwrap();
+    let view = view(&scene, 2.0);
+    let field = patch(Kind::Elaphe, 6.0);
+    let before = shading(8.0, 1e-1).for_pictures();
+    let layers = layers(&field, &before);
+    let repeats = |n| Repeats { copies: [n, 2], period: field.patch_size() };
+    let lit = Shading { illuminant: Illuminant::A, ..before.clone() };
+    let dense = Shading { ior: 2.4, ..before.clone() };
+    with_device(|device| {
+        let new = |optics: Optics, shading: &Shading| {
+            Painter::new(device, optics, shading, &scene.mesh, &Pigment::white(), SIZE, 1).unwrap()
+        };
+        let cases = [
+            (Optics::Layers(&layers), Optics::Layers(&layers), &lit),
+            (Optics::Layers(&layers), Optics::Layers(&layers), &dense),
+            (Optics::Repeats(&layers, repeats(3)), Optics::Repeats(&layers, repeats(5)), &dense),
+            (Optics::Repeats(&layers, repeats(3)), Optics::Repeats(&layers, repeats(3)), &lit),
+        ];
+        for (first, then, shading) in cases {
+            let expected = new(then, shading).paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let mut painter = new(first, &before);
+            let former = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            assert!(former != expected, "a change that changes something");
+            let memory = device.memory_in_use();
+            // With no room for anything as large as the layers: a few small tables are all that is taken.
+            painter.shade_by(then, shading, 1).unwrap();
+            assert!(device.memory_in_use().abs_diff(memory) < layers.bytes() as u64 / 2);
+            assert!(painter.paint(&view, 0.0, DVec3::ZERO).unwrap() == expected);
+            // In strips, too, each of which is a submission of its own.
+            painter.draw_while(&view, 0.0, DVec3::ZERO, SIZE, &mut || true).unwrap();
+            assert!(painter.picture().unwrap() == expected);
+        }
+        // Layers, coefficients and pigment alone take as many allocations as that and more.
+        let mut painter = new(Optics::Layers(&layers), &before);
+        painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
+        device.refuse_allocation(8);
+        painter.shade_by(Optics::Layers(&layers), &lit, 1).unwrap();
+        device.refuse_allocation(u64::MAX);
+    });
+}
+
+#[test]
+fn what_is_left_out_first_while_moving_costs_the_least_error() {
+    let scene = Scene::open("sphere").unwrap();
+    let view = view(&scene, 2.0);
+    let field = patch(Kind::Elaphe, 6.0);
+    let own = shading(8.0, 1e-2).for_pictures();
+    let wavelengths = Shading { looser_colours: 10.0, ..own.clone() };
+    let coarse = Shading { tolerance: 1e-1, ..own.clone() };
+    with_device(|device| {
+        let drawn = |shading: &Shading| {
+            let settings = shading.layer_settings(0.38, device.candidate()).unwrap();
+            let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
+            let mut painter =
+                Painter::new(device, &layers, shading, &scene.mesh, &Pigment::white(), SIZE, 1).unwrap();
+            let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let directions = [painter.directions(&view, 0).unwrap()];
+            (picture.radiance, Cost::of(&layers, painter.combs(), &directions))
+        };
+        let (exact, whole) = drawn(&own);
+        let error = |radiance: &[[f32; 4]]| (0..3).map(|c| channel(radiance, &exact, c)).fold(0.0, f64::max);
+        let ([fewer, fewest], [first, second]) = {
+            let (a, b) = (drawn(&wavelengths), drawn(&coarse));
+            ([a.1, b.1], [error(&a.0), error(&b.0)])
+        };
+        let counts = [whole, fewer, fewest].map(|cost| (cost.wavelengths, cost.samples));
+        eprintln!("wavelengths and samples {counts:?}; errors {first:.4} {second:.4}");
+        assert!(fewer.wavelengths < whole.wavelengths && fewest.samples < fewer.samples, "{counts:?}");
+        assert!(first > 0.0 && first < second, "{first} {second}");
+    });
 }
 
 #[test]

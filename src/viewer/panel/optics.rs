@@ -1,0 +1,95 @@
+//! The rows of the optics.
+
+use super::{choice, heading, number, row, rows};
+use crate::expansion::Basis;
+use crate::optics::coherence::Coherence;
+use crate::render::color_table::Filter;
+use crate::render::resources::Reads;
+use crate::viewer::model::Model;
+use crate::viewer::settings::Optics;
+use crate::viewer::style;
+use egui::{RichText, Ui};
+
+/// The user's own setting, and the light's spectrum.
+pub fn show(ui: &mut Ui, model: &mut Model) {
+    heading(ui, "Optics");
+    rows(ui, "optics", |ui| {
+        setting(ui, "own", &mut model.settings.optics, model.settings.coherence);
+        row(ui, "illuminant", |ui| {
+            for name in ["d65", "a", "e"] {
+                let chosen = model.settings.illuminant == name;
+                if ui.selectable_label(chosen, name.to_uppercase()).clicked() {
+                    model.settings.illuminant = name.to_owned();
+                }
+            }
+        });
+    });
+}
+
+/// Method, tolerance and what else the method knows of one setting.
+pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics, coherence: Coherence) {
+    row(ui, "method", |ui| {
+        for method in [Reads::Layers, Reads::Table] {
+            ui.selectable_value(&mut optics.method, method, method.method());
+        }
+    });
+    match optics.method {
+        Reads::Layers => row(ui, "basis", |ui| {
+            let all = Basis::ALL.map(|b| (b, b.name()));
+            let shown = optics.basis.name();
+            choice(ui, &format!("{id} basis"), &mut optics.basis, &all, shown);
+        }),
+        Reads::Table => {
+            row(ui, "a pixel is", |ui| {
+                ui.selectable_value(&mut optics.filter, Filter::Point, "its centre");
+                ui.selectable_value(&mut optics.filter, Filter::Pixel, "all it sees");
+            });
+            row(ui, "windows", |ui| {
+                for n in &mut optics.windows {
+                    ui.add(number(n).speed(0.1).range(1..=16));
+                }
+            });
+        }
+    }
+    row(ui, "tolerance", |ui| {
+        let all = [1e-1, 5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 1e-4].map(|t| (t, percent(t)));
+        let all: Vec<(f64, &str)> = all.iter().map(|(t, name)| (*t, name.as_str())).collect();
+        let shown = percent(optics.tolerance);
+        choice(ui, &format!("{id} tolerance"), &mut optics.tolerance, &all, &shown);
+    });
+    if optics.method == Reads::Layers {
+        named(ui, "terms", &mut optics.terms, 10, 1..=64);
+    }
+    match coherence {
+        Coherence::Gaussian { .. } => named(ui, "wavelengths", &mut optics.wavelengths, 32, 4..=512),
+        Coherence::Repeats(_) => row(ui, "wavelengths", |ui| {
+            ui.label(RichText::new("where the orders are").color(style::FAINT));
+        }),
+    }
+}
+
+/// A number that follows from the tolerance unless the user names it.
+fn named(
+    ui: &mut Ui,
+    label: &str,
+    named: &mut Option<usize>,
+    first: usize,
+    range: std::ops::RangeInclusive<usize>,
+) {
+    row(ui, label, |ui| {
+        let mut own = named.is_some();
+        let text =
+            if own { RichText::default() } else { RichText::new("from the tolerance").color(style::FAINT) };
+        if ui.checkbox(&mut own, text).changed() {
+            *named = own.then_some(first);
+        }
+        if let Some(n) = named {
+            ui.add(number(n).speed(0.2).range(range));
+        }
+    });
+}
+
+/// A part in percent.
+pub fn percent(part: f64) -> String {
+    format!("{} %", (part * 1e6).round() / 1e4)
+}

@@ -1,0 +1,113 @@
+//! The rows of the height field.
+
+use super::{LABEL, WIDTH, heading, number, row, rows, short};
+use crate::optics::coherence::Coherence;
+use crate::surface::synth::Kind;
+use crate::surface::{Level, Source};
+use crate::viewer::model::Model;
+use crate::viewer::settings::Settings;
+use crate::viewer::style;
+use egui::{ComboBox, RichText, Ui};
+
+/// Height field, coherence, index.
+pub fn show(ui: &mut Ui, model: &mut Model) {
+    heading(ui, "Surface");
+    rows(ui, "surface", |ui| {
+        let source = &mut model.settings.surface;
+        let kind = Kind::from_name(&source.name);
+        row(ui, "height field", |ui| {
+            let mut chosen = None;
+            ComboBox::from_id_salt("surface name")
+                .selected_text(short(&source.name))
+                .width(WIDTH - LABEL - 64.0)
+                .show_ui(ui, |ui| {
+                    for other in Kind::ALL {
+                        if ui.selectable_label(kind == Some(other), other.name()).clicked() {
+                            chosen = Some(other);
+                        }
+                    }
+                });
+            if let Some(kind) = chosen.filter(|k| Some(*k) != kind) {
+                *source = Source {
+                    name: kind.name().to_owned(),
+                    pixel_size: None,
+                    height: None,
+                    level: Level::None,
+                    seed: 1,
+                };
+            }
+        });
+        if kind.is_none() {
+            units(ui, source);
+        } else if matches!(kind, Some(Kind::Elaphe | Kind::Xenopeltis)) {
+            row(ui, "seed", |ui| {
+                ui.add(number(&mut source.seed).range(0..=9999));
+            });
+        }
+        row(ui, "level", |ui| {
+            for level in [Level::None, Level::Mean, Level::Plane] {
+                ui.selectable_value(&mut source.level, level, level.name());
+            }
+        });
+        coherence(ui, &mut model.settings, &mut model.kept);
+        row(ui, "index", |ui| {
+            let ior = &mut model.settings.ior;
+            ui.add(number(ior).speed(0.01).range(1.0..=4.0).fixed_decimals(2));
+        });
+    });
+    ui.label(
+        RichText::new("Drop a height image, a scene or an OBJ mesh on the window.")
+            .small()
+            .color(style::FAINT),
+    );
+}
+
+/// What surrounds the patch: a window of a length, or so many copies and nothing else.
+fn coherence(ui: &mut Ui, settings: &mut Settings, kept: &mut (f64, [u32; 2])) {
+    row(ui, "coherence", |ui| {
+        for (of, name) in
+            [(Coherence::Gaussian { length: kept.0 }, "gaussian"), (Coherence::Repeats(kept.1), "repeats")]
+        {
+            let now = std::mem::discriminant(&of) == std::mem::discriminant(&settings.coherence);
+            if ui.selectable_label(now, name).clicked() && !now {
+                settings.coherence = of;
+            }
+        }
+    });
+    match &mut settings.coherence {
+        Coherence::Gaussian { length } => {
+            row(ui, "length", |ui| {
+                ui.add(number(length).speed(0.5).range(1.0..=200.0).fixed_decimals(1).suffix(" µm"));
+            });
+            kept.0 = *length;
+        }
+        Coherence::Repeats(copies) => {
+            row(ui, "copies", |ui| {
+                ui.add(number(&mut copies[0]).speed(0.1).range(1..=1000).suffix(" in x"));
+                ui.add(number(&mut copies[1]).speed(0.1).range(1..=1000).suffix(" in y"));
+            });
+            kept.1 = *copies;
+        }
+    }
+}
+
+/// Units of a file that carries none.
+fn units(ui: &mut Ui, source: &mut Source) {
+    row(ui, "sample", |ui| {
+        let mut nm = source.pixel_size.unwrap_or([0.1; 2]).map(|um| um * 1e3);
+        let mut changed = false;
+        for n in &mut nm {
+            let field = number(n).speed(0.1).range(1.0..=10_000.0).max_decimals(4).suffix(" nm");
+            changed |= ui.add(field).changed();
+        }
+        if changed {
+            source.pixel_size = Some(nm.map(|nm| nm * 1e-3));
+        }
+    });
+    row(ui, "full height", |ui| {
+        let mut nm = source.height.unwrap_or(0.5) * 1e3;
+        if ui.add(number(&mut nm).speed(1.0).range(0.1..=100_000.0).max_decimals(4).suffix(" nm")).changed() {
+            source.height = Some(nm * 1e-3);
+        }
+    });
+}

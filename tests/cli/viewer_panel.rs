@@ -1,0 +1,118 @@
+//! The rows of the panel that decide the picture, pressed and dragged: the picture that is saved then is the one that
+//! `render` draws by the command in it, and that command says what was set.
+
+use crate::display::wait_for;
+use crate::viewer::Viewer;
+
+/// Room for all of the panel.
+const LARGE: [&str; 2] = ["--size", "600x1040"];
+
+#[test]
+fn method_filter_windows_and_what_else_the_optics_has_act_on_the_picture() {
+    let viewer = Viewer::open(&[&["sphere"][..], &LARGE].concat());
+    let (first, _) = viewer.shows("--basis taylor");
+    viewer.press("table");
+    let (by_table, command) = viewer.shows("--method table --filter point --windows 1x1");
+    assert!(by_table != first, "{command}");
+    viewer.says("of a colour table");
+    viewer.press("all it sees");
+    let (filtered, _) = viewer.shows("--filter pixel");
+    assert!(filtered != by_table);
+    viewer.press("its centre");
+    let count = viewer.drag("windows", 0, 24);
+    assert_eq!(viewer.row("windows")[1].text, "1");
+    let (averaged, _) = viewer.shows(&format!("--filter point --windows {count}x1"));
+    assert!(averaged != by_table);
+
+    viewer.press("spectral");
+    let (again, _) = viewer.shows("--basis taylor");
+    assert!(again == first);
+    viewer.choose("basis", "chebyshev");
+    viewer.shows("--basis chebyshev");
+    viewer.choose("tolerance", "5 %");
+    viewer.shows("--tolerance 5e-2");
+    // Two rows have these words: terms, then wavelengths.
+    let mut free = viewer.words();
+    free.retain(|word| word.text == "from the tolerance");
+    free.sort_by_key(|word| word.at[1]);
+    viewer.display.click(1, free[1].at, 1);
+    viewer.shows("--wavelengths 32");
+    viewer.says("none: wavelengths are named");
+    viewer.display.click(1, free[0].at, 1);
+    viewer.shows("--terms 10");
+    viewer.press("A");
+    viewer.shows("--illuminant a");
+    viewer.display.key('r'.into(), &[]);
+    let (reset, command) = viewer.shows("--illuminant d65");
+    assert!(reset == first, "{command}");
+    viewer.close();
+}
+
+#[test]
+fn coherence_is_a_window_or_repeats() {
+    let viewer = Viewer::open(&[&["sphere"][..], &LARGE].concat());
+    let (through_a_window, _) = viewer.shows("--coherence gaussian:4um");
+    viewer.press("repeats");
+    let (repeats, command) = viewer.shows("--coherence repeats:3x3");
+    assert!(repeats != through_a_window, "{command}");
+    viewer.says("where the orders are");
+    // The hemisphere is of the repeats, too: orders on black, where a window leaves no black.
+    let shown = viewer.display.look(viewer.window).unwrap();
+    let inside = (30..140).flat_map(|x| (30..140).map(move |y| (x, y)));
+    let levels: Vec<u8> = inside.map(|(x, y)| *shown.get_pixel(x, y).0.iter().max().unwrap()).collect();
+    assert!(levels.iter().filter(|&&level| level > 100).count() > 200, "there are orders");
+
+    let along_y = viewer.drag("copies", 2, 22);
+    let (more, _) = viewer.shows(&format!("--coherence repeats:3x{along_y}"));
+    assert!(more != repeats);
+    // What only the shading depends on.
+    let index = viewer.drag("index", 0, 30);
+    let (reflecting, _) = viewer.shows_number("--ior", &index);
+    assert!(reflecting != more);
+    // Beside it, another setting through the same repeats.
+    viewer.press("split");
+    viewer.says("optimal, 1 %");
+    viewer.press("alone");
+
+    viewer.press("gaussian");
+    viewer.shows("--coherence gaussian:4um");
+    let length = viewer.drag("length", 0, 20);
+    viewer.shows_number("--coherence", &length);
+    viewer.close();
+}
+
+#[test]
+fn what_cannot_be_is_told_and_the_picture_stays() {
+    // A table through so many copies would take more texels than a device has.
+    let many = ["plate", "--coherence", "repeats:400x400", "--size", "440x1040"];
+    let viewer = Viewer::open(&many);
+    let (spectral, _) = viewer.shows("--coherence repeats:400x400");
+    viewer.press("table");
+    let why = wait_for("a reason", || {
+        viewer.words().into_iter().find(|w| w.text.contains("table") && w.text.contains("; ")).map(|w| w.text)
+    });
+    assert!(why.contains("repeats"), "{why}");
+    let (still, command) = viewer.shows("--coherence repeats:400x400");
+    assert!(still == spectral && !command.contains("--method table"), "{command}");
+    viewer.press("gaussian");
+    viewer.shows("--method table");
+    viewer.close();
+}
+
+#[test]
+fn lights_and_exposure_and_level_act_on_the_picture() {
+    let viewer = Viewer::open(&[&["plate"][..], &LARGE].concat());
+    let stops = viewer.drag("exposure", 0, 24);
+    let (first, _) = viewer.shows_number("--exposure", &stops);
+    viewer.press("mean");
+    viewer.shows("--level mean");
+    viewer.press("add a light");
+    viewer.says("remove");
+    let lights = |command: &str| command.matches("--light ").count();
+    let (two, command) = viewer.shows("--level mean");
+    assert!(lights(&command) == 2 && two != first, "{command}");
+    viewer.press("remove");
+    let (_, command) = viewer.shows("--level mean");
+    assert_eq!(lights(&command), 1, "{command}");
+    viewer.close();
+}
