@@ -367,8 +367,9 @@ mod tests {
                 largest = largest.max(repeats.sampling(uv, 15.0, 1e-2).wavelengths());
             }
             assert!(largest <= most, "{copies:?}: {largest} {most}");
-            // With one long row of copies, orders alone are summed, which the bound does not know.
-            assert!(copies == [1, 900] || largest > most / 8.0, "{copies:?}: {largest} {most}");
+            // With one long row of copies, orders alone are summed, which the bound does not know; nor does it know that the
+            // sharper axis leaves little to the other.
+            assert!(copies == [1, 900] || largest > most / 16.0, "{copies:?}: {largest} {most}");
         }
     }
 

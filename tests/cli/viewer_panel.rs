@@ -10,7 +10,7 @@ const LARGE: [&str; 2] = ["--size", "600x1040"];
 #[test]
 fn method_filter_windows_and_what_else_the_optics_has_act_on_the_picture() {
     let viewer = Viewer::open(&[&["sphere"][..], &LARGE].concat());
-    let (first, _) = viewer.shows("--basis taylor");
+    let (first, _) = viewer.shows("--basis optimal");
     viewer.press("table");
     let (by_table, command) = viewer.shows("--method table --filter point --windows 1x1");
     assert!(by_table != first, "{command}");
@@ -25,7 +25,7 @@ fn method_filter_windows_and_what_else_the_optics_has_act_on_the_picture() {
     assert!(averaged != by_table);
 
     viewer.press("spectral");
-    let (again, _) = viewer.shows("--basis taylor");
+    let (again, _) = viewer.shows("--basis optimal");
     assert!(again == first);
     viewer.choose("basis", "chebyshev");
     viewer.shows("--basis chebyshev");

@@ -152,13 +152,14 @@ mod tests {
     fn what_is_stored_is_loaded_and_any_changed_byte_makes_it_absent() {
         let folder = tempfile::tempdir().unwrap();
         let grid = Grid { side: 256, spacing: 0.02, pieces: 1 };
-        let levels =
-            (0..LEVELS).map(|l| (0..(256 >> l) * (256 >> l) * 12).map(|i| i as u16).collect()).collect();
+        let levels = (0..LEVELS)
+            .map(|l| (0..(256 >> l) * (256 >> l) * 12).map(|i| (i % 0x7c00) as u16).collect())
+            .collect();
         let table = ColorTable { grid, sigma: 1.5, unit: 0.25, levels };
         let key = blake3::hash(b"a table");
         assert!(load(folder.path(), &key, 1 << 30).is_none());
         store(folder.path(), &key, &table).unwrap();
-        assert_eq!(load(folder.path(), &key, 1 << 30).as_ref(), Some(&table));
+        assert!(load(folder.path(), &key, 1 << 30).as_ref() == Some(&table));
         assert!(load(folder.path(), &key, 1 << 10).is_none(), "more than there is room for");
         let place = path(folder.path(), &key);
         let whole = std::fs::read(&place).unwrap();
