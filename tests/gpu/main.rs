@@ -16,4 +16,5 @@ mod picture;
 mod promise;
 mod repeats;
 mod table;
+mod table_repeats;
 mod viewer;
