@@ -20,7 +20,12 @@ pub fn optics(options: &OpticsOptions) -> String {
         method => {
             let name = clap::ValueEnum::to_possible_value(&method)
                 .map_or_else(String::new, |v| v.get_name().to_owned());
-            format!("method {name}, {} basis, tolerance {}", options.basis.name(), options.tolerance)
+            // A table is baked from a basis of its own.
+            let basis = match method {
+                Method::Spectral => format!(", {} basis", options.basis.name()),
+                _ => String::new(),
+            };
+            format!("method {name}{basis}, tolerance {}", options.tolerance)
         }
     };
     let windows = match options.windows {
