@@ -51,14 +51,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.output {
         output::check(path)?;
     }
-    let shading = arguments.optics.shading(&arguments.colour)?;
     let table = Table::read(&arguments.queries)?;
     if table.single_wavelengths {
-        check_single_wavelengths(arguments.optics.method)?;
+        check_single_wavelengths(arguments.optics.method())?;
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
+    let shading = arguments.optics.shading(&arguments.colour, &field)?;
     let mut values = vec![DVec3::ZERO; table.queries.len()];
-    let by = (arguments.optics.method, &arguments.device.wish());
+    let by = (arguments.optics.method(), &arguments.device.wish());
     let asked = (shortest(&table.queries), table.queries.len());
     over_windows(by, &field, &shading, asked, |answers, share| {
         let of_window = answers.brdf(&table.queries)?;

@@ -1,7 +1,9 @@
 //! The command line: one file per command; raw arguments in, validated settings with units out.
 
 mod answers;
+mod baselines;
 mod brdf;
+mod choice;
 mod devices;
 mod eval;
 mod options;

@@ -100,15 +100,16 @@ impl SurfaceOptions {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Optics")]
 pub struct OpticsOptions {
-    /// How the optics is computed
-    #[arg(long, value_enum, default_value_t)]
-    pub method: Method,
-    /// Which expansion the precomputed spectra hold: taylor (the thesis'), chebyshev or optimal (fewest terms)
-    #[arg(long, value_name = "BASIS", value_parser = basis, default_value = "taylor")]
-    pub basis: Basis,
-    /// Relative error that you accept; everything else follows from it unless named
-    #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true, default_value = "1e-2")]
-    pub tolerance: f64,
+    /// How the optics is computed [default: spectral]
+    #[arg(long, value_enum)]
+    pub method: Option<Method>,
+    /// Which expansion the precomputed spectra hold: taylor (the thesis'), chebyshev or optimal (fewest terms) [default: optimal for
+    /// pictures; else taylor where 32-bit floats hold it]
+    #[arg(long, value_name = "BASIS", value_parser = basis)]
+    pub basis: Option<Basis>,
+    /// Relative error that you accept; everything else follows from it unless named [default: 1e-2]
+    #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true)]
+    pub tolerance: Option<f64>,
     /// Terms of the expansion, instead of what the tolerance asks for
     #[arg(long, value_name = "N", value_parser = terms, allow_hyphen_values = true)]
     pub terms: Option<usize>,
@@ -124,26 +125,50 @@ pub struct OpticsOptions {
 }
 
 impl OpticsOptions {
-    /// The settings that the options stand for, where single wavelengths are asked for.
-    pub fn monochrome(&self) -> Shading {
+    /// How the optics is computed.
+    pub fn method(&self) -> Method {
+        self.method.unwrap_or_default()
+    }
+
+    /// Relative error that the user accepts.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance.unwrap_or(Shading::default().tolerance)
+    }
+
+    /// The settings that the options stand for, where single wavelengths of single directions of `field` are asked for.
+    pub fn monochrome(&self, field: &HeightField) -> Shading {
+        let shading = self.with_basis(Basis::Taylor);
+        match self.basis {
+            Some(_) => shading,
+            None => Shading { basis: shading.suited_basis(field), ..shading },
+        }
+    }
+
+    /// The settings that the options stand for, where colours of single directions of `field` are asked for.
+    pub fn shading(&self, colour: &ColourOptions, field: &HeightField) -> Result<Shading> {
+        colour.of(self.monochrome(field))
+    }
+
+    /// The settings that the options stand for, where pictures are asked for.
+    pub fn for_pictures(&self, colour: &ColourOptions) -> Result<Shading> {
+        Ok(colour.of(self.with_basis(self.basis_of_pictures()))?.for_pictures())
+    }
+
+    /// The expansion of pictures: of every sweep that `trade` made, the one with the fewest reads for the same error.
+    pub fn basis_of_pictures(&self) -> Basis {
+        self.basis.unwrap_or(Basis::Optimal)
+    }
+
+    fn with_basis(&self, unless_named: Basis) -> Shading {
         Shading {
             coherence: self.coherence,
             windows: self.windows,
             ior: self.ior,
-            tolerance: self.tolerance,
-            basis: self.basis,
+            tolerance: self.tolerance(),
+            basis: self.basis.unwrap_or(unless_named),
             terms: self.terms,
             ..Shading::default()
         }
-    }
-
-    /// The settings that the options stand for, where colours are asked for.
-    pub fn shading(&self, colour: &ColourOptions) -> Result<Shading> {
-        Ok(Shading {
-            illuminant: Illuminant::from_name_or_file(&colour.illuminant)?,
-            wavelengths: colour.wavelengths,
-            ..self.monochrome()
-        })
     }
 }
 
@@ -167,6 +192,14 @@ pub struct ColourOptions {
     /// The light's spectrum: d65, a, e, or a CSV file of wavelength in nm and power
     #[arg(long, value_name = "NAME|FILE", default_value = "d65")]
     pub illuminant: String,
+}
+
+impl ColourOptions {
+    /// `shading` with what the options say of colours.
+    fn of(&self, shading: Shading) -> Result<Shading> {
+        let illuminant = Illuminant::from_name_or_file(&self.illuminant)?;
+        Ok(Shading { illuminant, wavelengths: self.wavelengths, ..shading })
+    }
 }
 
 /// The Vulkan device.

@@ -1,10 +1,11 @@
 //! `diffract profile`: how long a frame takes, what it does in that time, and what the device could do.
 
 use super::options::{
-    ColourOptions, DeviceOptions, FilterOptions, OpticsOptions, SurfaceOptions, check_lights, sample_pixels,
+    ColourOptions, DeviceOptions, FilterOptions, OpticsOptions, SurfaceOptions, check_lights, real,
+    sample_pixels,
 };
 use super::stage::{Setting, Stage};
-use super::{prepare, write};
+use super::{choice, prepare, write};
 use crate::error::Result;
 use crate::measure::budget::Budget;
 use crate::measure::cost::Cost;
@@ -43,6 +44,9 @@ pub struct Arguments {
     /// Compare so many random pixels with the f64 reference too, or `all`
     #[arg(long, value_name = "N|all", value_parser = compared, allow_hyphen_values = true)]
     pub error: Option<usize>,
+    /// Choose the most accurate setting that keeps this frame rate; what is named stays
+    #[arg(long, value_name = "F", value_parser = fps, allow_hyphen_values = true)]
+    pub fps: Option<f64>,
     /// Print where the error comes from
     #[arg(long)]
     pub explain: bool,
@@ -61,6 +65,11 @@ pub struct Arguments {
 /// How many pixels `--error` means.
 fn compared(text: &str) -> Result<usize> {
     if text.trim() == "all" { Ok(usize::MAX) } else { sample_pixels(text) }
+}
+
+/// A frame rate.
+pub fn fps(text: &str) -> Result<f64> {
+    real(text, (1e-3, 1e5), "frame rate")
 }
 
 /// The report, as JSON has it.
@@ -119,10 +128,20 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         output::check(path)?;
     }
     let stage = Stage::set(arguments)?;
-    let report = profile(&stage, arguments)?;
+    let choice = arguments.fps.map(|fps| choice::keeping(fps, &stage, arguments)).transpose()?;
+    let report = profile(&stage, choice.as_ref().map_or(arguments, |choice| &choice.arguments))?;
     prepare::finish(&stage.device)?;
     let budget = if arguments.explain { report.budget.to_text() } else { String::new() };
-    write::stdout(&(text(&report) + &budget))?;
+    let chosen = choice.map_or_else(String::new, |choice| {
+        let keeps = if choice.keeps { "keeps it" } else { "is the fastest here and does not keep it" };
+        format!(
+            "{:<26}{} frames a second: {} {keeps}\n",
+            "asked for",
+            arguments.fps.unwrap_or(0.0),
+            choice.flags
+        )
+    });
+    write::stdout(&(text(&report) + &chosen + &budget))?;
     if let Some(path) = &arguments.json {
         write::json(path, &report)?;
     }
@@ -130,7 +149,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 fn profile(stage: &Stage, arguments: &Arguments) -> Result<Report> {
-    let shading = arguments.optics.shading(&arguments.colour)?.for_pictures();
+    let shading = arguments.optics.for_pictures(&arguments.colour)?;
     let (mut painter, setting, cost, directions) = stage.prepare(arguments, &shading)?;
     let bar = prepare::progress_bar("frames");
     let times = measure(&mut painter, &stage.view, arguments.frames as usize, f64::INFINITY, &|done, of| {
@@ -164,7 +183,7 @@ fn report(
         size: stage.size,
         method: setting.method,
         basis: setting.basis.name(),
-        tolerance: arguments.optics.tolerance,
+        tolerance: arguments.optics.tolerance(),
         terms: setting.terms,
         layers: setting.layers,
         kernel: setting.kernel,

@@ -62,13 +62,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let format = write::PictureFormat::of(&arguments.output)?;
     output::check(&arguments.output)?;
     check_lights(&arguments.view.light)?;
-    if arguments.sample_pixels.is_some() && arguments.optics.method != Method::Reference {
+    if arguments.sample_pixels.is_some() && arguments.optics.method() != Method::Reference {
         return Err(Error::usage(
             "--sample-pixels is for the reference picture only",
             "add --method reference, or leave it away",
         ));
     }
-    let shading = arguments.optics.shading(&arguments.colour)?.for_pictures();
+    let shading = arguments.optics.for_pictures(&arguments.colour)?;
     let mut scene = Scene::open(&arguments.scene)?;
     arguments.view.apply(&mut scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Shading) -> Result<Picture> {
-    let reference = arguments.optics.method == Method::Reference;
+    let reference = arguments.optics.method() == Method::Reference;
     if reference && scene.pigment.is_some() {
         return Err(Error::usage(
             "--method reference knows no pigment texture",
@@ -92,7 +92,7 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
         let (size, lights) = (arguments.size, view.lights.len());
         Painter::new(&device, optics, shading, &scene.mesh, &pigment, size, lights)
     };
-    let mut painter = match arguments.optics.method {
+    let mut painter = match arguments.optics.method() {
         Method::Spectral => {
             let spectral = Spectral::prepare(field, shading, &device)?;
             let mut painter = paint(spectral.optics())?;

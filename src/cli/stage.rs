@@ -31,6 +31,37 @@ pub struct Stage {
     pub size: [u32; 2],
 }
 
+/// The f64 picture of a frame.
+pub struct Exact {
+    /// The covered pixels.
+    pub pixels: Vec<usize>,
+    /// Linear sRGB of each.
+    pub colors: Vec<DVec3>,
+}
+
+/// The f64 pictures of one frame, by the windows that they average over; each is made once.
+#[derive(Default)]
+pub struct References {
+    pictures: Vec<([u32; 2], Exact)>,
+}
+
+impl References {
+    /// The picture for the windows of `shading`, of the frame that shades `directions`.
+    pub fn of(&mut self, stage: &Stage, shading: &Shading, directions: &[Directions]) -> Result<&Exact> {
+        let known = self.pictures.iter().position(|(windows, _)| *windows == shading.windows);
+        let index = match known {
+            Some(index) => index,
+            None => {
+                let pixels = covered(directions);
+                let colors = stage.exact(shading, directions, &pixels)?;
+                self.pictures.push((shading.windows, Exact { pixels, colors }));
+                self.pictures.len() - 1
+            }
+        };
+        Ok(&self.pictures[index].1)
+    }
+}
+
 /// What the method reads from.
 pub struct Setting {
     pub method: &'static str,
@@ -45,14 +76,14 @@ pub struct Setting {
 impl Stage {
     /// Opens what `arguments` name.
     pub fn set(arguments: &Arguments) -> Result<Self> {
-        let method = arguments.optics.method;
+        let method = arguments.optics.method();
         if method == Method::Reference {
             return Err(Error::usage(
                 "--method reference has no frames to time",
                 "use --method spectral or --method table",
             ));
         }
-        arguments.optics.shading(&arguments.colour)?;
+        arguments.optics.for_pictures(&arguments.colour)?;
         let scene = Scene::open(&arguments.scene)?;
         let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
         let view = View::of(&scene, lights_of(&arguments.light, &scene));
@@ -72,7 +103,7 @@ impl Stage {
         shading: &Shading,
     ) -> Result<(Painter, Setting, Cost, Vec<Directions>)> {
         let (mesh, pigment, lights) = (&self.scene.mesh, Pigment::white(), self.view.lights.len());
-        if arguments.optics.method == Method::Reference {
+        if arguments.optics.method() == Method::Reference {
             return Err(Error::usage(
                 "--method reference has no frames to time",
                 "use --method spectral or --method table",
@@ -81,7 +112,7 @@ impl Stage {
         let directions = |painter: &mut Painter| {
             (0..lights).map(|light| painter.directions(&self.view, light)).collect::<Result<Vec<_>>>()
         };
-        if arguments.optics.method == Method::Table {
+        if arguments.optics.method() == Method::Table {
             let table = prepare::color_table(&self.field, shading, &self.device)?;
             let filter = arguments.filter.filter;
             let optics = Optics::Table(&table, filter);

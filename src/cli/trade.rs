@@ -1,21 +1,18 @@
 //! `diffract trade`: speed against accuracy, measured over many settings.
 
-use super::options::{DeviceOptions, SurfaceOptions, check_lights, coherence, ior, real, tolerance};
-use super::stage::{Stage, shown};
-use super::{prepare, profile, say, write};
+use super::options::{DeviceOptions, SurfaceOptions, check_lights, coherence, ior, tolerance};
+use super::stage::{Exact, References, Stage, shown};
+use super::{baselines, prepare, profile, say, write};
 use crate::error::{Error, Result};
 use crate::measure::error::PixelErrors;
 use crate::measure::profile::measure;
-use crate::measure::trade::{self, BASELINE, Row, THESIS};
+use crate::measure::trade::{self, GRATING, Row, THESIS};
 use crate::optics::coherence::Coherence;
-use crate::render::picture::Directions;
-use crate::render::reference_picture::covered;
+use crate::render::picture::Painter;
 use crate::render::shading::Shading;
 use crate::scene::Light;
-use crate::surface::statistics::Statistics;
 use crate::{output, units};
 use clap::{Args, Parser};
-use glam::DVec3;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `trade`.
@@ -47,7 +44,7 @@ pub struct Arguments {
     #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true)]
     tolerance: Option<f64>,
     /// Ask for the setting that keeps this frame rate
-    #[arg(long, value_name = "F", value_parser = fps, allow_hyphen_values = true)]
+    #[arg(long, value_name = "F", value_parser = profile::fps, allow_hyphen_values = true)]
     fps: Option<f64>,
     /// What surrounds the patch: gaussian:LENGTH or repeats:NxM
     #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
@@ -69,11 +66,6 @@ pub struct Arguments {
 struct Words {
     #[command(flatten)]
     profile: profile::Arguments,
-}
-
-/// A frame rate.
-fn fps(text: &str) -> Result<f64> {
-    real(text, (1e-3, 1e5), "frame rate")
 }
 
 /// What a sweep leaves.
@@ -121,9 +113,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             Err(error) => impossible.push((flags.clone(), error.to_string())),
         }
     }
-    if !rows.is_empty() && !rows.iter().any(|row| row.series == BASELINE) {
-        rows.extend(baseline(&stage, arguments, &frame, &mut references)?);
-        store(&rows)?;
+    // What is compared with comes last: without a setting of its own there is nothing to compare.
+    for series in [GRATING, THESIS] {
+        if !rows.is_empty() && !rows.iter().any(|row| row.series == series) {
+            let own = setting(arguments, "--tolerance 1e-1")?;
+            match baselines::measured(series, &stage, &own, &mut references) {
+                Ok(None) => {}
+                Ok(Some(row)) => {
+                    rows.push(Row { frame: frame.clone(), ..row });
+                    store(&rows)?;
+                }
+                Err(error) => impossible.push((series.to_owned(), error.to_string())),
+            }
+        }
     }
     bar.finish_and_clear();
     prepare::finish(&stage.device)?;
@@ -151,15 +153,16 @@ fn settings(quick: bool) -> Vec<String> {
     let mut all = Vec::new();
     let tolerances: &[&str] =
         if quick { &["1e-1", "1e-2", "1e-3"] } else { &["2e-1", "1e-1", "3e-2", "1e-2", "3e-3", "1e-3"] };
-    for basis in ["taylor", "chebyshev", "optimal"] {
+    let bases: &[&str] = if quick { &["taylor", "optimal"] } else { &["taylor", "chebyshev", "optimal"] };
+    for basis in bases {
         all.extend(tolerances.iter().map(|e| format!("--basis {basis} --tolerance {e}")));
     }
     let table: &[&str] = if quick { &["1e-1", "2e-2"] } else { &["1e-1", "5e-2", "2e-2", "1e-2"] };
     all.extend(table.iter().map(|e| format!("--method table --tolerance {e}")));
-    all.push(THESIS.to_owned());
     if quick {
         return all;
     }
+    all.push("--basis taylor --terms 37 --wavelengths 81".to_owned());
     for terms in [4, 6, 8, 12, 16] {
         all.extend(["taylor", "optimal"].map(|basis| format!("--basis {basis} --terms {terms}")));
     }
@@ -192,34 +195,6 @@ fn setting(arguments: &Arguments, flags: &str) -> Result<profile::Arguments> {
     })
 }
 
-/// The f64 pictures of the frame, by the windows that they average over.
-#[derive(Default)]
-struct References {
-    pictures: Vec<([u32; 2], Vec<DVec3>)>,
-}
-
-impl References {
-    /// The picture for the windows of `shading`, made once.
-    fn of(
-        &mut self,
-        stage: &Stage,
-        shading: &Shading,
-        directions: &[Directions],
-        pixels: &[usize],
-    ) -> Result<&[DVec3]> {
-        let known = self.pictures.iter().position(|(windows, _)| *windows == shading.windows);
-        let index = match known {
-            Some(index) => index,
-            None => {
-                let exact = stage.exact(shading, directions, pixels)?;
-                self.pictures.push((shading.windows, exact));
-                self.pictures.len() - 1
-            }
-        };
-        Ok(&self.pictures[index].1)
-    }
-}
-
 fn measured(
     stage: &Stage,
     arguments: &Arguments,
@@ -228,16 +203,11 @@ fn measured(
     references: &mut References,
 ) -> Result<Row> {
     let own = setting(arguments, flags)?;
-    let shading: Shading = own.optics.shading(&own.colour)?.for_pictures();
+    let shading: Shading = own.optics.for_pictures(&own.colour)?;
     let (mut painter, what, cost, directions) = stage.prepare(&own, &shading)?;
-    let times = measure(&mut painter, &stage.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
-    let picture = painter.paint(&stage.view, stage.scene.exposure, stage.scene.background)?;
-    drop(painter);
-    let pixels = covered(&directions);
-    let exact = references.of(stage, &shading, &directions, &pixels)?;
-    let errors = PixelErrors::of(&shown(&picture, &pixels), exact, stage.scene.exposure);
+    let exact = references.of(stage, &shading, &directions)?;
     let series = match what.method {
-        "spectral" => format!("spectral, {}", own.optics.basis.name()),
+        "spectral" => format!("spectral, {}", own.optics.basis_of_pictures().name()),
         other => other.to_owned(),
     };
     Ok(Row {
@@ -249,66 +219,25 @@ fn measured(
         kernel: what.kernel,
         wavelengths: cost.wavelengths_per_pixel(),
         samples: cost.samples_per_pixel(),
-        frame_ms: times.frame.p50,
-        fastest_ms: times.frame.min,
-        gpu_ms: times.gpu.p50,
-        spread: times.spread,
-        relative_l2: errors.relative_l2,
-        p99: errors.p99,
-        flip: stage.seen(&picture, &pixels, exact),
+        ..row(stage, &mut painter, exact)?
     })
 }
 
-/// What a user would take instead: the classical shader of a grating of one period, at the brightness that suits it best.
-/// `None` for surfaces that do not repeat.
-fn baseline(
-    stage: &Stage,
-    arguments: &Arguments,
-    frame: &str,
-    references: &mut References,
-) -> Result<Option<Row>> {
-    let [along_x, along_y] = Statistics::of(&stage.field).period;
-    let (axis, period) = match (along_x, along_y) {
-        (Some(period), _) => ([1.0, 0.0], period),
-        (None, Some(period)) => ([0.0, 1.0], period),
-        (None, None) => return Ok(None),
-    };
-    let own = setting(arguments, "--tolerance 1e-1")?;
-    let shading: Shading = own.optics.shading(&own.colour)?.for_pictures();
-    let (mut painter, _, _, directions) = stage.prepare(&own, &shading)?;
-    let pixels = covered(&directions);
-    let exact = references.of(stage, &shading, &directions, &pixels)?;
-    let mut colors = |strength: f32| {
-        painter.shade_as_grating(axis, period as f32, strength)?;
-        painter.paint(&stage.view, stage.scene.exposure, stage.scene.background)
-    };
-    // The picture is linear in the strength: least squares between that of 0 and that of 1.
-    let (pigment, one) = (shown(&colors(0.0)?, &pixels), shown(&colors(1.0)?, &pixels));
-    let parts = pigment.iter().zip(&one).zip(exact);
-    let (product, square) = parts.fold((0.0, 0.0), |(p, s), ((pigment, one), exact)| {
-        let orders = *one - *pigment;
-        (p + orders.dot(*exact - *pigment), s + orders.length_squared())
-    });
-    let picture = colors(if square > 0.0 { (product / square).max(0.0) as f32 } else { 0.0 })?;
-    let times = measure(&mut painter, &stage.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
-    let errors = PixelErrors::of(&shown(&picture, &pixels), exact, stage.scene.exposure);
-    Ok(Some(Row {
-        frame: frame.to_owned(),
-        flags: format!("grating equation, one period of {:.0} nm, for comparison", period * 1e3),
-        series: BASELINE.to_owned(),
-        terms: 0,
-        layers: 0,
-        kernel: "none".to_owned(),
-        wavelengths: 0.0,
-        samples: 0.0,
+/// What `painter` takes for the frame, and how far its picture is from the `exact` one.
+pub fn row(stage: &Stage, painter: &mut Painter, exact: &Exact) -> Result<Row> {
+    let times = measure(painter, &stage.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
+    let picture = painter.paint(&stage.view, stage.scene.exposure, stage.scene.background)?;
+    let errors = PixelErrors::of(&shown(&picture, &exact.pixels), &exact.colors, stage.scene.exposure);
+    Ok(Row {
         frame_ms: times.frame.p50,
         fastest_ms: times.frame.min,
         gpu_ms: times.gpu.p50,
         spread: times.spread,
         relative_l2: errors.relative_l2,
         p99: errors.p99,
-        flip: stage.seen(&picture, &pixels, exact),
-    }))
+        flip: stage.seen(&picture, &exact.pixels, &exact.colors),
+        ..Row::default()
+    })
 }
 
 /// A short name of everything that two runs have to share for their rows to be comparable.

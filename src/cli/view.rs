@@ -68,7 +68,7 @@ fn fps(text: &str) -> Result<f64> {
 
 /// Opens the window.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let method = match arguments.optics.method {
+    let method = match arguments.optics.method() {
         Method::Spectral => Reads::Layers,
         Method::Table => Reads::Table,
         Method::Reference => {
@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             ));
         }
     };
-    let shading = arguments.optics.shading(&arguments.colour)?.for_pictures();
+    let shading = arguments.optics.for_pictures(&arguments.colour)?;
     let Coherence::Gaussian { length } = shading.coherence else {
         return Err(Error::usage(
             "the window does not do --coherence repeats",

@@ -15,17 +15,15 @@ pub fn coherence(coherence: &Coherence) -> String {
 
 /// Method, and what it depends on.
 pub fn optics(options: &OpticsOptions) -> String {
-    let by = match options.method {
+    let by = match options.method() {
         Method::Reference => "direct sum (reference)".to_owned(),
         method => {
             let name = clap::ValueEnum::to_possible_value(&method)
                 .map_or_else(String::new, |v| v.get_name().to_owned());
             // A table is baked from a basis of its own.
-            let basis = match method {
-                Method::Spectral => format!(", {} basis", options.basis.name()),
-                _ => String::new(),
-            };
-            format!("method {name}{basis}, tolerance {}", options.tolerance)
+            let basis = options.basis.filter(|_| method == Method::Spectral);
+            let basis = basis.map_or_else(String::new, |basis| format!(", {} basis", basis.name()));
+            format!("method {name}{basis}, tolerance {}", options.tolerance())
         }
     };
     let windows = match options.windows {

@@ -5,7 +5,7 @@ use crate::figure::{Axis, Figure, Mark, Panel, Scale, Shape, palette};
 use serde::{Deserialize, Serialize};
 
 /// One setting, measured.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// What was drawn, on what: rows of other frames are not comparable.
     pub frame: String,
@@ -46,11 +46,17 @@ impl Row {
     }
 }
 
-/// What the thesis sums, 37 terms of the Taylor series at 81 wavelengths, through the window and the reads of this program.
-pub const THESIS: &str = "--basis taylor --terms 37 --wavelengths 81";
+/// Series of what others do: they are compared with, but never advised, because no option asks for them.
+pub const GRATING: &str = "baseline: grating equation";
+/// See [`GRATING`].
+pub const THESIS: &str = "baseline: the thesis";
 
-/// Series of what others do: it is compared with, but never advised, because no option asks for it.
-pub const BASELINE: &str = "baseline: grating equation";
+impl Row {
+    /// Whether an option asks for it.
+    fn is_own(&self) -> bool {
+        self.series != GRATING && self.series != THESIS
+    }
+}
 
 /// Whether each row is on the Pareto front: no other one is both as fast and as accurate, and better in one of them.
 pub fn pareto(rows: &[Row]) -> Vec<bool> {
@@ -59,13 +65,14 @@ pub fn pareto(rows: &[Row]) -> Vec<bool> {
             && a.relative_l2 <= b.relative_l2
             && (a.frame_ms < b.frame_ms || a.relative_l2 < b.relative_l2)
     };
-    let own = |row: &Row| row.series != BASELINE;
-    rows.iter().map(|row| own(row) && !rows.iter().any(|other| own(other) && better(other, row))).collect()
+    rows.iter()
+        .map(|row| row.is_own() && !rows.iter().any(|other| other.is_own() && better(other, row)))
+        .collect()
 }
 
 /// What to take: the fastest setting under each error, the most accurate one at each frame rate.
 pub fn advice(rows: &[Row]) -> String {
-    let rows: Vec<&Row> = rows.iter().filter(|row| row.series != BASELINE).collect();
+    let rows: Vec<&Row> = rows.iter().filter(|row| row.is_own()).collect();
     let mut lines = Vec::new();
     for error in [1e-1, 3e-2, 1e-2, 3e-3, 1e-3] {
         let fastest = rows
@@ -101,7 +108,7 @@ pub fn advice(rows: &[Row]) -> String {
 /// The setting for who asks for an error, a frame rate or both: the fastest that keeps the error, the most accurate that
 /// keeps the rate. Where no setting keeps both, that is said, with the nearest on either side.
 pub fn wanted(rows: &[Row], error: Option<f64>, fps: Option<f64>) -> String {
-    let own = || rows.iter().filter(|row| row.series != BASELINE);
+    let own = || rows.iter().filter(|row| row.is_own());
     let (error_kept, rate_kept) = (
         |row: &&Row| error.is_none_or(|e| row.relative_l2 <= e),
         |row: &&Row| fps.is_none_or(|f| row.fps() >= f),
@@ -173,10 +180,10 @@ pub fn markdown(rows: &[Row], heading: &str, impossible: &[(String, String)]) ->
             row.p99,
             row.flip,
             row.samples,
-            match (front[i], row.flags == THESIS) {
+            match (front[i], row.is_own()) {
                 (true, _) => "yes",
-                (false, true) => "no: the thesis' terms and wavelengths",
-                (false, false) => "",
+                (false, true) => "",
+                (false, false) => "no: for comparison",
             }
         );
     }
@@ -189,7 +196,7 @@ pub fn markdown(rows: &[Row], heading: &str, impossible: &[(String, String)]) ->
     text + "\n## Advice\n\n" + &advice(rows).lines().map(|line| format!("- {line}\n")).collect::<String>()
 }
 
-/// Frame time against error, with the Pareto front and what the thesis sums.
+/// Frame time against error, with the Pareto front and the thesis' own shader.
 pub fn figure(rows: &[Row], title: &str, caption: &str) -> Figure {
     const SHAPES: [Shape; 5] = [Shape::Disc, Shape::Square, Shape::Triangle, Shape::Diamond, Shape::Ring];
     let place = |row: &Row| [row.frame_ms, row.relative_l2];
@@ -204,7 +211,8 @@ pub fn figure(rows: &[Row], title: &str, caption: &str) -> Figure {
     panel = panel.named("Pareto front", Mark::line(front, palette::QUIET));
     let mut series: Vec<&str> = Vec::new();
     for row in rows {
-        if !series.contains(&row.series.as_str()) {
+        // The thesis gets a mark of its own.
+        if row.series != THESIS && !series.contains(&row.series.as_str()) {
             series.push(&row.series);
         }
     }
@@ -213,14 +221,14 @@ pub fn figure(rows: &[Row], title: &str, caption: &str) -> Figure {
         let color = palette::SERIES[i % palette::SERIES.len()];
         panel = panel.named(*name, Mark::points(points, color, SHAPES[i % SHAPES.len()]));
     }
-    if let Some(thesis) = rows.iter().find(|row| row.flags == THESIS) {
+    if let Some(thesis) = rows.iter().find(|row| row.series == THESIS) {
         let ring = Mark::Points {
             points: vec![place(thesis)],
             color: palette::INK,
             shape: Shape::Ring,
             radius: 9.0,
         };
-        panel = panel.named("the thesis' 37 terms and 81 wavelengths", ring);
+        panel = panel.named("the thesis: 37 terms, 81 wavelengths, 3 × 3 reads", ring);
     }
     Figure::new(title).row(vec![panel]).caption(caption).panel_size(760.0, 520.0)
 }
@@ -253,7 +261,7 @@ mod tests {
     fn the_front_holds_what_nothing_beats() {
         let rows = [row("a", 1.0, 1e-1), row("b", 2.0, 1e-2), row("c", 3.0, 2e-2), row("d", 2.0, 1e-2)];
         assert_eq!(pareto(&rows), [true, true, false, true]);
-        let other = Row { series: BASELINE.into(), ..row("e", 0.1, 1e-9) };
+        let other = Row { series: GRATING.into(), ..row("e", 0.1, 1e-9) };
         let with_other = [&rows[..], &[other]].concat();
         assert_eq!(pareto(&with_other), [true, true, false, true, false]);
         assert_eq!(advice(&with_other), advice(&rows));
@@ -300,7 +308,7 @@ mod tests {
 
     #[test]
     fn the_figure_marks_the_thesis() {
-        let rows = [row("--a", 10.0, 5e-2), row(THESIS, 900.0, 2e-3)];
+        let rows = [row("--a", 10.0, 5e-2), Row { series: THESIS.into(), ..row("its sum", 900.0, 2e-3) }];
         let svg = figure(&rows, "Speed", "One machine.").svg().unwrap();
         assert!(svg.contains("thesis") && svg.contains("Pareto"));
     }

@@ -121,6 +121,23 @@ pub struct Comb {
     pub weights: Vec<DVec3>,
 }
 
+impl Comb {
+    /// The trapezoid rule with `count` ≥ 2 nodes at equal steps of the wavelength over 380–780 nm, as renderers usually sum.
+    pub fn even_wavelengths(illuminant: &Illuminant, count: usize) -> Self {
+        const NM_PER_UM: f64 = 1000.0;
+        let (luminance, last) = (illuminant.luminance(), count - 1);
+        let step = (LONGEST - SHORTEST) / last as f64;
+        let node = |j: usize| {
+            let wavelength = LONGEST - j as f64 * step;
+            let end = if j == 0 || j == last { 0.5 } else { 1.0 };
+            let weight = illuminant.weight(wavelength * NM_PER_UM, luminance) * (step * NM_PER_UM * end);
+            (1.0 / wavelength, weight)
+        };
+        let (wavenumbers, weights) = (0..count).map(node).unzip();
+        Self { wavenumbers, weights }
+    }
+}
+
 impl From<Nodes> for Comb {
     fn from(nodes: Nodes) -> Self {
         let wavenumbers = (0..nodes.weights.len()).map(|j| nodes.first + j as f64 * nodes.step).collect();

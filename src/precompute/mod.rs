@@ -10,6 +10,7 @@ pub mod lines;
 pub mod pairs;
 mod plan;
 pub mod texels;
+pub mod thesis;
 mod transform;
 
 pub use layers::{Aim, Budget, Layers, Settings, compute, compute_at};

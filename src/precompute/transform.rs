@@ -116,6 +116,23 @@ impl PaddedAxis {
         Self { samples: padded, length, bins: (band * length).ceil() as usize + guard, taps, shift }
     }
 
+    /// The axis of one period of `own` samples alone, at the bins m/T of the endless surface's Fourier series, those up to `band`
+    /// \[µm⁻¹\] and `beyond` more.
+    pub fn of_period(own: &Samples, band: f64, beyond: usize) -> Self {
+        let Samples { count, upward, .. } = *own;
+        let centre = (count as f64 - 1.0) / 2.0;
+        let middle = centre.ceil() as usize;
+        let taps = (0..count)
+            .map(|slot| {
+                let index = (middle + slot) % count;
+                let patch = if upward { count - 1 - index } else { index };
+                Tap { slot, patch, weight: 1.0 / count as f64 }
+            })
+            .collect();
+        let bins = (band * own.period()).ceil() as usize + beyond;
+        Self { samples: count, length: own.period(), bins, taps, shift: centre.ceil() - centre }
+    }
+
     /// Bins kept along the whole axis, negative frequencies included.
     pub fn kept(&self) -> usize {
         2 * self.bins + 1

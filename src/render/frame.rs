@@ -171,6 +171,10 @@ impl PixelPass {
     /// # Errors
     /// Where the device refuses.
     pub fn shading(device: &Arc<Device>, resources: &Resources, lights: usize) -> Result<Self> {
+        if let Some(half_range) = &resources.thesis {
+            let pass = Self::new(device, shader!("thesis.frag"), resources, size_of::<f32>() as u32)?;
+            return Ok(Self { settings: bytemuck::bytes_of(half_range).to_vec(), ..pass });
+        }
         match (resources.reads, &resources.copies) {
             (Reads::Layers, None) => Self::new(device, shader!("diffraction.frag"), resources, 0),
             (Reads::Layers, Some(copies)) => {

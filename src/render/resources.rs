@@ -16,6 +16,7 @@ use crate::optics::orders::{Colours, Repeats};
 use crate::optics::sliding::Sliding;
 use crate::precompute::Layers;
 use crate::precompute::texels::Texels;
+use crate::precompute::thesis;
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::Descriptors;
 use crate::vk::device::Device;
@@ -32,6 +33,8 @@ pub enum Optics<'a> {
     Layers(&'a Layers),
     /// Layers of one period, which repeats so many times.
     Repeats(&'a Layers, Repeats),
+    /// What [`crate::precompute::thesis`] makes, for heights of so large a half range \[µm\]: to compare with.
+    Thesis(&'a Layers, f64),
     /// A colour table, and how a picture reads it.
     Table(&'a ColorTable, Filter),
 }
@@ -82,6 +85,8 @@ pub struct Resources {
     pub reads: Reads,
     /// How the patch repeats, where the layers are of one period.
     pub copies: Option<CopiesBlock>,
+    /// Half the range of heights \[µm\], where the layers are those of the thesis.
+    pub thesis: Option<f32>,
     // Held for the descriptor set; fields go in order, so it goes first.
     _images: Vec<Image>,
     edge: Sampler,
@@ -117,6 +122,11 @@ impl Resources {
                 let (optics, combs) = ((layers, repeats.sigma()), Combs::densities(&colours));
                 let resources = Self::of_layers(device, optics, combs, shading, pigment)?;
                 Ok(Self { copies: Some(block), ..resources })
+            }
+            Optics::Thesis(layers, half_range) => {
+                let combs = Combs::even_wavelengths(&shading.illuminant, thesis::WAVELENGTHS);
+                let resources = Self::of_layers(device, (layers, layers.sigma), combs, shading, pigment)?;
+                Ok(Self { thesis: Some(half_range as f32), ..resources })
             }
             Optics::Table(table, filter) => Self::of_table(device, table, filter, shading, pigment),
         }
@@ -197,6 +207,7 @@ impl Resources {
             specialization,
             reads: Reads::Layers,
             copies: None,
+            thesis: None,
             _images: images,
             edge,
             _samplers: vec![repeat],
@@ -296,6 +307,7 @@ impl Resources {
             specialization: table_specialization(grid, filter),
             reads: Reads::Table,
             copies: None,
+            thesis: None,
             _images: images,
             edge,
             _samplers: vec![repeat, levels],

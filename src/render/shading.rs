@@ -1,14 +1,17 @@
 //! What is asked of the optics, whichever way it is computed.
 
 use crate::error::{Error, Result};
-use crate::expansion::Basis;
+use crate::expansion::taylor::{F32_ROUNDOFF, rounding_bound};
+use crate::expansion::{Basis, HeightScale};
 use crate::optics::coherence::Coherence;
 use crate::optics::quadrature::{Rule, SPAN};
 use crate::optics::sliding::Sliding;
-use crate::optics::spectrum::Illuminant;
+use crate::optics::spectrum::{Illuminant, SHORTEST};
 use crate::precompute::kernel::SPECKLE;
+use crate::precompute::layers::largest_z;
 use crate::precompute::lines::Spacing;
 use crate::precompute::{Aim, Budget, Settings};
+use crate::surface::HeightField;
 use crate::vk::selection::Candidate;
 
 /// What a tolerance is promised for.
@@ -87,6 +90,16 @@ impl Shading {
             interpolation: self.gain() * shares.interpolation * self.tolerance / place,
             expansion: self.gain() * shares.expansion * self.tolerance,
         }
+    }
+
+    /// The expansion for single directions of `field` where none is named: the thesis' own, which is exact at grazing angles, as long as
+    /// what 32-bit floats lose of its large terms is far below the budget; else the optimal one, which loses nothing.
+    pub fn suited_basis(&self, field: &HeightField) -> Basis {
+        /// Rounding is bounded relative to the mirror's peak, while directions are judged relative to their own, fainter value.
+        const FAR_BELOW: f64 = 0.02;
+        let x = largest_z(SHORTEST) * HeightScale::of(field).half_range;
+        let holds = rounding_bound(x, F32_ROUNDOFF) <= FAR_BELOW * self.budget().expansion;
+        if holds { Basis::Taylor } else { Basis::Optimal }
     }
 
     /// What the layers shall save: a picture reads them a hundred million times, a few directions hardly.

@@ -76,6 +76,12 @@ impl Combs {
         Self { bins, nodes: table(&levels), sliding: None }
     }
 
+    /// One comb of `count` nodes at equal steps of the wavelength, for every direction.
+    pub fn even_wavelengths(illuminant: &Illuminant, count: usize) -> Self {
+        let only = [Comb::even_wavelengths(illuminant, count)];
+        Self { bins: vec![[0, count as i32]; UV_BINS], nodes: table(&only), sliding: None }
+    }
+
     /// The colour functions as a density over wavenumbers, in place of combs: wavelengths stand where the orders do.
     pub fn densities(colours: &Colours) -> Self {
         let values: Vec<[f32; 4]> =

@@ -170,3 +170,16 @@ fn windows_are_averaged_one_after_another_by_layers() {
         }
     }
 }
+
+#[test]
+fn a_surface_that_32_bit_powers_cannot_hold_needs_no_option_and_taylor_by_name_is_refused() {
+    let sandbox = Sandbox::new();
+    sandbox.write("q.csv", QUERIES);
+    let ask = |more: &[&str]| {
+        sandbox.run2(&["eval", "xenopeltis", "--coherence", "gaussian:6um", "--queries", "q.csv"], more)
+    };
+    let (by_default, reference) = (ask(&[]).done(), ask(&["--method", "reference"]).done());
+    assert!(deviation(&answers(&by_default, 1), &answers(&reference, 1)) < 1e-2, "{by_default} {reference}");
+    let line = ask(&["--basis", "taylor"]).refused(1);
+    assert!(line.contains("--basis optimal"), "{line}");
+}

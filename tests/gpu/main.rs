@@ -17,4 +17,5 @@ mod promise;
 mod repeats;
 mod table;
 mod table_repeats;
+mod thesis;
 mod viewer;

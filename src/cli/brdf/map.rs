@@ -33,16 +33,16 @@ impl Map {
         let count = u64::from(side) * u64::from(side);
         // The map, what a display shows of it, and what the encoder of a picture takes beside them.
         memory::ensure_room(count * 48, "the map")?;
-        let shading = optics.shading(&arguments.colour)?;
+        let shading = optics.shading(&arguments.colour, field)?;
         let directions = views(side, 0..side).count() * arguments.light.len();
-        if optics.method == Method::Reference && directions > MANY_SUMS {
+        if optics.method() == Method::Reference && directions > MANY_SUMS {
             say(&format_args!("{directions} direct sums take their time; a smaller --size is faster"));
         }
         let shortest = arguments.wavelength.unwrap_or(SHORTEST);
         let mut pixels = vec![[0.0; 4]; count as usize];
         // A tile of whole rows at a time, so that memory beside the map stays at a few megabytes.
         let rows = (answers::AT_ONCE as u32 / side).max(1);
-        let by = (optics.method, &arguments.device.wish());
+        let by = (optics.method(), &arguments.device.wish());
         answers::over_windows(by, field, &shading, (shortest, directions), |answers, share| {
             for first in (0..side).step_by(rows as usize) {
                 let tile: Vec<_> = views(side, first..side.min(first + rows)).collect();

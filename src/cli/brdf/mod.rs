@@ -110,7 +110,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         None => vec![arguments.optics.clone()],
     };
     if arguments.wavelength.is_some() {
-        ways.iter().try_for_each(|optics| answers::check_single_wavelengths(optics.method))?;
+        ways.iter().try_for_each(|optics| answers::check_single_wavelengths(optics.method()))?;
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     if let (Some(variants), Some(plot)) = (&arguments.compare, &arguments.plot) {

@@ -46,8 +46,8 @@ impl Variant {
         let mut own = options.clone();
         for word in &self.words {
             match (method(word), basis(word)) {
-                (Some(method), _) => own.method = method,
-                (_, Some(basis)) => own.basis = basis,
+                (Some(method), _) => own.method = Some(method),
+                (_, Some(basis)) => own.basis = Some(basis),
                 _ => own.coherence = options::coherence(word)?,
             }
         }

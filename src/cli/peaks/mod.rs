@@ -171,7 +171,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for path in [&arguments.output, &arguments.json, &arguments.plot].into_iter().flatten() {
         output::check(path)?;
     }
-    answers::check_single_wavelengths(arguments.optics.method)?;
+    answers::check_single_wavelengths(arguments.optics.method())?;
     if arguments.order.0.len() > 1 && arguments.period.is_none() {
         return Err(Error::usage(
             "several orders cannot be told apart without a period",

@@ -54,18 +54,18 @@ impl Sweep {
 
     fn through_one(arguments: &Arguments, field: &HeightField) -> Result<Self> {
         let optics = &arguments.optics;
-        let mut shading = optics.monochrome();
+        let mut shading = optics.monochrome(field);
         shading.windows = [1, 1];
         let wavelengths: Vec<f64> = arguments.wavelengths.values().iter().map(|nm| nm / 1e3).collect();
         let angles = arguments.angles.values();
         let evaluations = wavelengths.len() * angles.len();
         // This sweep and the mean.
         memory::ensure_room(evaluations as u64 * 2 * size_of::<f64>() as u64, "the sweep")?;
-        if optics.method == Method::Reference && evaluations > MANY_SUMS {
+        if optics.method() == Method::Reference && evaluations > MANY_SUMS {
             say(&format_args!("{evaluations} direct sums take their time; --method spectral is faster"));
         }
         let mut answers =
-            Answers::prepare(optics.method, &arguments.device.wish(), field, &shading, wavelengths[0])?;
+            Answers::prepare(optics.method(), &arguments.device.wish(), field, &shading, wavelengths[0])?;
         answers.announce(evaluations);
         let azimuth = arguments.axis.azimuth();
         let light = direction(arguments.theta_i, azimuth);

@@ -1,0 +1,50 @@
+//! What the thesis' own shader sums, drawn to compare with: right where its 3 × 3 bins hold the window's spectrum, wrong by what they
+//! leave out where they do not.
+
+use crate::device::with_device;
+use crate::evaluation::patch;
+use crate::measure::channel;
+use diffract::optics::coherence::Coherence;
+use diffract::optics::spectrum::SHORTEST;
+use diffract::precompute::thesis;
+use diffract::render::frame::View;
+use diffract::render::picture::Painter;
+use diffract::render::pigment::Pigment;
+use diffract::render::reference_picture::reference_picture;
+use diffract::render::resources::Optics;
+use diffract::render::shading::Shading;
+use diffract::scene::{Light, Scene};
+use diffract::surface::synth::Kind;
+use glam::DVec3;
+
+const SIZE: [u32; 2] = [48, 36];
+
+#[test]
+fn the_thesis_sum_is_right_where_three_bins_hold_the_window() {
+    let scene = Scene::open("sphere").unwrap();
+    let view = View::of(&scene, vec![Light { theta: 45.0, phi: -40.0, intensity: 2.0 }]);
+    with_device(|device| {
+        for kind in [Kind::Elaphe, Kind::Sinusoid] {
+            let field = patch(kind, 7.0);
+            let (low, high) = field.range();
+            let error = |length: f64| {
+                let coherence = Coherence::Gaussian { length };
+                let shading = Shading { coherence, ..Shading::default() }.for_pictures();
+                let layers = thesis::layers(&field, length / 4.0, SHORTEST).unwrap();
+                let optics = Optics::Thesis(&layers, (high - low) / 2.0);
+                let mut painter =
+                    Painter::new(device, optics, &shading, &scene.mesh, &Pigment::white(), SIZE, 1).unwrap();
+                let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
+                let directions = [painter.directions(&view, 0).unwrap()];
+                let exact = reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap();
+                (0..3).map(|c| channel(&picture.radiance, &exact, c)).fold(0.0, f64::max)
+            };
+            // The spectrum of a Gaussian of σ = 0.5 T falls to 1.5e-5 at one and a half bins, of σ = 0.25 T to 0.06.
+            let (held, cut) = (error(2.0 * 7.0), error(7.0));
+            eprintln!("{kind:?}: {held:.4} where three bins hold the window, {cut:.4} where they do not");
+            // What is left are steps of 5 nm, which resolve these 14 µm.
+            assert!(held < 1e-3, "{kind:?}: {held}");
+            assert!(cut > 3.0 * held, "{kind:?}: {cut} beside {held}");
+        }
+    });
+}
