@@ -5,10 +5,12 @@
 // recurrence stands in for a table of coefficients: those of every node would cost more to read than the layers.
 #include "interface.glsl"
 #include "spectrum.glsl"
+#include "orders.glsl"
 
 layout(local_size_x = 64) in;
 
 layout(constant_id = 7) const int NODES = 8; // of w
+layout(constant_id = 8) const bool REPEATS = false; // layers of one period, wavelengths at the orders
 
 // -(u, v) of the places to bake, with u <= 0.
 layout(set = 0, binding = 7, std430) readonly buffer Places { vec2 places[]; };
@@ -19,10 +21,11 @@ layout(set = 0, binding = 8, std430) writeonly buffer Sums { float sums[]; };
 layout(push_constant) uniform Tile {
     uint first;       // of `places`
     uint count;
-    int comb;         // row of `nodes`
-    int wavelengths;
+    int comb;         // row of `nodes`, and
+    int wavelengths;  // nodes of it, where there is a window
     float x_per_z;    // 2 over the largest k|w|
     int pieces;       // of the range of w, four nodes each
+    Copies copies;    // where there are repeats
 } tile;
 
 const float PI = 3.14159265358979;
@@ -45,27 +48,42 @@ void main() {
         with[m] = vec3(0.0);
         against[m] = vec3(0.0);
     }
-    for (int j = 0; j < tile.wavelengths; ++j) {
-        vec4 weight = texelFetch(nodes, ivec2(j, tile.comb), 0);
-        float wavenumber = weight.w;
+    Sampling s;
+    ivec2 ends = ivec2(0, tile.wavelengths);
+    if (REPEATS) {
+        s = sampling(tile.copies, toward);
+        ends = seen_orders(s);
+    }
+    for (int j = ends.x; j < ends.y; ++j) {
+        float wavenumber;
+        vec3 weight;
+        if (REPEATS) {
+            vec2 order = order_at(s, j);
+            wavenumber = order.x;
+            weight = colour_density(wavenumber) * (order.y / s.periods);
+        } else {
+            vec4 node = texelFetch(nodes, ivec2(j, tile.comb), 0);
+            wavenumber = node.w;
+            weight = node.xyz;
+        }
         vec2 frequency = toward * wavenumber;
         if (any(greaterThan(abs(frequency), optics.band))) {
             break; // wavenumbers grow
         }
         Read read = read_at(frequency);
         // All reads first: unrolled, what they give stays at hand for every node.
-        vec4 s[PAIRS];
+        vec4 terms[PAIRS];
         for (int p = 0; p < PAIRS; ++p) {
-            s[p] = read_layer(read, p);
+            terms[p] = read_layer(read, p);
         }
-        vec3 density = weight.xyz * (wavenumber * wavenumber);
+        vec3 density = weight * (wavenumber * wavenumber);
         float twice_per_w = 4.0 * PI * wavenumber * tile.x_per_z;
         for (int m = 0; m < NODES; ++m) {
             float twice = w[m] * twice_per_w - 2.0;
             float before = 1.0, own = 0.5 * twice; // T_0 and T_1
-            vec4 sum = s[0]; // of the real parts of e^{izh} (xy) and of the imaginary ones (zw)
+            vec4 sum = terms[0]; // of the real parts of e^{izh} (xy) and of the imaginary ones (zw)
             for (int p = 1; p < PAIRS; ++p) {
-                sum += own * s[p];
+                sum += own * terms[p];
                 float after = twice * own - before;
                 before = own;
                 own = after;

@@ -1,92 +1,24 @@
-// Colours through n x m copies of the patch: the response of one, which the layers hold, times the periodic factors, summed
-// over wavelengths that stand at the orders and between them. The f64 twin, with the reasons, is src/optics/orders.rs.
-// `nodes` holds the colour functions as a density over wavenumbers, 1/LONGEST to 1/SHORTEST.
+// Colours through n x m copies of the patch: the response of one, which the layers hold, times the periodic factors.
+#include "orders.glsl"
 
-layout(push_constant) uniform Copies {
-    vec2 count;       // n, m
-    vec2 period;      // T_x, T_y [um]
-    float colour_lag; // lag beyond which the colour functions have little [um]
-    float tolerance;  // of the sum over wavelengths
-    uint queries;     // answered at once; none in a picture
-} copies;
-
-const float SHORTEST = 0.380; // [um]
-const float LONGEST = 0.780;
-const float LEAST_LAG = 1e-3; // [um]
-
-// Wavelengths of a pair of directions: `index` of `per_period` in each period of the sharper axis.
-struct Sampling {
-    float periods;  // of the sharper axis per wavenumber [um]
-    float crossed;  // of the other axis
-    float n;        // copies along the sharper axis
-    float m;        // along the other
-    bool every;     // every part under the factor itself; else the order and odd parts, or the order alone
-    int parts;      // of a period
-    int per_period; // wavelengths of a period
-    float order;    // weight of the order [periods]
+layout(push_constant) uniform Repeats {
+    Copies copies;
+    uint asked; // queries that are answered at once; none in a picture
 };
-
-Sampling sampling(vec2 uv) {
-    Sampling s;
-    vec2 lag = copies.count * abs(uv) * copies.period;
-    bool y = lag.y > lag.x;
-    s.n = y ? copies.count.y : copies.count.x;
-    s.m = y ? copies.count.x : copies.count.y;
-    float other = min(lag.x, lag.y);
-    s.crossed = other / s.m;
-    s.periods = max(max(lag.x, lag.y), LEAST_LAG) / s.n;
-    float others = (other + copies.colour_lag) / s.periods;
-    bool orders = others <= copies.tolerance * s.n;
-    s.every = !orders && others + 1.0 > s.n;
-    s.parts = orders ? 0 : s.every ? int(min(ceil(others + s.n), 2e9)) : 2 * int(ceil(others + 1.0));
-    s.per_period = s.every ? s.parts : 1 + s.parts / 2;
-    s.order = s.every ? 1.0 / float(s.parts) : 1.0 / s.n - float(s.parts) / (4.0 * s.n * s.n);
-    return s;
-}
-
-// Number of the first wavelength at `place` periods or beyond.
-int first_from(Sampling s, float place) {
-    float whole = floor(place), rest = (place - whole) * float(s.parts);
-    float within = s.every ? ceil(rest) : s.parts == 0 ? ceil(place - whole) : rest == 0.0 ? 0.0 : ceil(0.5 * (rest + 1.0));
-    return int(whole) * s.per_period + int(within);
-}
-
-// sin(pi x) for |x| <= 1/2, to rounding relative to itself: what devices call sin need not be exact where it is small, and
-// orders are where two small ones are divided.
-float sin_pi(float x) {
-    float t = x * x;
-    return x * (3.14159265 + t * (-5.16771278 + t * (2.55016404 + t * (-0.599264529 + t * (0.0821458866 + t * -0.00737043095)))));
-}
-
-// |S|^2/count^2 at a phase in periods: 1 at the orders.
-float periodic_factor(float count, float phase) {
-    float away = phase - round(phase); // exact
-    float turns = count * away;
-    float ratio = sin_pi(turns - round(turns)) / (count * sin_pi(away));
-    return abs(turns) < 1e-4 ? 1.0 : ratio * ratio;
-}
 
 // XYZ of f cos(theta_i) [1/sr].
 vec3 repeated_xyz(Pair pair) {
-    Sampling s = sampling(pair.toward);
+    Sampling s = sampling(copies, pair.toward);
     float largest = pair.factor != 0.0 ? largest_wavenumber(pair) : 0.0;
-    float columns = float(textureSize(nodes, 0).x);
     vec3 xyz = vec3(0.0);
-    int end = first_from(s, s.periods / SHORTEST);
-    for (int node = first_from(s, s.periods / LONGEST); node < end; ++node) {
-        int period = node / s.per_period, index = node - period * s.per_period;
-        float share = index == 0 ? 0.0 : float(s.every ? index : 2 * index - 1) / float(s.parts);
-        float wavenumber = (float(period) + share) / s.periods;
+    ivec2 ends = seen_orders(s);
+    for (int number = ends.x; number < ends.y; ++number) {
+        vec2 order = order_at(s, number);
+        float wavenumber = order.x;
         if (wavenumber > largest) {
             break; // wavenumbers grow
         }
-        // Between the orders the sharp factor has its own value, or at odd parts that of its envelope.
-        float envelope = s.n * sin_pi(min(share, 1.0 - share));
-        float between = (s.every ? periodic_factor(s.n, share) : 1.0 / (envelope * envelope)) / float(s.parts);
-        float weight = (index == 0 ? s.order : between) * periodic_factor(s.m, wavenumber * s.crossed);
-        float column = (wavenumber - 1.0 / LONGEST) / (1.0 / SHORTEST - 1.0 / LONGEST) * (columns - 1.0) + 0.5;
-        vec3 density = textureLod(nodes, vec2(column / columns, 0.5), 0.0).rgb;
-        xyz += density * (weight * wavenumber * wavenumber * power(pair, wavenumber));
+        xyz += colour_density(wavenumber) * (order.y * wavenumber * wavenumber * power(pair, wavenumber));
     }
     return xyz * (pair.factor / s.periods);
 }

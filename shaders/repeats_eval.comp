@@ -18,7 +18,7 @@ layout(set = 0, binding = 8, std430) writeonly buffer Answers { vec4 answers[]; 
 
 void main() {
     uint i = gl_GlobalInvocationID.x;
-    if (i >= copies.queries) {
+    if (i >= asked) {
         return;
     }
     answers[i] = vec4(repeated_xyz(pair_of(queries[i].light.xyz, queries[i].view.xyz)), 0.0);

@@ -113,7 +113,7 @@ pub struct OpticsOptions {
     /// Terms of the expansion, instead of what the tolerance asks for
     #[arg(long, value_name = "N", value_parser = terms, allow_hyphen_values = true)]
     pub terms: Option<usize>,
-    /// What surrounds the patch: gaussian:LENGTH, or repeats:NxM copies of it and nothing else (not --method table)
+    /// What surrounds the patch: gaussian:LENGTH, or repeats:NxM copies of it and nothing else
     #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
     pub coherence: Coherence,
     /// Window centres to average over (not in pictures by --method spectral)

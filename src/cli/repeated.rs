@@ -2,7 +2,6 @@
 //! multiplied here in f64, where it is stable at the orders however sharp they are.
 
 use super::prepare;
-use super::spectral::check_wavelengths;
 use crate::error::Result;
 use crate::optics::orders::{Colours, Repeats};
 use crate::render::evaluator::{Evaluator, Query};
@@ -36,9 +35,9 @@ impl Repeated {
         shortest: f64,
         device: &Arc<Device>,
     ) -> Result<Self> {
-        check_wavelengths(shading)?;
+        shading.check_wavelengths()?;
         let mut layers =
-            prepare::windowed_layers(&begun_at(field, shift), shading, f64::INFINITY, shortest, device)?;
+            prepare::windowed_layers(&field.begun_at(shift), shading, f64::INFINITY, shortest, device)?;
         let repeats = Repeats { copies, period: field.patch_size() };
         layers.sigma = repeats.sigma();
         // Colours are summed here, so the device's own combs are the smallest there are.
@@ -100,11 +99,4 @@ impl Repeated {
         self.repeats.check(&sampling)?;
         Ok(self.repeats.terms(&sampling, uv, &self.colours))
     }
-}
-
-/// One period of the endless surface of `field` that begins `shift` \[µm\] from its edges: samples whose centres are before
-/// that come from the copy after the last.
-fn begun_at(field: &HeightField, shift: [f64; 2]) -> HeightField {
-    let [columns, rows] = [0, 1].map(|i| (shift[i] / field.pixel_size()[i] - 0.5).ceil().max(0.0) as usize);
-    field.moved(columns, rows)
 }

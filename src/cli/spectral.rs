@@ -1,7 +1,7 @@
 //! What pictures by `--method spectral` are shaded from: layers of the window, or of one period and how it repeats.
 
 use super::prepare;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::measure::cost::Cost;
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::Layers;
@@ -19,17 +19,6 @@ pub struct Spectral {
     repeats: Option<Repeating>,
 }
 
-/// Fails where wavelengths are named that repeats would not take.
-pub fn check_wavelengths(shading: &Shading) -> Result<()> {
-    if shading.wavelengths.is_none() {
-        return Ok(());
-    }
-    Err(Error::usage(
-        "--coherence repeats takes its wavelengths where the orders are",
-        "leave --wavelengths away, or use --coherence gaussian:LENGTH",
-    ))
-}
-
 impl Spectral {
     /// For `field` under `shading` on `device`: layers from the cache, or made with a progress bar.
     ///
@@ -40,7 +29,7 @@ impl Spectral {
             let layers = prepare::layers(field, shading, SHORTEST, device)?;
             return Ok(Self { layers, repeats: None });
         };
-        check_wavelengths(shading)?;
+        shading.check_wavelengths()?;
         let layers = prepare::windowed_layers(field, shading, f64::INFINITY, SHORTEST, device)?;
         Ok(Self { layers, repeats: Some(repeats) })
     }

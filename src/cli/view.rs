@@ -3,7 +3,6 @@
 use super::options::{
     ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions, real,
 };
-use super::spectral::check_wavelengths;
 use super::{check_validation, validation};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
@@ -81,7 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let shading = arguments.optics.for_pictures(&arguments.colour)?;
     if matches!(shading.coherence, Coherence::Repeats(_)) {
-        check_wavelengths(&shading)?;
+        shading.check_wavelengths()?;
     }
     if shading.windows != [1, 1] && method == Reads::Layers {
         return Err(Error::usage(

@@ -20,7 +20,9 @@ pub fn optics(options: &OpticsOptions) -> String {
         method => {
             let name = clap::ValueEnum::to_possible_value(&method)
                 .map_or_else(String::new, |v| v.get_name().to_owned());
-            let basis = options.basis.map_or_else(String::new, |basis| format!(", {} basis", basis.name()));
+            // A table is baked from a basis of its own.
+            let basis = options.basis.filter(|_| method == Method::Spectral);
+            let basis = basis.map_or_else(String::new, |basis| format!(", {} basis", basis.name()));
             format!("method {name}{basis}, tolerance {}", options.tolerance())
         }
     };

@@ -162,6 +162,20 @@ const LEAST_ON_LINES: f64 = 4e-4;
 const DEVICE_SHARE: f64 = 0.75;
 
 impl Shading {
+    /// Fails where wavelengths are named that repeats would not take.
+    ///
+    /// # Errors
+    /// With what to do.
+    pub fn check_wavelengths(&self) -> Result<()> {
+        if self.wavelengths.is_none() || self.coherence.sigma().is_some() {
+            return Ok(());
+        }
+        Err(Error::usage(
+            "--coherence repeats takes its wavelengths where the orders are",
+            "leave --wavelengths away, or use --coherence gaussian:LENGTH",
+        ))
+    }
+
     /// What layers have to be made for, for wavelengths from `shortest` \[µm\] on `device`.
     ///
     /// # Errors

@@ -110,6 +110,15 @@ impl HeightField {
         let heights = (0..self.rows).flat_map(|r| (0..self.columns).map(move |c| cell(r, c))).collect();
         Self { heights, ..*self }
     }
+
+    /// One period of the same endless surface that begins `shift` \[µm\] from the edges: samples whose centres are before that
+    /// come from the copy after the last.
+    #[must_use]
+    pub fn begun_at(&self, shift: [f64; 2]) -> Self {
+        let [columns, rows] =
+            [0, 1].map(|i| (shift[i] / self.pixel_size()[i] - 0.5).ceil().max(0.0) as usize);
+        self.moved(columns, rows)
+    }
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ mod eval;
 mod faults;
 mod hostile_files;
 mod hostile_options;
+mod maps;
 mod peaks;
 mod profile;
 mod regressions;

@@ -67,7 +67,11 @@ fn what_a_table_cannot_do_is_refused_with_the_reason() {
     assert!(fine.contains("16-bit") && fine.contains("2e-3") && fine.contains("--method spectral"), "{fine}");
     let large = refused(1, &with(&["--coherence", "gaussian:500um", "--tolerance", "5e-3"]));
     assert!(large.contains("texels") && large.contains("--coherence"), "{large}");
-    assert!(refused(2, &with(&["--coherence", "repeats:2x2"])).contains("table"));
+    let sharp = refused(1, &with(&["--coherence", "repeats:60x60"]));
+    assert!(sharp.contains("texels") && sharp.contains("fewer --coherence repeats"), "{sharp}");
+    assert!(sharp.contains("GiB") || sharp.contains("the device holds"), "the room that there is: {sharp}");
+    let named = refused(2, &with(&["--coherence", "repeats:2x2", "--wavelengths", "20"]));
+    assert!(named.contains("where the orders are"), "{named}");
     assert!(refused(2, &with(&["--terms", "9"])).contains("--terms"));
 }
 
@@ -83,6 +87,23 @@ fn windows_are_averaged_by_a_table() {
     let exact = of(&[&["--method", "reference"][..], &windows].concat());
     let found = of(&[&["--method", "table", "--tolerance", "2e-2"][..], &windows].concat());
     assert!(error(&found, &exact) <= 2e-2, "{}", error(&found, &exact));
+}
+
+#[test]
+fn colours_through_repeats_agree_with_the_reference_and_each_number_of_them_has_its_table() {
+    let sandbox = Sandbox::with_small_surface();
+    sandbox.write("q.csv", queries());
+    let of = |copies: &str, more: &[&str]| {
+        let setting = [&["--queries", "q.csv"][..], &SMALL[..6], &["--coherence", copies], more].concat();
+        numbers(&sandbox.run2(&["eval"], &setting).done())
+    };
+    let table = ["--method", "table", "--tolerance", "2e-2"];
+    let exact = of("repeats:3x4", &["--method", "reference"]);
+    let found = of("repeats:3x4", &table);
+    assert!(error(&found, &exact) <= 2e-2, "{}", error(&found, &exact));
+    // The next one does not take the first one's table from the cache.
+    assert!(error(&of("repeats:4x3", &table), &exact) > 4e-2);
+    assert_eq!(of("repeats:3x4", &table), found);
 }
 
 #[test]

@@ -16,5 +16,6 @@ mod picture;
 mod promise;
 mod repeats;
 mod table;
+mod table_repeats;
 mod thesis;
 mod viewer;

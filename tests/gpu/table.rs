@@ -27,7 +27,7 @@ fn settings(device: &Device, shading: &Shading) -> Settings {
     layer_settings(shading, device.candidate()).unwrap()
 }
 
-fn table(device: &Arc<Device>, field: &HeightField, shading: &Shading) -> ColorTable {
+pub fn table(device: &Arc<Device>, field: &HeightField, shading: &Shading) -> ColorTable {
     let settings = settings(device, shading);
     let layers = compute(field, &settings, &|_, _| Ok(())).unwrap();
     color_table::make(device, (field, layers, &settings), shading, &|_, _, _| Ok(())).unwrap()

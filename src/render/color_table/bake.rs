@@ -1,15 +1,17 @@
 //! Baking: `bake.comp` sums the spectrum for every sample of the rings, a tile at a time.
 
+use super::aperture::Aperture;
 use super::grid::Grid;
 use super::nodes::NODES;
 use super::rings::{Rings, Samples};
 use crate::error::Result;
 use crate::expansion::Basis;
+use crate::optics::orders::{Colours, Repeats, Sampling};
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::{Aim, Layers, Settings};
-use crate::render::interface::binding;
+use crate::render::interface::{CopiesBlock, binding};
 use crate::render::pigment::Pigment;
-use crate::render::resources::Resources;
+use crate::render::resources::{Optics, Resources};
 use crate::render::shader;
 use crate::render::shading::{Purpose, Shading};
 use crate::render::tables::Combs;
@@ -21,7 +23,9 @@ use crate::vk::pipeline::Pipeline;
 use crate::vk::selection::Candidate;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
+use glam::DVec2;
 use gpu_allocator::MemoryLocation;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Share of the tolerance that the wavelength combs are told; they take 0.48 of it.
@@ -44,13 +48,55 @@ struct Tile {
     wavelengths: i32,
     x_per_z: f32,
     pieces: i32,
+    copies: CopiesBlock,
 }
 
-/// The wavelengths whose sum a table under `shading` stands for: far more than the bake takes, since what these err by need
-/// not be interpolated, or those that the user names.
+/// The wavelengths whose sum a table through a window under `shading` stands for: far more than the bake takes, since what these
+/// err by need not be interpolated, or those that the user names.
 pub fn true_combs(sigma: f64, shading: &Shading) -> Combs {
     const PART: f64 = 0.02;
     Combs::new(&shading.illuminant, sigma, PART * shading.quadrature(), shading.wavelengths)
+}
+
+/// `shading` for the sum over wavelengths.
+fn for_wavelengths(shading: &Shading) -> Shading {
+    Shading { tolerance: COMB_SHARE * shading.tolerance, ..shading.clone() }
+}
+
+/// Wavelengths of a bake through `repeats` at |(u, v)| = `radius`, where they are most; `lag`: of the colour functions \[µm\].
+fn most_wavelengths(repeats: &Repeats, lag: f64, shading: &Shading, radius: f64) -> Sampling {
+    /// Directions looked at, over a quarter of a ring.
+    const DIRECTIONS: i32 = 32;
+    let along = |i| {
+        let uv = DVec2::from_angle(0.5 * PI * f64::from(i) / f64::from(DIRECTIONS)) * radius;
+        repeats.sampling(uv, lag, for_wavelengths(shading).quadrature())
+    };
+    let more = |a: Sampling, b: Sampling| if b.wavelengths() > a.wavelengths() { b } else { a };
+    (1..=DIRECTIONS).map(along).fold(along(0), more)
+}
+
+/// Fails where a place of a table with places up to |(u, v)| = `outer` would take more wavelengths than a colour may.
+///
+/// # Errors
+/// With both numbers.
+pub fn check_wavelengths(aperture: &Aperture, shading: &Shading, outer: f64) -> Result<()> {
+    let Some(repeats) = aperture.repeats() else { return Ok(()) };
+    let lag = Colours::new(&shading.illuminant, for_wavelengths(shading).quadrature()).lag;
+    repeats.check(&most_wavelengths(repeats, lag, shading, outer))
+}
+
+/// What the device reads in a bake: the layers, and combs or copies.
+fn resources(
+    device: &Arc<Device>,
+    layers: &Layers,
+    aperture: &Aperture,
+    shading: &Shading,
+) -> Result<Resources> {
+    let optics = match aperture {
+        Aperture::Gaussian(_) => Optics::Layers(layers),
+        Aperture::Repeats(repeats) => Optics::Repeats(layers, *repeats),
+    };
+    Resources::new(device, optics, &for_wavelengths(shading), &Pigment::white())
 }
 
 /// Room for what a bake of `grid` finds on `rings`.
@@ -66,7 +112,7 @@ pub fn samples(rings: &Rings, grid: &Grid) -> Samples {
 /// Where the device has no room or is lost, and what `progress` returns.
 pub fn bake(
     device: &Arc<Device>,
-    layers: &Layers,
+    (layers, aperture): (&Layers, &Aperture),
     shading: &Shading,
     (rings, grid): (&Rings, &Grid),
     share: f32,
@@ -75,8 +121,7 @@ pub fn bake(
 ) -> Result<()> {
     // The layers' own unit, in which the device squares them.
     let share = share * layers.texels.unit().powi(2);
-    let for_combs = Shading { tolerance: COMB_SHARE * shading.tolerance, ..shading.clone() };
-    let resources = Resources::new(device, layers, &for_combs, &Pigment::white())?;
+    let resources = resources(device, layers, aperture, shading)?;
     let places = rings.places();
     let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
     let list = Buffer::with_data(device, "places", storage, bytemuck::cast_slice(&places))?;
@@ -85,13 +130,22 @@ pub fn bake(
     let sums = Buffer::new(device, "sums", bytes, storage, MemoryLocation::GpuToCpu)?;
     resources.descriptors.buffer(binding::QUERIES, &list);
     resources.descriptors.buffer(binding::ANSWERS, &sums);
-    let constants = [resources.specialization.as_slice(), &[grid.values() as u32]].concat();
+    let own = [grid.values() as u32, u32::from(resources.copies.is_some())];
+    let constants = [resources.specialization.as_slice(), &own].concat();
     let code = shader!("bake.comp").with(&constants);
     let pipeline = Pipeline::compute(device, code, &resources.descriptors, size_of::<Tile>() as u32)?;
     let mut commands = Commands::new(device, "bake")?;
     for (ring, ends) in rings.begins.windows(2).enumerate() {
-        let [comb, wavelengths] = resources.combs.at(rings.radii[ring]);
-        let work = (wavelengths as usize * layers.pairs() * grid.values()).max(1);
+        let radius = rings.radii[ring];
+        let [comb, wavelengths] = resources.combs.at(radius);
+        let most = match (aperture, &resources.copies) {
+            (Aperture::Repeats(repeats), Some(block)) => {
+                most_wavelengths(repeats, f64::from(block.colour_lag), shading, radius).wavelengths().ceil()
+                    as usize
+            }
+            _ => wavelengths as usize,
+        };
+        let work = (most * layers.pairs() * grid.values()).max(1);
         let at_once = (WORK / work).clamp(GROUP, TILE);
         for first in (ends[0]..ends[1]).step_by(at_once) {
             progress(first, places.len())?;
@@ -103,6 +157,7 @@ pub fn bake(
                 wavelengths,
                 x_per_z: (2.0 / layers.z_max) as f32,
                 pieces: grid.pieces as i32,
+                copies: resources.copies.unwrap_or_default(),
             };
             commands.run(|record| {
                 record.bind(&pipeline, &resources.descriptors);
@@ -149,7 +204,8 @@ pub fn layer_settings(shading: &Shading, device: &Candidate) -> Result<Settings>
         windows: [1, 1],
         ..shading.clone()
     };
-    let settings = for_layers.layer_settings(SHORTEST, device)?;
+    let sigma = for_layers.coherence.sigma().unwrap_or(f64::INFINITY);
+    let settings = for_layers.windowed_settings(sigma, SHORTEST, device)?;
     // All of z is read at once: one band of polynomials serves it.
     Ok(Settings { aim: Aim::FewTransforms, lines: None, ..settings })
 }

@@ -4,6 +4,7 @@
 use super::ColorTable;
 use super::grid::{Grid, LEVELS};
 use crate::error::Result;
+use crate::optics::coherence::Coherence;
 use crate::output;
 use crate::precompute::Settings;
 use crate::precompute::cache::{key as layers_key, sweep};
@@ -28,6 +29,9 @@ pub fn key(field: &HeightField, settings: &Settings, shading: &Shading) -> blake
     let wavelengths = shading.wavelengths.map_or(-1.0, |n| n as f64);
     let [n, m] = shading.windows.map(f64::from);
     hasher.update(bytemuck::cast_slice(&[shading.tolerance, wavelengths, n, m]));
+    if let Coherence::Repeats(copies) = shading.coherence {
+        hasher.update(bytemuck::cast_slice(&copies));
+    }
     // Written out, numbers are exact and different tables differ.
     hasher.update(format!("{:?}", shading.illuminant).as_bytes());
     hasher.finalize()
@@ -228,6 +232,8 @@ mod tests {
             Shading { windows: [2, 1], ..shading.clone() },
             Shading { windows: [1, 2], ..shading.clone() },
             Shading { illuminant: Illuminant::A, ..shading.clone() },
+            Shading { coherence: Coherence::Repeats([2, 1]), ..shading.clone() },
+            Shading { coherence: Coherence::Repeats([1, 2]), ..shading.clone() },
         ] {
             assert_ne!(key(&field, &settings, &other), first, "{other:?}");
         }

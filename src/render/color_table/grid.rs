@@ -31,8 +31,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The coarsest grid that reads the response of a Gaussian window of standard deviation `sigma` \[µm\] to the relative
-    /// error `tolerance`, with `pieces` in |w|.
+    /// The coarsest grid that reads the response of a Gaussian window of standard deviation `sigma` \[µm\], or of what has it as
+    /// its [width](super::aperture::Aperture::width), to the relative error `tolerance`, with `pieces` in |w|.
     ///
     /// |P|² is band-limited: as a function of frequency it has the spectrum exp(−x²/(2σ²)) (in power, over displacements
     /// x), the mirror's peak and speckle alike. Linear interpolation of suitably prefiltered samples (see
@@ -117,12 +117,12 @@ impl Grid {
     }
 
     /// Fails where a device with images of at most `max_side` texels and room for `memory` bytes, or this machine, cannot
-    /// hold the table.
+    /// hold the table. `smaller`: the coherence that would make it so.
     ///
     /// # Errors
     /// With the numbers and what to do.
-    pub fn check(&self, max_side: u32, memory: u64) -> Result<()> {
-        let remedy = "ask for a larger --tolerance or a shorter --coherence, or use --method spectral";
+    pub fn check(&self, max_side: u32, memory: u64, smaller: &str) -> Result<()> {
+        let remedy = &format!("ask for a larger --tolerance or {smaller}, or use --method spectral");
         let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
         let size = format!("{0} x {0} texels in {1} layers", self.side, self.layers());
         if 3 * self.side > max_side as usize {
@@ -130,7 +130,7 @@ impl Grid {
                 format!(
                     "--method table needs a table of {size}, three beside each other, the device holds {max_side} in a row"
                 ),
-                remedy,
+                remedy.as_str(),
             ));
         }
         if self.bytes() > memory {
@@ -139,7 +139,7 @@ impl Grid {
                 format!(
                     "--method table needs {needed:.2} GiB for {size}, the device has {there:.2} GiB for it"
                 ),
-                remedy,
+                remedy.as_str(),
             ));
         }
         memory::ensure_room(self.baking_bytes(), &format!("--method table (a table of {size})"))
@@ -215,12 +215,12 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_refused_with_the_numbers() {
         let grid = Grid::new(16.25, 2e-2, 2);
-        assert!(grid.check(16_384, 1 << 32).is_ok());
-        let small = grid.check(1024, 1 << 32).unwrap_err().to_string();
+        assert!(grid.check(16_384, 1 << 32, "less").is_ok());
+        let small = grid.check(1024, 1 << 32, "less").unwrap_err().to_string();
         assert!(small.contains(&grid.side.to_string()) && small.contains("1024"), "{small}");
-        let little = grid.check(16_384, 1 << 20).unwrap_err().to_string();
+        let little = grid.check(16_384, 1 << 20, "less").unwrap_err().to_string();
         assert!(little.contains("GiB") && little.contains("--tolerance"), "{little}");
-        let host = Grid { side: 1 << 24, ..grid }.check(u32::MAX, u64::MAX).unwrap_err().to_string();
+        let host = Grid { side: 1 << 24, ..grid }.check(u32::MAX, u64::MAX, "less").unwrap_err().to_string();
         assert!(host.contains("free") && host.contains("--method spectral"), "{host}");
     }
 }

@@ -2,11 +2,12 @@
 //!
 //! XYZ of Σ weight·q²·|P|² depends on (u, v, w) alone, for one surface, window and illuminant. It is smooth in w, so a few
 //! cubics in w hold it, and it varies over (u, v) on the scale that the window sets. A table has the coefficients of these
-//! cubics at each place of a square grid over −(u, v). It holds intensities, so its mip levels, averages of it,
+//! cubics at each place of a square grid over −(u, v). Through repeats of the patch it is the same, with other wavelengths. It holds intensities, so its mip levels, averages of it,
 //! are what a pixel sees that covers a range of (u, v).
 //!
 //! The shader's part is `shaders/table.glsl`; `shaders/bake.comp` makes the values.
 
+pub mod aperture;
 pub mod bake;
 pub mod cache;
 pub mod grid;
@@ -18,13 +19,13 @@ pub use grid::Grid;
 
 use super::shading::Shading;
 use crate::error::{Error, Result};
-use crate::optics::coherence::Coherence;
-use crate::optics::spectrum::SHORTEST;
-use crate::precompute::{self, Layers, Settings, compute_at};
+use crate::optics::orders::Colours;
+use crate::precompute::{self, Layers, Settings, compute, compute_at};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
+use aperture::Aperture;
 use glam::DVec2;
-use rings::Rings;
+use rings::{Rings, Wavelengths};
 use std::sync::Arc;
 
 /// How a picture reads a table.
@@ -73,7 +74,7 @@ impl Filter {
 pub struct ColorTable {
     /// Where its texels stand.
     pub grid: Grid,
-    /// σ of the window \[µm\].
+    /// σ of the window \[µm\], or what stands for it through repeats.
     pub sigma: f64,
     /// What a stored 1 stands for.
     pub unit: f32,
@@ -121,26 +122,15 @@ pub fn obtain(
             "leave --terms away, or use --method spectral",
         ));
     }
-    if let Coherence::Repeats(copies) = shading.coherence {
-        let [n, m] = copies;
-        let patch = field.patch_size();
-        let width = |axis: usize| SHORTEST / (f64::from(copies[axis]) * patch[axis]);
-        return Err(Error::usage(
-            format!(
-                "--method table is baked for a Gaussian window, not for the orders of {n} × {m} repeats, which are {:.1e} × \
-                 {:.1e} wide in (u, v) at {:.0} nm",
-                width(0),
-                width(1),
-                SHORTEST * 1e3
-            ),
-            "use --method spectral or --method reference, or --coherence gaussian:LENGTH",
-        ));
-    }
+    shading.check_wavelengths()?;
     check_tolerance(shading.tolerance)?;
     let settings = bake::layer_settings(shading, device.candidate())?;
     let room = settings.memory_limit as u64;
+    let aperture = Aperture::new(field, shading.coherence);
     // What is hopeless is refused before any work: a table has at least one piece.
-    Grid::new(settings.sigma, shading.tolerance, 1).check(device.candidate().max_side, room)?;
+    let least = Grid::new(aperture.width(), shading.tolerance, 1);
+    least.check(device.candidate().max_side, room, aperture.smaller())?;
+    bake::check_wavelengths(&aperture, &shading.clone().for_pictures(), least.outer())?;
     let folder = precompute::cache::folder();
     let key = cache::key(field, &settings, shading);
     if let Some(table) = folder.as_ref().and_then(|f| cache::load(f, &key, room)) {
@@ -170,12 +160,11 @@ pub fn make(
     check_tolerance(shading.tolerance)?;
     // A table is the same whatever asks for it.
     let shading = &shading.clone().for_pictures();
-    let pieces = nodes::needed(&layers, shading.tolerance)?;
-    let grid = Grid::new(settings.sigma, shading.tolerance, pieces);
-    grid.check(device.candidate().max_side, settings.memory_limit as u64)?;
-    let combs = bake::true_combs(settings.sigma, shading);
-    let turning = [roughness(field), layers.z_max];
-    let rings = Rings::new(settings.sigma, shading.tolerance, &combs, turning, grid.outer());
+    let aperture = Aperture::new(field, shading.coherence);
+    let pieces = nodes::needed(&layers, &aperture, shading)?;
+    let grid = Grid::new(aperture.width(), shading.tolerance, pieces);
+    grid.check(device.candidate().max_side, settings.memory_limit as u64, aperture.smaller())?;
+    let rings = rings_for(&aperture, shading, [roughness(field), layers.z_max], grid.outer());
     let mut samples = bake::samples(&rings, &grid);
     let [n, m] = shading.windows;
     let steps = (n * m) as usize;
@@ -187,16 +176,43 @@ pub fn make(
         let shift = [0, 1].map(|i| f64::from(place[i]) / f64::from(shading.windows[i]) * patch[i]);
         let layers = match first.take() {
             Some(layers) => layers,
-            None => compute_at(field, settings, shift, &|done, of| progress("spectra", done, of))?,
+            None => {
+                let spectra = |done, of| progress("spectra", done, of);
+                match aperture {
+                    Aperture::Gaussian(_) => compute_at(field, settings, shift, &spectra)?,
+                    Aperture::Repeats(_) => compute(&field.begun_at(shift), settings, &spectra)?,
+                }
+            }
         };
-        bake::bake(device, &layers, shading, (&rings, &grid), share, &mut samples, &|done, of| {
-            progress("colours", window as usize * of + done, steps * of)
-        })?;
+        bake::bake(
+            device,
+            (&layers, &aperture),
+            shading,
+            (&rings, &grid),
+            share,
+            &mut samples,
+            &|done, of| progress("colours", window as usize * of + done, steps * of),
+        )?;
     }
     let [planes, near] = grid.squares().map(|square| rings.resampled(&square, &samples));
     drop(samples);
     let (unit, levels) = pyramid::texels(&grid, planes, near);
-    Ok(ColorTable { grid, sigma: settings.sigma, unit, levels })
+    Ok(ColorTable { grid, sigma: aperture.sigma(), unit, levels })
+}
+
+/// The rings of `aperture` under `shading`, out to |(u, v)| = `outer`; `turning` as [`Rings::new`] takes it.
+fn rings_for(aperture: &Aperture, shading: &Shading, turning: [f64; 2], outer: f64) -> Rings {
+    match aperture {
+        Aperture::Gaussian(sigma) => {
+            let combs = bake::true_combs(*sigma, shading);
+            Rings::new(aperture, shading.tolerance, &Wavelengths::Combs(&combs), turning, outer)
+        }
+        Aperture::Repeats(_) => {
+            let colours = Colours::new(&shading.illuminant, shading.quadrature());
+            let all = Wavelengths::spectrum(&colours, aperture.band() * aperture.end() * outer);
+            Rings::new(aperture, shading.tolerance, &all, turning, outer)
+        }
+    }
 }
 
 /// Standard deviation of the heights \[µm\].

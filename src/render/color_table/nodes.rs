@@ -4,8 +4,11 @@
 //! short, and beyond it the layers are not made for what would be asked of them. The range is cut into equal pieces with a
 //! cubic each: a reader takes the one piece that its |w| lies in, so more pieces cost room and no time.
 
+use super::aperture::Aperture;
 use crate::error::{Error, Result};
+use crate::optics::orders::{Colours, Repeats};
 use crate::precompute::Layers;
+use crate::render::shading::Shading;
 use glam::DVec2;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
@@ -54,13 +57,14 @@ pub fn at(share: f64, pieces: usize) -> (usize, [f64; NODES]) {
     (piece * NODES, std::array::from_fn(|m| (0..NODES).map(|n| weight(n, m) * t[n]).sum()))
 }
 
-/// The fewest pieces that interpolate colours from `layers`, of [`Basis::Phase`](crate::expansion::Basis::Phase), in w to the share of `tolerance`, RMS over directions and each
-/// relative to its own.
+/// The fewest pieces that interpolate colours from `layers`, of [`Basis::Phase`](crate::expansion::Basis::Phase), through `aperture` in w
+/// to the share of `shading`'s tolerance, RMS over directions and each relative to its own.
 ///
 /// # Errors
 /// Where the most pieces that there are do not suffice: the surface is too high for a table.
-pub fn needed(layers: &Layers, tolerance: f64) -> Result<usize> {
-    let judge = Judge::new(layers);
+pub fn needed(layers: &Layers, aperture: &Aperture, shading: &Shading) -> Result<usize> {
+    let tolerance = shading.tolerance;
+    let judge = Judge::new(layers, aperture, shading);
     let share = NODE_SHARE * tolerance;
     let mut error = f64::INFINITY;
     for pieces in 1..=MOST {
@@ -81,6 +85,8 @@ pub fn needed(layers: &Layers, tolerance: f64) -> Result<usize> {
 /// Power summed over wavelengths as a function of w in some directions, from the layers themselves.
 struct Judge<'a> {
     layers: &'a Layers,
+    /// The copies, with the colour functions and the tolerance of the sum over wavelengths.
+    repeats: Option<(Repeats, Colours, f64)>,
     /// (u, v) of directions everywhere and of those of the mirror's peak.
     directions: [Vec<DVec2>; 2],
 }
@@ -96,7 +102,7 @@ const STEPS: usize = 17;
 const DARK: f64 = 0.05;
 
 impl<'a> Judge<'a> {
-    fn new(layers: &'a Layers) -> Self {
+    fn new(layers: &'a Layers, aperture: &Aperture, shading: &Shading) -> Self {
         // By the golden angle, denser toward the mirror direction; and as many again within the mirror's peak.
         let within = |radius: f64| {
             move |i: usize| {
@@ -105,9 +111,24 @@ impl<'a> Judge<'a> {
             }
         };
         // Twice the standard deviation of its power, λ/(2√2 π σ).
-        let peak = 0.12 / layers.sigma;
+        let peak = 0.12 / aperture.width();
         let directions = [1.95, peak.min(1.95)].map(|radius| (0..DIRECTIONS).map(within(radius)).collect());
-        Self { layers, directions }
+        let tolerance = shading.quadrature();
+        let repeats =
+            aperture.repeats().map(|r| (*r, Colours::new(&shading.illuminant, tolerance), tolerance));
+        Self { layers, repeats, directions }
+    }
+
+    /// Wavenumbers \[µm⁻¹\] that are summed over along (u, v), and what the power there weighs.
+    fn wavenumbers(&self, uv: DVec2) -> Vec<(f64, f64)> {
+        let Some((repeats, colours, tolerance)) = &self.repeats else {
+            let step = (ENDS.1 - ENDS.0) / (WAVENUMBERS - 1) as f64;
+            return (0..WAVENUMBERS).map(|i| ENDS.0 + step * i as f64).map(|q| (q, q * q)).collect();
+        };
+        // Few orders may be all that there is, so they count as they do in the table.
+        let sampling = repeats.sampling(uv, colours.lag, *tolerance);
+        let terms = repeats.terms(&sampling, uv, colours);
+        terms.into_iter().map(|(q, weight)| (q, q * q * weight.y)).collect()
     }
 
     /// Index of the texel nearest to a frequency, and whether it holds the conjugate; `None` beyond the band.
@@ -150,14 +171,14 @@ impl<'a> Judge<'a> {
     /// The mean squared error of a direction.
     fn error_at(&self, uv: DVec2, pieces: usize) -> f64 {
         let largest = largest_w(uv.length());
-        let seen: Vec<(f64, (usize, bool))> = (0..WAVENUMBERS)
-            .filter_map(|i| {
-                let q = ENDS.0 + (ENDS.1 - ENDS.0) * i as f64 / (WAVENUMBERS - 1) as f64;
-                self.texel(uv * q).map(|texel| (q, texel))
-            })
+        let seen: Vec<(f64, f64, (usize, bool))> = self
+            .wavenumbers(uv)
+            .into_iter()
+            .filter_map(|(q, weight)| self.texel(uv * q).map(|texel| (q, weight, texel)))
             .collect();
         let colour = |share: f64| -> f64 {
-            seen.iter().map(|&(q, texel)| q * q * self.power(texel, 2.0 * PI * q * largest * share)).sum()
+            let power = |q: f64, texel| self.power(texel, 2.0 * PI * q * largest * share);
+            seen.iter().map(|&(q, weight, texel)| weight * power(q, texel)).sum()
         };
         let values: Vec<f64> = (0..NODES * pieces).map(|number| colour(place(number, pieces))).collect();
         let compared: Vec<[f64; 2]> = (0..STEPS)

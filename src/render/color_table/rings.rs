@@ -5,10 +5,15 @@
 //! is it as fine as the window makes it. Rings whose distance grows with their radius take a small part of the samples that
 //! the square grid has texels.
 
+use super::aperture::Aperture;
 use super::grid::Square;
 use super::nodes::largest_w;
 use super::pyramid::Planes;
+use crate::optics::orders::Colours;
+use crate::optics::quadrature::SPAN;
+use crate::optics::spectrum::LONGEST;
 use crate::render::tables::Combs;
+use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -37,21 +42,24 @@ pub struct Samples {
 }
 
 impl Rings {
-    /// Rings for a Gaussian window of standard deviation `sigma` \[µm\], that leave a share of `tolerance` when a table is
-    /// interpolated from them, out to |(u, v)| = `outer`. `combs`: the wavelengths. `height`: standard deviation of the heights
-    /// \[µm\]; `z_max`: the largest k|w| \[rad/µm\].
-    pub fn new(sigma: f64, tolerance: f64, combs: &Combs, [height, z_max]: [f64; 2], outer: f64) -> Self {
+    /// Rings for `aperture` that leave a share of `tolerance` when a table is interpolated from them, out to |(u, v)| = `outer`.
+    /// `height`: standard deviation of the heights \[µm\]; `z_max`: the largest k|w| \[rad/µm\].
+    pub fn new(
+        aperture: &Aperture,
+        tolerance: f64,
+        wavelengths: &Wavelengths<'_>,
+        [height, z_max]: [f64; 2],
+        outer: f64,
+    ) -> Self {
         /// Neighbouring distances differ by little, as the error of the interpolation is told for equal ones.
         const GROWTH: f64 = 1.2;
         let allowed = (RING_SHARE * tolerance).powi(2);
         let kernel = KernelError::new();
-        // Angles per displacement of the window at the unit of |(u, v)|.
-        let band = 2.0 * PI * sigma / WAVELENGTH;
-        let fine = largest_step(allowed, |step| kernel.over_gaussian(step)) / band;
+        let fine = largest_step(allowed, |step| aperture.mean(|x| kernel.at(step * x))) / aperture.band();
         let (mut radii, mut distance) = (vec![0.0, fine], fine);
         while radii[radii.len() - 1] < outer || radii.len() < 4 {
             let radius = radii[radii.len() - 1];
-            let spectrum = Spectrum::new(combs, radius, band);
+            let spectrum = Spectrum::new(wavelengths, radius, aperture);
             // d(k|w|)/d log r at a fixed share of the largest |w|: how fast heights turn the phase.
             let turning = 2f64.sqrt() * height * z_max * 2.0 / largest_w(radius);
             let step = largest_step(allowed, |step| spectrum.error(step, turning, &kernel));
@@ -202,19 +210,60 @@ impl KernelError {
         let left = (place as usize).min(Self::ENTRIES - 1);
         self.table[left] + (self.table[left + 1] - self.table[left]) * (place - left as f64)
     }
+}
 
-    /// For a spectrum exp(−x²/2) of power in angles per unit.
-    fn over_gaussian(&self, step: f64) -> f64 {
-        const STEPS: usize = 200;
-        let (mut error, mut power) = (0.0, 0.0);
-        for i in 0..STEPS {
-            let x = 6.0 * (i as f64 + 0.5) / STEPS as f64;
-            let own = (-0.5 * x * x).exp();
-            power += own;
-            error += own * self.at(step * x);
-        }
-        error / power
+/// What a table is summed over along a ray: its power over log |(u, v)|, by angles per unit, were every wavelength seen alike.
+pub enum Wavelengths<'a> {
+    /// Combs, which may be named ones and few.
+    Combs(&'a Combs),
+    /// All of the colour functions: at each whole number of `STEP`s.
+    Spectrum(Vec<f64>),
+}
+
+impl Wavelengths<'_> {
+    /// Angle between entries of a spectrum: the visible range is 0.72 of log |(u, v)| wide, so power turns by 2π in 4.4 at the fastest.
+    const STEP: f64 = 0.5;
+
+    /// All wavelengths of `colours`, for what varies by at most `most` angles per unit of log |(u, v)|.
+    pub fn spectrum(colours: &Colours, most: f64) -> Self {
+        let last = colours.densities.len() - 1;
+        let node = |(i, d): (usize, &DVec3)| {
+            let q = 1.0 / LONGEST + SPAN * i as f64 / last as f64;
+            [d.x as f32, d.y as f32, d.z as f32, q as f32]
+        };
+        let nodes: Vec<[f32; 4]> = colours.densities.iter().enumerate().map(node).collect();
+        let count = (most / Self::STEP).ceil() as usize + 2;
+        Self::Spectrum((0..count).into_par_iter().map(|i| power_of(&nodes, Self::STEP * i as f64)).collect())
     }
+
+    /// The power by its angle, at `radius`.
+    fn at(&self, radius: f64) -> Box<dyn Fn(f64) -> f64 + Sync + '_> {
+        match self {
+            Self::Combs(combs) => {
+                let nodes = combs.nodes_at(radius);
+                Box::new(move |angle| power_of(nodes, angle))
+            }
+            Self::Spectrum(values) => Box::new(move |angle| {
+                let place = (angle / Self::STEP).min((values.len() - 2) as f64);
+                let left = place as usize;
+                values[left] + (values[left + 1] - values[left]) * (place - left as f64).min(1.0)
+            }),
+        }
+    }
+}
+
+/// |Σ weight q² e^{i angle log q}|² of all channels of `nodes`.
+fn power_of(nodes: &[[f32; 4]], angle: f64) -> f64 {
+    let mut sums = [[0f64; 2]; 3];
+    for &[x, y, z, q] in nodes {
+        let q = f64::from(q);
+        let (sin, cos) = (angle * q.ln()).sin_cos();
+        for (sum, weight) in sums.iter_mut().zip([x, y, z]) {
+            sum[0] += f64::from(weight) * q * q * cos;
+            sum[1] += f64::from(weight) * q * q * sin;
+        }
+    }
+    sums.iter().flatten().map(|s| s * s).sum()
 }
 
 /// Power of a table over log |(u, v)| at one radius, by angles per unit.
@@ -224,28 +273,16 @@ struct Spectrum {
 }
 
 impl Spectrum {
-    /// At `radius`, where `combs` sum over wavelengths what a window blurs to `band` angles per unit of |(u, v)|.
-    fn new(combs: &Combs, radius: f64, band: f64) -> Self {
+    /// At `radius`, where `wavelengths` are summed over, through `aperture`.
+    fn new(wavelengths: &Wavelengths<'_>, radius: f64, aperture: &Aperture) -> Self {
         /// Lines, closer where the colour functions have their power.
         const LINES: usize = 320;
-        /// Ends of the Gaussian, in standard deviations.
-        const END: f64 = 5.0;
-        let nodes = combs.nodes_at(radius);
-        let width = (band * radius).max(1e-3);
-        let edge = |i: f64| END * width * (i / LINES as f64).powi(2);
+        let power = wavelengths.at(radius);
+        let width = (aperture.band() * radius).max(1e-3);
+        let edge = |i: f64| aperture.end() * width * (i / LINES as f64).powi(2);
         let line = |i: usize| {
             let angle = edge(i as f64 + 0.5);
-            let mut sums = [[0f64; 2]; 3];
-            for &[x, y, z, q] in nodes {
-                let q = f64::from(q);
-                let (sin, cos) = (angle * q.ln()).sin_cos();
-                for (sum, weight) in sums.iter_mut().zip([x, y, z]) {
-                    sum[0] += f64::from(weight) * q * q * cos;
-                    sum[1] += f64::from(weight) * q * q * sin;
-                }
-            }
-            let power: f64 = sums.iter().flatten().map(|s| s * s).sum();
-            let blurred = power * (-0.5 * (angle / width).powi(2)).exp();
+            let blurred = power(angle) * aperture.along(angle / width);
             [angle, blurred * (edge(i as f64 + 1.0) - edge(i as f64))]
         };
         Self { lines: (0..LINES).into_par_iter().map(line).collect() }
@@ -269,7 +306,7 @@ mod tests {
 
     fn rings(tolerance: f64) -> Rings {
         let combs = Combs::new(&Illuminant::D65, 16.25, 0.02 * tolerance, None);
-        Rings::new(16.25, tolerance, &combs, [0.1, 33.0], 2.01)
+        Rings::new(&Aperture::Gaussian(16.25), tolerance, &Wavelengths::Combs(&combs), [0.1, 33.0], 2.01)
     }
 
     #[test]
