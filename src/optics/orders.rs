@@ -16,6 +16,7 @@
 //! (Poisson's sum formula); where it is smaller, every r/M under D² itself, with M ≥ n + L − 1.
 
 use super::coherence::periodic_factor;
+use super::color::xyz_to_linear_srgb;
 use super::quadrature::{SPAN, density_table};
 use super::spectrum::{Illuminant, LONGEST, SHORTEST};
 use crate::error::{Error, Result};
@@ -62,24 +63,32 @@ impl Colours {
 }
 
 /// The lag \[µm\] beyond which the transform of `densities` has less than the part `tolerance` of its amplitude (root of
-/// energies): spikes of a lamp vary faster than daylight.
+/// energies), and that of what a display makes of them nowhere more than half of that part of its value at 0: toward the mirror
+/// direction a sum in steps of 1/lag errs by the two aliases beside it, and red, green and blue are differences of X, Y and Z.
+/// Spikes of a lamp vary faster than daylight.
 fn lag_of(densities: &[DVec3], tolerance: f64) -> f64 {
     /// Zeros behind the colour functions make lags finer than one period of the visible range.
     const PADDING: usize = 4;
     let size = PADDING * densities.len();
     let transform = FftPlanner::new().plan_fft_forward(size);
-    let mut energies = vec![0.0; size / 2];
-    for component in 0..3 {
-        let mut line: Vec<Complex64> = densities.iter().map(|d| Complex64::from(d[component])).collect();
-        line.resize(size, Complex64::ZERO);
-        transform.process(&mut line);
-        energies.iter_mut().zip(&line).for_each(|(e, c)| *e += c.norm_sqr());
-    }
-    let allowed = energies.iter().sum::<f64>() * tolerance.powi(2);
+    let energies = |colour: &dyn Fn(DVec3) -> DVec3| {
+        let mut energies = vec![0.0; size / 2];
+        for component in 0..3 {
+            let mut line: Vec<Complex64> =
+                densities.iter().map(|d| Complex64::from(colour(*d)[component])).collect();
+            line.resize(size, Complex64::ZERO);
+            transform.process(&mut line);
+            energies.iter_mut().zip(&line).for_each(|(e, c)| *e += c.norm_sqr());
+        }
+        energies
+    };
+    let (xyz, rgb) = (energies(&|d| d), energies(&xyz_to_linear_srgb));
+    let allowed = xyz.iter().sum::<f64>() * tolerance.powi(2);
+    let alias = rgb[0] * (0.5 * tolerance).powi(2);
     let mut beyond = 0.0;
-    let kept = energies.iter().rposition(|e| {
-        beyond += e;
-        beyond > allowed
+    let kept = xyz.iter().zip(&rgb).rposition(|(xyz, rgb)| {
+        beyond += xyz;
+        beyond > allowed || *rgb > alias
     });
     let step = SPAN / (densities.len() - 1) as f64;
     (kept.unwrap_or(0) + 1) as f64 / (size as f64 * step)
@@ -382,8 +391,8 @@ mod tests {
         };
         let text = format!("wavelength,power\n{}", (380..=780).map(row).collect::<String>());
         let spiky = Illuminant::Table(crate::optics::spectrum::Table::parse(&text).unwrap());
-        assert!((5.0..10.0).contains(&lag(&Illuminant::E)), "{}", lag(&Illuminant::E));
-        assert!((10.0..20.0).contains(&lag(&Illuminant::D65)), "{}", lag(&Illuminant::D65));
+        assert!((5.0..15.0).contains(&lag(&Illuminant::E)), "{}", lag(&Illuminant::E));
+        assert!((15.0..30.0).contains(&lag(&Illuminant::D65)), "{}", lag(&Illuminant::D65));
         assert!(lag(&spiky) > 50.0, "{}", lag(&spiky));
     }
 }
