@@ -58,6 +58,9 @@ layout(set = 0, binding = 19, std140) uniform Lines {
 // column by point and, side by side, by pair of a group. RGBA as in `layers`.
 layout(set = 0, binding = 17) uniform sampler2DArray lines;
 
+// The same where numbers have 16 bits and an even number of pairs stands side by side: two pairs to a texel, half as many reads.
+layout(set = 0, binding = 20) uniform usampler2DArray packed_lines;
+
 // Weights of nodes that stand where a ray crosses lines: XYZ times the squared wavenumber, per distance of the nodes. W of the
 // first two texels of a row: the wavenumbers between which the eye sees enough [1/um].
 layout(set = 0, binding = 18) uniform sampler2D line_weights;

@@ -4,6 +4,42 @@
 layout(constant_id = 9) const bool LINES = false;       // whether there are any
 layout(constant_id = 10) const int GROUPED = 1;          // pairs of terms beside each other
 layout(constant_id = 11) const bool CUBIC_LINES = false; // cubic B-spline along a line, else linear
+layout(constant_id = 12) const bool PACKED = false;      // two pairs to a texel, one behind the last being 0
+
+// Two pairs of terms.
+struct TwoPairs {
+    vec4 first;
+    vec4 second;
+};
+
+// A texel of two pairs over 2^112: sign, exponent and mantissa of the 16-bit floats, moved to where 32-bit floats have them. What GLSL
+// has to unpack them takes software devices several times as long.
+TwoPairs unpacked(uvec4 texel) {
+    const int KEPT = int(0x8fffe000u);
+    ivec4 bits = ivec4(texel);
+    ivec4 low = ((bits << 16) >> 3) & KEPT, high = (bits >> 3) & KEPT;
+    return TwoPairs(intBitsToFloat(ivec4(low.x, high.x, low.y, high.y)),
+                    intBitsToFloat(ivec4(low.z, high.z, low.w, high.w)));
+}
+
+const float UNPACKED = 5.192296858534828e33; // 2^112
+
+TwoPairs two_pairs_at(ivec3 at) {
+    return unpacked(texelFetch(packed_lines, at, 0));
+}
+
+// Two pairs of terms at `t` in 0 ... 1 between the texel `at` and its neighbour along the line, over 2^112.
+TwoPairs read_two_pairs(ivec3 at, float t) {
+    ivec3 next = ivec3(GROUPED / 2, 0, 0);
+    TwoPairs b = two_pairs_at(at), c = two_pairs_at(at + next);
+    if (!CUBIC_LINES) {
+        return TwoPairs(mix(b.first, c.first, t), mix(b.second, c.second, t));
+    }
+    TwoPairs a = two_pairs_at(at - next), d = two_pairs_at(at + 2 * next);
+    vec4 w = spline_weights(t);
+    return TwoPairs(w.x * a.first + w.y * b.first + w.z * c.first + w.w * d.first,
+                    w.x * a.second + w.y * b.second + w.z * c.second + w.w * d.second);
+}
 
 // A pair of terms at `t` in 0 ... 1 between the texel `at` and its neighbour along the line.
 vec4 read_line(ivec3 at, float t) {
@@ -14,6 +50,75 @@ vec4 read_line(ivec3 at, float t) {
     vec4 w = spline_weights(t);
     return w.x * texelFetch(lines, at - next, 0) + w.y * texelFetch(lines, at, 0)
            + w.z * texelFetch(lines, at + next, 0) + w.w * texelFetch(lines, at + 2 * next, 0);
+}
+
+// A node: where a ray crosses a line.
+struct Node {
+    ivec2 at;        // texel of the first pair, and line
+    float t;         // from there to the next point
+    int layer;       // of the first group of pairs
+    int band;        // of z
+    float column;    // of the coefficients
+    float conjugate; // as in `Pair`
+};
+
+vec4 coefficients_of(Node node, int pair) {
+    vec4 c = coefficients_at(node.column, pair * Z_BANDS + node.band);
+    c.yw *= node.conjugate;
+    return c;
+}
+
+int layer_of(Node node, int pair) {
+    return node.layer + pair / GROUPED * Z_BANDS + node.band;
+}
+
+// Sum of the terms of a pair.
+vec2 sum_of_pair(Node node, int pair) {
+    vec4 s = read_line(ivec3(node.at.x + pair % GROUPED, node.at.y, layer_of(node, pair)), node.t);
+    return sum_of_terms(coefficients_of(node, pair), s);
+}
+
+// Sum of the terms of a pair and the next, over 2^112.
+vec2 sum_of_two_pairs(Node node, int pair) {
+    ivec2 at = ivec2((node.at.x + pair % GROUPED) / 2, node.at.y);
+    TwoPairs s = read_two_pairs(ivec3(at, layer_of(node, pair)), node.t);
+    vec2 sum = sum_of_terms(coefficients_of(node, pair), s.first);
+    if (pair + 1 < PAIRS) {
+        sum += sum_of_terms(coefficients_of(node, pair + 1), s.second);
+    }
+    return sum;
+}
+
+// Sum of the terms that k|w| = z needs.
+vec2 sum_at(Node node, float z) {
+    if (!PACKED) {
+        int count = FEWER_PAIRS ? pairs_at(z) : PAIRS, pair = 0;
+        vec2 p = vec2(0.0);
+        do {
+            p += sum_of_pair(node, pair);
+            ++pair;
+        } while (pair < count);
+        return p;
+    }
+    vec2 p = sum_of_two_pairs(node, 0);
+    if (FEWER_PAIRS || PAIRS > 8) {
+        int count = FEWER_PAIRS ? pairs_at(z) : PAIRS;
+        for (int pair = 2; pair < count; pair += 2) {
+            p += sum_of_two_pairs(node, pair);
+        }
+    } else {
+        // One after the other: software devices take a sixth longer for a loop.
+        if (PAIRS > 2) {
+            p += sum_of_two_pairs(node, 2);
+        }
+        if (PAIRS > 4) {
+            p += sum_of_two_pairs(node, 4);
+        }
+        if (PAIRS > 6) {
+            p += sum_of_two_pairs(node, 6);
+        }
+    }
+    return p * UNPACKED;
 }
 
 bool crosses_lines(Pair pair) {
@@ -49,20 +154,15 @@ vec3 sum_over_lines(Pair pair, float largest) {
         float number = float(line);
         float point = number * points_per_line + lines_at.origin.x;
         float whole = floor(point);
-        ivec2 at = ivec2(int(whole) * GROUPED, int(lines_at.origin.y) + side * line);
         float place = number * bands_per_line;
-        int band = min(int(place), Z_BANDS - 1);
-        float column = min(place - float(band), 1.0) * optics.last_column;
-        vec2 p = vec2(0.0);
-        int count = FEWER_PAIRS ? pairs_at(place / optics.bands_per_z) : PAIRS;
-        int k = 0;
-        do {
-            vec4 c = coefficients_at(column, k * Z_BANDS + band);
-            c.yw *= conjugate;
-            vec4 s = read_line(ivec3(at.x + k % GROUPED, at.y, behind + k / GROUPED * Z_BANDS + band), point - whole);
-            p += sum_of_terms(c, s);
-            ++k;
-        } while (k < count);
+        Node node;
+        node.at = ivec2(int(whole) * GROUPED, int(lines_at.origin.y) + side * line);
+        node.t = point - whole;
+        node.layer = behind;
+        node.band = min(int(place), Z_BANDS - 1);
+        node.column = min(place - float(node.band), 1.0) * optics.last_column;
+        node.conjugate = conjugate;
+        vec2 p = sum_at(node, place / optics.bands_per_z);
         float weight = clamp(number * column_per_line + first_column, 0.0, lines_at.last_column);
         xyz += texelFetch(line_weights, ivec2(int(weight), row), 0).xyz * dot(p, p);
     }

@@ -28,13 +28,20 @@ void main() {
     int layer = 0;
     if (LINES) {
         // As the frame reads them: neighbours along a line, pair beside pair.
-        ivec3 size = textureSize(lines, 0);
+        ivec3 size = PACKED ? textureSize(packed_lines, 0) * ivec3(2, 1, 1) : textureSize(lines, 0);
         ivec2 points = size.xy / ivec2(GROUPED, 1) - 4;
         ivec2 at = ivec2(fract(place) * vec2(points)) + 2;
         int pair = 0;
         for (int i = 0; i < probe.samples; ++i) {
-            sum += read_line(ivec3(at.x * GROUPED + pair, at.y, layer), place.x);
-            pair += 1;
+            if (PACKED) {
+                TwoPairs two = read_two_pairs(ivec3((at.x * GROUPED + pair) / 2, at.y, layer), place.x);
+                sum += two.first + two.second;
+                pair += 2;
+                ++i;
+            } else {
+                sum += read_line(ivec3(at.x * GROUPED + pair, at.y, layer), place.x);
+                pair += 1;
+            }
             if (pair == GROUPED) {
                 pair = 0;
                 layer += 1;

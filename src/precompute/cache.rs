@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// First bytes of a file; the number changes whenever the layers of the same key would change.
-const MAGIC: &[u8; 20] = b"diffract layers 0008";
+const MAGIC: &[u8; 20] = b"diffract layers 0009";
 /// Bytes of the check sum and of the key.
 const HASH: usize = blake3::OUT_LEN;
 /// Numbers of 8 bytes that describe the layers in front of the texels.
@@ -173,7 +173,7 @@ fn is_sound(layers: &Layers) -> bool {
         && l.lines.iter().all(|lines| {
             (0..2).all(|axis| lines.origin[axis] < lines.size[axis])
                 && positive(&[lines.across, lines.along, [lines.from, lines.level]].concat())
-                && (1..=l.pairs()).contains(&lines.grouped)
+                && (1..=l.pairs() + 1).contains(&lines.grouped)
                 && lines.texels.are_finite()
         })
         && l.coefficients.values.iter().flatten().all(|x| x.is_finite())

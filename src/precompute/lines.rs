@@ -83,10 +83,18 @@ pub struct Lines {
     pub size: [usize; 2],
     /// The point and the line of f = 0.
     pub origin: [usize; 2],
-    /// Pairs of terms that stand beside each other at a point, so that they come from one place of the memory.
+    /// Pairs of terms that stand beside each other at a point, so that they come from one place of the memory; one behind the last
+    /// is 0.
     pub grouped: usize,
     /// RGBA texels: set by set, group by group of pairs, band by band of z, line by line, point by point, pair by pair.
     pub texels: Texels,
+}
+
+/// How many of `pairs` pairs of terms stand beside each other where `most` texels can.
+fn grouped(pairs: usize, half: bool, most: usize) -> usize {
+    let even = pairs.next_multiple_of(2);
+    // Two of them to a texel, which is worth up to a fifth of the memory.
+    if half && 5 * even <= 6 * pairs { even.min(2 * most) } else { pairs.min(most) }
 }
 
 /// Lines that are being made.
@@ -163,7 +171,7 @@ impl Maker {
     pub(super) fn finish(self, pairs: usize, half: bool, side_limit: usize) -> Lines {
         let Self { mut lines, bands, made, .. } = self;
         let [points, rows] = lines.size;
-        lines.grouped = (side_limit / points).clamp(1, pairs);
+        lines.grouped = grouped(pairs, half, (side_limit / points).max(1));
         lines.texels = Texels::zeroed(half, lines.layers(pairs, bands) * points * rows * lines.grouped * 4);
         let texel = if half { 8 } else { 16 };
         let mut room = lines.texels.bytes_mut().chunks_mut(points * rows * lines.grouped * texel);
@@ -188,8 +196,35 @@ impl Maker {
 }
 
 impl Lines {
+    /// Whether shaders read two pairs at once: numbers of 16 bits, in texels of 16 bytes.
+    pub fn are_packed(&self) -> bool {
+        self.texels.is_half() && self.grouped.is_multiple_of(2)
+    }
+
     /// Layers of the texture, of `pairs` pairs of terms in each of `bands` bands.
     pub fn layers(&self, pairs: usize, bands: usize) -> usize {
         2 * bands * pairs.div_ceil(self.grouped)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_pairs_share_a_texel_where_that_takes_little_room() {
+        // Pairs, 16 bits, texels of a row for each point; pairs side by side.
+        for (pairs, half, most, together) in [
+            (2, true, 4, 2),
+            (5, true, 4, 6),
+            (5, true, 2, 4),
+            (5, true, 1, 2),
+            (3, true, 4, 3),
+            (1, true, 4, 1),
+            (5, false, 4, 4),
+            (2, false, 1, 1),
+        ] {
+            assert_eq!(grouped(pairs, half, most), together, "{pairs} pairs, {most} texels");
+        }
     }
 }

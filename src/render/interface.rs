@@ -50,6 +50,8 @@ pub mod binding {
     pub const LINE_WEIGHTS: u32 = 18;
     /// Where the lines and the weights stand.
     pub const LINES_BLOCK: u32 = 19;
+    /// The lines' texture where two pairs of terms share a texel.
+    pub const PACKED_LINES: u32 = 20;
 }
 
 /// The `Frame` block (std140).
@@ -111,7 +113,8 @@ pub fn specialization(layers: &Layers) -> Vec<u32> {
     ];
     if let Some(lines) = &layers.lines {
         // Numbers 7 and 8 belong to shaders of colour tables.
-        constants.extend([0, 0, 1, lines.grouped as u32, u32::from(lines.kernel == Kernel::Cubic)]);
+        let cubic = lines.kernel == Kernel::Cubic;
+        constants.extend([0, 0, 1, lines.grouped as u32, cubic.into(), lines.are_packed().into()]);
     }
     constants
 }
@@ -220,6 +223,7 @@ pub fn optics_bindings() -> Vec<Binding> {
         (binding::LINES, T::COMBINED_IMAGE_SAMPLER),
         (binding::LINE_WEIGHTS, T::COMBINED_IMAGE_SAMPLER),
         (binding::LINES_BLOCK, T::UNIFORM_BUFFER),
+        (binding::PACKED_LINES, T::COMBINED_IMAGE_SAMPLER),
     ]
     .into_iter()
     .chain(geometry)

@@ -137,6 +137,7 @@ impl Resources {
         let float = vk::Format::R32G32B32A32_SFLOAT;
         let count = layers.count() as u32;
         let pigment_size = pigment.size.map(|n| n as usize);
+        let [lines, packed_lines] = lines_textures(device, layers)?;
         let images = vec![
             texture(
                 device,
@@ -156,11 +157,13 @@ impl Resources {
             )?,
             numbers(device, "nodes", &combs.nodes)?,
             texture(device, "pigment", vk::Format::R8G8B8A8_SRGB, pigment_size, None, &pigment.texels)?,
-            lines_texture(device, layers)?,
+            lines,
             numbers(device, "weights of lines", &combs.line_weights())?,
+            packed_lines,
         ];
         let edge = Sampler::linear(device, "table sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         let repeat = Sampler::linear(device, "pigment sampler", vk::SamplerAddressMode::REPEAT)?;
+        let nearest = Sampler::nearest(device, "integer sampler")?;
         let specialization = specialization(layers);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
@@ -190,6 +193,7 @@ impl Resources {
         descriptors.image(binding::COLOR_TABLE, &images[0], &edge);
         descriptors.buffer(binding::TABLE, &buffers[0]);
         descriptors.image(binding::LINES, &images[4], &edge);
+        descriptors.image(binding::PACKED_LINES, &images[6], &nearest);
         descriptors.image(binding::LINE_WEIGHTS, &images[5], &edge);
         descriptors.buffer(binding::LINES_BLOCK, &buffers[2]);
         Ok(Self {
@@ -202,7 +206,7 @@ impl Resources {
             thesis: None,
             images,
             edge,
-            _samplers: vec![repeat],
+            _samplers: vec![repeat, nearest],
             buffers,
         })
     }
@@ -280,7 +284,7 @@ impl Resources {
         descriptors.image(binding::PIGMENT, &images[1], &repeat);
         let geometry = binding::DIRECTIONS..binding::MORE_LIGHTS + MORE_LIGHTS;
         let of_layers = [binding::COEFFICIENTS, binding::LAYERS, binding::NODES];
-        let of_lines = [binding::LINES, binding::LINE_WEIGHTS];
+        let of_lines = [binding::LINES, binding::LINE_WEIGHTS, binding::PACKED_LINES];
         for number in of_layers.into_iter().chain(of_lines).chain(geometry) {
             descriptors.image(number, &images[0], &edge);
         }
@@ -390,14 +394,22 @@ fn numbers(device: &Arc<Device>, name: &str, table: &Table) -> Result<Image> {
     texture(device, name, float, table.size, None, bytemuck::cast_slice(&table.values))
 }
 
-/// The lines of `layers`, or one texel where there are none.
-fn lines_texture(device: &Arc<Device>, layers: &Layers) -> Result<Image> {
-    let Some(lines) = &layers.lines else {
-        return texture(device, "no lines", vk::Format::R8G8B8A8_UNORM, [1, 1], Some(1), &[0; 4]);
+/// The lines of `layers`, one pair of terms to a texel and two: of these, what there is none of is one texel.
+fn lines_textures(device: &Arc<Device>, layers: &Layers) -> Result<[Image; 2]> {
+    let two_pairs = vk::Format::R32G32B32A32_UINT;
+    let lines_of = |packed: bool| -> Result<Image> {
+        match layers.lines.as_ref().filter(|lines| lines.are_packed() == packed) {
+            Some(lines) => {
+                let (format, to_a_texel) = if packed { (two_pairs, 2) } else { (format(&lines.texels), 1) };
+                let size = [lines.size[0] * lines.grouped / to_a_texel, lines.size[1]];
+                let count = lines.layers(layers.pairs(), layers.z_bands) as u32;
+                texture(device, "lines", format, size, Some(count), lines.texels.bytes())
+            }
+            None if packed => texture(device, "no packed lines", two_pairs, [1, 1], Some(1), &[0; 16]),
+            None => texture(device, "no lines", vk::Format::R8G8B8A8_UNORM, [1, 1], Some(1), &[0; 4]),
+        }
     };
-    let size = [lines.size[0] * lines.grouped, lines.size[1]];
-    let count = lines.layers(layers.pairs(), layers.z_bands) as u32;
-    texture(device, "lines", format(&lines.texels), size, Some(count), lines.texels.bytes())
+    Ok([lines_of(false)?, lines_of(true)?])
 }
 
 /// The format of `texels`.

@@ -6,7 +6,7 @@ use crate::error::Result;
 use ash::vk;
 use std::sync::Arc;
 
-/// A linear sampler.
+/// A sampler.
 pub struct Sampler {
     raw: vk::Sampler,
     device: Arc<Device>,
@@ -30,6 +30,14 @@ impl Sampler {
             .mipmap_mode(vk::SamplerMipmapMode::LINEAR)
             .max_lod(vk::LOD_CLAMP_NONE);
         Self::new(device, name, &info)
+    }
+
+    /// Of the nearest texel, as images of integers take it.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn nearest(device: &Arc<Device>, name: &str) -> Result<Self> {
+        Self::new(device, name, &vk::SamplerCreateInfo::default())
     }
 
     fn new(device: &Arc<Device>, name: &str, info: &vk::SamplerCreateInfo<'_>) -> Result<Self> {
