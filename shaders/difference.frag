@@ -1,13 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // How far two radiances are apart, relative to the second, in false colour over four decades.
-#include "color.glsl"
 
 layout(set = 0, binding = 0) uniform sampler2D judged;
 layout(set = 0, binding = 1) uniform sampler2D judge;
 
 layout(push_constant) uniform Difference {
-    vec4 background; // as displayed, linear sRGB; w: radiance below which errors count against this radiance
+    float floor; // radiance below which errors count against this radiance
 } difference;
 
 layout(location = 0) out vec4 code;
@@ -22,11 +21,7 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 a = texelFetch(judged, pixel, 0);
     vec4 b = texelFetch(judge, pixel, 0);
-    if (b.a == 0.0) {
-        code = vec4(srgb_transfer(map_to_gamut(difference.background.rgb)), 1.0);
-        return;
-    }
-    float error = distance(a.rgb, b.rgb) / max(length(b.rgb), difference.background.w);
+    float error = distance(a.rgb, b.rgb) / max(length(b.rgb), difference.floor);
     float place = clamp(log(max(error, 1e-20)) / log(10.0) + 4.0, 0.0, 4.0) * 2.0;
     int stop = min(int(place), 7);
     code = vec4(mix(STOPS[stop], STOPS[stop + 1], place - float(stop)), 1.0);

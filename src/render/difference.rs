@@ -1,9 +1,10 @@
 //! Where two settings differ: the relative difference of two radiances, pixel by pixel, in false colour.
 
-use super::target::{self, Target};
+use super::frame::COVERED;
+use super::target::{self, Geometry, Target};
 use super::{shader, window};
 use crate::error::Result;
-use crate::optics::color::DISPLAY_BLACK;
+use crate::optics::color::{self, DISPLAY_BLACK};
 use crate::vk::access::Access;
 use crate::vk::commands::Commands;
 use crate::vk::descriptors::Descriptors;
@@ -53,11 +54,19 @@ impl DifferencePass {
     /// Where the device has no room.
     pub fn new(device: &Arc<Device>, size: [u32; 2]) -> Result<Self> {
         let descriptors = window::bindings(device)?;
-        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::DISPLAY], depth: None };
+        let drawing =
+            Drawing { vertex_stride: 0, attributes: &[], colors: &[target::DISPLAY], depth: COVERED };
         let (vertex, fragment) = (shader!("display.vert"), Some(shader!("difference.frag")));
         Ok(Self {
             commands: Commands::new(device, "difference")?,
-            pipeline: Pipeline::graphics(device, vertex, fragment, &drawing, &descriptors, 16)?,
+            pipeline: Pipeline::graphics(
+                device,
+                vertex,
+                fragment,
+                &drawing,
+                &descriptors,
+                size_of::<f32>() as u32,
+            )?,
             descriptors,
             sampler: Sampler::linear(device, "difference sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?,
             image: Arc::new(picture(device, size)?),
@@ -65,15 +74,15 @@ impl DifferencePass {
         })
     }
 
-    /// The difference of `judged` from `judge`, two whole pictures of one size that are displayed at `exposure`, over
+    /// The difference of `judged` from `judge`, two whole pictures of what `geometry` has that are displayed at `exposure`, over
     /// `background`. Waits until it is drawn and readable by shaders.
     ///
     /// # Errors
     /// Where the device is lost or has no room.
     pub fn draw(
         &mut self,
-        judged: &Target,
-        judge: &Target,
+        geometry: &Geometry,
+        [judged, judge]: [&Target; 2],
         exposure: f64,
         background: DVec3,
     ) -> Result<&Arc<Image>> {
@@ -84,14 +93,15 @@ impl DifferencePass {
         self.descriptors.image(1, &judge.radiance, &self.sampler);
         // What a display shows as black is not wrong.
         let floor = DISPLAY_BLACK / exposure.exp2();
-        let push = background.as_vec3().extend(floor as f32).to_array();
+        let floor = floor as f32;
+        let [r, g, b] = color::display(background, 0.0).map(|code| f32::from(code) / 255.0);
         let image = &self.image;
         self.commands.run(|record| {
             record.memory(Access::ShaderRead, Access::ColorAttachment);
             record.images(&[(image, Access::Nothing, Access::ColorAttachment)]);
-            record.render(&[(image, [0.0; 4])], None, |draw| {
+            record.render_over(&[(image, [r, g, b, 1.0])], &geometry.depth, |draw| {
                 draw.bind(&self.pipeline, &self.descriptors);
-                draw.push(&self.pipeline, bytemuck::bytes_of(&push));
+                draw.push(&self.pipeline, bytemuck::bytes_of(&floor));
                 draw.draw(3);
             });
             record.images(&[(image, Access::ColorAttachment, Access::ShaderRead)]);

@@ -149,18 +149,23 @@ impl GeometryPass {
         let mut before = change(Access::Nothing, Access::ColorAttachment);
         before.push((&geometry.depth, Access::Nothing, Access::DepthAttachment));
         record.images(&before);
-        let cleared: Vec<_> = geometry.images().map(|image| (image, [target::UNCOVERED; 4])).collect();
-        record.render(&cleared, Some(&geometry.depth), |draw| {
+        let draw = |draw: &Recorder<'_>| {
             draw.bind(&self.pipeline, descriptors);
             draw.draw_indexed(&mesh.vertices, &mesh.indices, mesh.count);
-        });
+        };
+        if geometry.marked {
+            let cleared: Vec<_> = geometry.images().map(|image| (image, [target::UNCOVERED; 4])).collect();
+            record.render(&cleared, Some(&geometry.depth), draw);
+        } else {
+            record.render_just(&geometry.images().collect::<Vec<_>>(), &geometry.depth, draw);
+        }
         record.images(&change(Access::ColorAttachment, Access::ShaderRead));
     }
 }
 
 /// The test of passes over what the geometry pass covered: their one triangle stands where depth was cleared to, so that devices drop
 /// everything else before its shader runs, as no branch in it makes software devices do.
-const COVERED: Option<(vk::CompareOp, bool)> = Some((vk::CompareOp::GREATER, false));
+pub(super) const COVERED: Option<(vk::CompareOp, bool)> = Some((vk::CompareOp::GREATER, false));
 
 /// A pass that shades every covered pixel of a picture once, neighbours together: small triangles would leave most lanes of a
 /// device idle in a fragment stage of their own.
@@ -240,7 +245,8 @@ impl PixelPass {
         Ok(Self { settings, ..pass })
     }
 
-    /// Records the pass over what `geometry` covers into `target.radiance`, which it leaves as a colour attachment.
+    /// Records the pass over what `geometry` covers into `target.radiance`, which it leaves as a colour attachment. What is not covered
+    /// holds anything: who reads radiance asks the depth.
     pub fn record(
         &self,
         record: &Recorder<'_>,
@@ -261,7 +267,7 @@ impl PixelPass {
         (geometry, target): (&Geometry, &Target),
         descriptors: &Descriptors,
     ) {
-        record.render_over(&[(&target.radiance, [0.0; 4])], &geometry.depth, |draw| {
+        record.render_just_over(&[&target.radiance], &geometry.depth, |draw| {
             self.draw(draw, descriptors, &self.settings);
         });
     }

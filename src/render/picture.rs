@@ -73,8 +73,8 @@ impl Painter {
         lights: usize,
     ) -> Result<Self> {
         let resources = Resources::new(device, optics, shading, pigment)?;
-        let textured = pigment.is_textured();
-        let geometry = Geometry::new(device, size, lights.min(MAX_LIGHTS), textured)?;
+        let looks = [pigment.is_textured(), resources.asks_what_is_covered()];
+        let geometry = Geometry::new(device, size, lights.min(MAX_LIGHTS), looks)?;
         resources.read_from(&geometry);
         let target = Target::new(device, size)?;
         let display = DisplayPass::new(device, target::DISPLAY)?;
@@ -107,7 +107,8 @@ impl Painter {
             self.shade = PixelPass::shading(&self.device, &self.resources, lights)?;
         }
         if lights != self.geometry.lights || size != self.target.size() {
-            self.geometry = Geometry::new(&self.device, size, lights, self.geometry.textured)?;
+            let looks = [self.geometry.textured, self.geometry.marked];
+            self.geometry = Geometry::new(&self.device, size, lights, looks)?;
             self.resources.read_from(&self.geometry);
             self.find = GeometryPass::new(&self.device, &self.resources.descriptors, &self.geometry)?;
         }
@@ -239,6 +240,11 @@ impl Painter {
         &self.target
     }
 
+    /// What each of their pixels sees.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
     /// f·cos θ_i \[sr⁻¹\] of single directions, as [`super::evaluator::Evaluator::cosine_weighted`].
     ///
     /// # Errors
@@ -306,12 +312,12 @@ impl Painter {
     /// Where the device is lost.
     pub fn picture(&self) -> Result<Picture> {
         let radiance = target::read_back(&self.device, &self.target.radiance, Access::ShaderRead)?;
+        let mut radiance: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&radiance);
+        for (pixel, _) in radiance.iter_mut().zip(self.covered()?).filter(|(_, covered)| !covered) {
+            *pixel = [0.0; 4];
+        }
         let display = target::read_back(&self.device, &self.target.display, Access::ShaderRead)?;
-        Ok(Picture {
-            size: self.target.size(),
-            radiance: bytemuck::pod_collect_to_vec(&radiance),
-            display: bytemuck::pod_collect_to_vec(&display),
-        })
+        Ok(Picture { size: self.target.size(), radiance, display: bytemuck::pod_collect_to_vec(&display) })
     }
 
     /// The directions of light number `light` in `view`, as the shading has them.
@@ -347,12 +353,19 @@ impl Painter {
                     .collect::<Vec<_>>()
             }
         };
-        let covered = |stored: &[f32; 4]| stored[0] < target::UNCOVERED / 2.0;
-        let of = |s: [f32; 2], stored| if covered(stored) { unprojected(s) } else { [0.0; 4] };
+        let covered = self.covered()?;
+        let of = |(s, covered): ([f32; 2], &bool)| if *covered { unprojected(s) } else { [0.0; 4] };
         Ok(Directions {
-            light: lights.into_iter().zip(&first).map(|(s, stored)| of(s, stored)).collect(),
-            view: first.iter().map(|stored| of([stored[0], stored[1]], stored)).collect(),
+            light: lights.into_iter().zip(&covered).map(of).collect(),
+            view: first.iter().map(|stored| [stored[0], stored[1]]).zip(&covered).map(of).collect(),
         })
+    }
+
+    /// Whether the mesh covers each pixel.
+    fn covered(&self) -> Result<Vec<bool>> {
+        let depth = target::read_back(&self.device, &self.geometry.depth, Access::DepthAttachment)?;
+        let depth: Vec<f32> = bytemuck::pod_collect_to_vec(&depth);
+        Ok(depth.into_iter().map(|depth| depth < target::FAR).collect())
     }
 
     /// Writes the `Frame` block of `view` for pictures of `size`.

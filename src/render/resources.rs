@@ -89,6 +89,8 @@ pub struct Resources {
     pub copies: Option<CopiesBlock>,
     /// Half the range of heights \[µm\], where the layers are those of the thesis.
     pub thesis: Option<f32>,
+    // Whether a table is averaged over pixels.
+    averages: bool,
     // Held for the descriptor set; fields go in order, so it goes first.
     images: Vec<Image>,
     edge: Sampler,
@@ -204,6 +206,7 @@ impl Resources {
             reads: Reads::Layers,
             copies: None,
             thesis: None,
+            averages: false,
             images,
             edge,
             _samplers: vec![repeat, nearest],
@@ -297,6 +300,7 @@ impl Resources {
             reads: Reads::Table,
             copies: None,
             thesis: None,
+            averages: filter == Filter::Pixel,
             images,
             edge,
             _samplers: vec![repeat, levels],
@@ -306,6 +310,12 @@ impl Resources {
 }
 
 impl Resources {
+    /// Whether shading asks which pixels are covered, beyond the depth test. Only the sample of a table at a pixel's centre does not: a sum
+    /// over wavelengths may go on for any time on the lanes of a pixel beside the mesh, and averages look at neighbours.
+    pub fn asks_what_is_covered(&self) -> bool {
+        self.reads == Reads::Layers || self.averages
+    }
+
     /// Points the set at what the geometry pass writes. The device must not be using the set.
     pub fn read_from(&self, geometry: &Geometry) {
         // Every binding has to hold something; what there is none of is never read.

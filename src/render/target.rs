@@ -17,6 +17,9 @@ pub const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 /// Format of the displayed picture; the shader applies the transfer function.
 pub const DISPLAY: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
+/// What depth is cleared to.
+pub const FAR: f32 = 1.0;
+
 /// Format of directions and pigment.
 pub const GEOMETRY: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
@@ -31,20 +34,27 @@ pub struct Geometry {
     pub albedo: Option<Image>,
     /// ω_i of the other lights, two to an image.
     pub more_lights: Vec<Image>,
-    /// Depth.
+    /// Depth; [`FAR`] where nothing is covered.
     pub depth: Image,
     /// Lights.
     pub lights: usize,
     /// Whether the pigment is of a texture.
     pub textured: bool,
+    /// Whether directions hold [`UNCOVERED`] where nothing is covered; else they hold anything there.
+    pub marked: bool,
 }
 
 impl Geometry {
-    /// Images of `size` pixels for `lights` lights; with albedos where the pigment is `textured`.
+    /// Images of `size` pixels for `lights` lights; with albedos where the pigment is `textured`, and what is not covered `marked` or not.
     ///
     /// # Errors
     /// Where the device has no room or does not make images of that size.
-    pub fn new(device: &Arc<Device>, size: [u32; 2], lights: usize, textured: bool) -> Result<Self> {
+    pub fn new(
+        device: &Arc<Device>,
+        size: [u32; 2],
+        lights: usize,
+        [textured, marked]: [bool; 2],
+    ) -> Result<Self> {
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
             | vk::ImageUsageFlags::TRANSFER_SRC
             | vk::ImageUsageFlags::SAMPLED;
@@ -60,9 +70,14 @@ impl Geometry {
             more_lights: (0..more)
                 .map(|_| make("light directions", GEOMETRY, usage))
                 .collect::<Result<_>>()?,
-            depth: make("depth", DEPTH, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT)?,
+            depth: make(
+                "depth",
+                DEPTH,
+                vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
+            )?,
             lights,
             textured,
+            marked,
         })
     }
 
@@ -74,7 +89,7 @@ impl Geometry {
 
 /// The images of one picture size.
 pub struct Target {
-    /// Linear radiance; alpha 1 where covered.
+    /// Linear radiance; anything where nothing is covered.
     pub radiance: Image,
     /// Displayed picture. A window that shows it holds it too.
     pub display: Arc<Image>,
@@ -106,7 +121,7 @@ impl Target {
 fn texel_size(format: vk::Format) -> Result<u64> {
     match format {
         vk::Format::R32G32B32A32_SFLOAT => Ok(16),
-        vk::Format::R8G8B8A8_UNORM => Ok(4),
+        vk::Format::R8G8B8A8_UNORM | DEPTH => Ok(4),
         other => {
             Err(Error::failed(format!("{other:?} cannot be read back"), "report this as a bug of diffract"))
         }

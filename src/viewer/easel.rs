@@ -144,8 +144,9 @@ impl Easel {
                             Some(pass) => pass,
                             none => none.insert(DifferencePass::new(&self.device, wish.size)?),
                         };
-                        let [judged, judge] = [a, b].map(|slot| slot.painter.target());
-                        pass.draw(judged, judge, wish.exposure, wish.background)?.clone()
+                        let targets = [a, b].map(|slot| slot.painter.target());
+                        let geometry = b.painter.geometry();
+                        pass.draw(geometry, targets, wish.exposure, wish.background)?.clone()
                     }
                     _ => b.painter.target().display.clone(),
                 };

@@ -271,8 +271,40 @@ impl Recorder<'_> {
         self.rendering(colors, Some((depth, vk::AttachmentLoadOp::LOAD)), draw);
     }
 
+    /// As [`Recorder::render_over`] into `colors` that are not cleared, for which software devices take long: where nothing is drawn, they
+    /// hold anything.
+    pub fn render_just_over(&self, colors: &[&Image], depth: &Image, draw: impl FnOnce(&Self)) {
+        self.without_clear(colors, depth, vk::AttachmentLoadOp::LOAD, draw);
+    }
+
+    /// The same with a cleared `depth`.
+    pub fn render_just(&self, colors: &[&Image], depth: &Image, draw: impl FnOnce(&Self)) {
+        self.without_clear(colors, depth, vk::AttachmentLoadOp::CLEAR, draw);
+    }
+
+    fn without_clear(
+        &self,
+        colors: &[&Image],
+        depth: &Image,
+        load: vk::AttachmentLoadOp,
+        draw: impl FnOnce(&Self),
+    ) {
+        let colors: Vec<_> = colors.iter().map(|image| (*image, [0.0; 4])).collect();
+        self.rendering_as(vk::AttachmentLoadOp::DONT_CARE, &colors, Some((depth, load)), draw);
+    }
+
     fn rendering(
         &self,
+        colors: &[(&Image, [f32; 4])],
+        depth: Option<(&Image, vk::AttachmentLoadOp)>,
+        draw: impl FnOnce(&Self),
+    ) {
+        self.rendering_as(vk::AttachmentLoadOp::CLEAR, colors, depth, draw);
+    }
+
+    fn rendering_as(
+        &self,
+        load: vk::AttachmentLoadOp,
         colors: &[(&Image, [f32; 4])],
         depth: Option<(&Image, vk::AttachmentLoadOp)>,
         draw: impl FnOnce(&Self),
@@ -282,7 +314,7 @@ impl Recorder<'_> {
             vk::RenderingAttachmentInfo::default()
                 .image_view(image.view())
                 .image_layout(access.row().2)
-                .load_op(vk::AttachmentLoadOp::CLEAR)
+                .load_op(load)
                 .store_op(vk::AttachmentStoreOp::STORE)
                 .clear_value(clear)
         };
@@ -294,7 +326,7 @@ impl Recorder<'_> {
             })
             .collect();
         let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 } };
-        let depth = depth.map(|(image, load)| attachment(image, Access::DepthAttachment, far).load_op(load));
+        let depth = depth.map(|(image, own)| attachment(image, Access::DepthAttachment, far).load_op(own));
         let (size, rows) = self.part.clone().unwrap_or((size, 0..size[1]));
         let area = vk::Rect2D {
             offset: vk::Offset2D { x: 0, y: rows.start as i32 },

@@ -141,7 +141,7 @@ fn a_profile_and_what_a_window_adds_fail_cleanly_at_each_of_their_allocations() 
             painter.cosine_weighted(&queries(3, 5))?;
             painter.draw_while(&view, 0.0, DVec3::ZERO, [16, 12], &mut || true)?;
             let mut errors = DifferencePass::new(device, [8, 6])?;
-            errors.draw(painter.target(), painter.target(), 0.0, DVec3::ONE)?;
+            errors.draw(painter.geometry(), [painter.target(); 2], 0.0, DVec3::ONE)?;
             Ok(times.frame.min.min(rates.coherent))
         });
         eprintln!("{allocations} allocations make a profile and an error in false colour");

@@ -176,7 +176,8 @@ fn a_relative_error_has_its_colour_and_the_background_stays() {
         for error in [1e-3, 1e-2, 3e-2, 0.2, 0.9] {
             judged.draw(&view(&scene, 1.0 + error), 0.0, DVec3::ZERO).unwrap();
             // So bright a display that no radiance counts as black.
-            let image = pass.draw(judged.target(), judge.target(), 20.0, DVec3::ONE).unwrap();
+            let image =
+                pass.draw(judge.geometry(), [judged.target(), judge.target()], 20.0, DVec3::ONE).unwrap();
             let codes: Vec<[u8; 4]> =
                 bytemuck::pod_collect_to_vec(&target::read_back(device, image, Access::ShaderRead).unwrap());
             let expected = difference::color(error as f32).map(|c| c * 255.0);
