@@ -247,7 +247,9 @@ impl Resources {
         let images = vec![
             image,
             texture(device, "pigment", vk::Format::R8G8B8A8_SRGB, pigment_size, None, &pigment.texels)?,
+            no_packed_lines(device)?,
         ];
+        let nearest = Sampler::nearest(device, "integer sampler")?;
         let edge = Sampler::linear(device, "table sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         let repeat = Sampler::linear(device, "pigment sampler", vk::SamplerAddressMode::REPEAT)?;
         let name = "colour table sampler";
@@ -287,11 +289,12 @@ impl Resources {
         descriptors.image(binding::PIGMENT, &images[1], &repeat);
         let geometry = binding::DIRECTIONS..binding::MORE_LIGHTS + MORE_LIGHTS;
         let of_layers = [binding::COEFFICIENTS, binding::LAYERS, binding::NODES];
-        let of_lines = [binding::LINES, binding::LINE_WEIGHTS, binding::PACKED_LINES];
+        let of_lines = [binding::LINES, binding::LINE_WEIGHTS];
         for number in of_layers.into_iter().chain(of_lines).chain(geometry) {
             descriptors.image(number, &images[0], &edge);
         }
         descriptors.buffer(binding::LINES_BLOCK, &buffers[0]);
+        descriptors.image(binding::PACKED_LINES, &images[2], &nearest);
         Ok(Self {
             descriptors,
             frame,
@@ -303,7 +306,7 @@ impl Resources {
             averages: filter == Filter::Pixel,
             images,
             edge,
-            _samplers: vec![repeat, levels],
+            _samplers: vec![repeat, levels, nearest],
             buffers,
         })
     }
@@ -404,18 +407,25 @@ fn numbers(device: &Arc<Device>, name: &str, table: &Table) -> Result<Image> {
     texture(device, name, float, table.size, None, bytemuck::cast_slice(&table.values))
 }
 
+/// Two pairs of terms, of 16-bit floats.
+const TWO_PAIRS: vk::Format = vk::Format::R32G32B32A32_UINT;
+
+/// What stands for packed lines where there are none: a binding of integers has to hold integers, read or not.
+fn no_packed_lines(device: &Arc<Device>) -> Result<Image> {
+    texture(device, "no packed lines", TWO_PAIRS, [1, 1], Some(1), &[0; 16])
+}
+
 /// The lines of `layers`, one pair of terms to a texel and two: of these, what there is none of is one texel.
 fn lines_textures(device: &Arc<Device>, layers: &Layers) -> Result<[Image; 2]> {
-    let two_pairs = vk::Format::R32G32B32A32_UINT;
     let lines_of = |packed: bool| -> Result<Image> {
         match layers.lines.as_ref().filter(|lines| lines.are_packed() == packed) {
             Some(lines) => {
-                let (format, to_a_texel) = if packed { (two_pairs, 2) } else { (format(&lines.texels), 1) };
+                let (format, to_a_texel) = if packed { (TWO_PAIRS, 2) } else { (format(&lines.texels), 1) };
                 let size = [lines.size[0] * lines.grouped / to_a_texel, lines.size[1]];
                 let count = lines.layers(layers.pairs(), layers.z_bands) as u32;
                 texture(device, "lines", format, size, Some(count), lines.texels.bytes())
             }
-            None if packed => texture(device, "no packed lines", two_pairs, [1, 1], Some(1), &[0; 16]),
+            None if packed => no_packed_lines(device),
             None => texture(device, "no lines", vk::Format::R8G8B8A8_UNORM, [1, 1], Some(1), &[0; 4]),
         }
     };
