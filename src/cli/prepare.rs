@@ -2,6 +2,7 @@
 
 use super::{check_validation, say, validation};
 use crate::error::Result;
+use crate::optics::sampling::{self, Limit};
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::{Layers, Settings, cache, compute_at};
 use crate::render::color_table::{self, ColorTable};
@@ -11,7 +12,7 @@ use crate::vk::device::Device;
 use crate::vk::instance::Instance;
 use crate::vk::selection::Wish;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::sync::Arc;
+use std::sync::{Arc, Once};
 
 /// Opens the device that `wish` means.
 pub fn device(wish: &Wish) -> Result<Arc<Device>> {
@@ -101,20 +102,19 @@ pub fn color_table(field: &HeightField, shading: &Shading, device: &Arc<Device>)
     Ok(table)
 }
 
-/// A height field sampled at dx knows nothing above 1/(2dx); directions ask for up to 2/λ.
+/// Tells, once a run, where `field` is sampled too coarsely for directions at wavelengths from `shortest` \[µm\].
 pub fn warn_of_coarse_samples(field: &HeightField, shortest: f64) {
-    let coarsest = field.pixel_size().into_iter().fold(0.0, f64::max);
-    let needed = shortest / 4.0;
-    // Spacings like 97.66 nm are meant to be enough; only what loses a visible part is told.
-    if coarsest > needed * 1.001 {
-        let limit = (shortest / (2.0 * coarsest)).min(2.0);
-        say(&format_args!(
-            "samples {:.1} nm apart hold |u| up to {limit:.2} at {:.0} nm (2 needs {:.1} nm); beyond that the \
-             surface is taken as dark",
-            coarsest * 1e3,
-            shortest * 1e3,
-            needed * 1e3
-        ));
+    static TOLD: Once = Once::new();
+    if let Some(Limit { axis, spacing, largest, needed }) = sampling::limit(field.pixel_size(), shortest) {
+        TOLD.call_once(|| {
+            say(&format_args!(
+                "samples {:.1} nm apart hold |{axis}| up to {largest:.2} at {:.0} nm (2 needs {:.1} nm); beyond that \
+                 the surface is taken as dark",
+                spacing * 1e3,
+                shortest * 1e3,
+                needed * 1e3
+            ));
+        });
     }
 }
 

@@ -5,6 +5,7 @@ use super::write;
 use crate::error::{Error, Result};
 use crate::expansion::HeightScale;
 use crate::expansion::taylor::{F32_ROUNDOFF, terms_for, thesis_bound};
+use crate::optics::sampling;
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::layers::largest_z;
 use crate::surface::synth::{self, Kind, Spec};
@@ -109,16 +110,10 @@ fn describe(field: &HeightField) -> String {
         ("period along x, y", format!("{}, {}", period(s.period[0]), period(s.period[1]))),
         ("holds frequencies to", pair(s.largest_frequency, "1/um", 1.0)),
     ];
-    let needed = SHORTEST / 4.0;
-    let coarsest = s.pixel_size[0].max(s.pixel_size[1]);
-    lines.push((
-        "directions held at 380 nm",
-        if coarsest <= needed {
-            "all".to_owned()
-        } else {
-            format!("|u| up to {:.2}; all need {} between samples", SHORTEST / (2.0 * coarsest), nm(needed))
-        },
-    ));
+    let held = sampling::limit(s.pixel_size, SHORTEST).map_or("all".to_owned(), |limit| {
+        format!("|{}| up to {:.2}; all need {} between samples", limit.axis, limit.largest, nm(limit.needed))
+    });
+    lines.push(("directions held at 380 nm", held));
     let half_range = HeightScale::of(field).half_range;
     let x = largest_z(SHORTEST) * half_range;
     lines.push(("largest phase k|w|a", format!("{x:.2}")));

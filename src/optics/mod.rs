@@ -11,5 +11,6 @@ pub mod grating;
 pub mod orders;
 pub mod quadrature;
 pub mod reference;
+pub mod sampling;
 pub mod sliding;
 pub mod spectrum;

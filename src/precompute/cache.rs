@@ -10,6 +10,7 @@ use super::lines::Lines;
 use super::pairs::PairRule;
 use super::texels::Texels;
 use crate::error::{Error, Result};
+use crate::memory;
 use crate::output;
 use crate::surface::HeightField;
 use std::fs::File;
@@ -112,6 +113,8 @@ pub fn load(folder: &Path, key: &blake3::Hash, memory_limit: usize) -> Option<La
     let place = path(folder, key);
     // Asked before opening, since opening a pipe waits for its other end.
     let size = std::fs::metadata(&place).ok().filter(std::fs::Metadata::is_file)?.len();
+    // Where there is none, making them says so.
+    memory::ensure_room(size, "the spectra").ok()?;
     read(&mut File::open(&place).ok()?, size, key, memory_limit)
 }
 

@@ -13,6 +13,7 @@ use super::transform::{Pair, Transformer};
 use crate::error::{Error, Result};
 use crate::expansion::taylor::{F32_ROUNDOFF, terms_for};
 use crate::expansion::{Basis, Expansion, HeightScale};
+use crate::memory;
 use crate::surface::HeightField;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -159,6 +160,22 @@ pub fn compute_at(
     shift: [f64; 2],
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<Layers> {
+    if let Some(layers) = make(field, settings, shift, progress)? {
+        return Ok(layers);
+    }
+    // Lines take up to half as much again as the plane alone, which shows the same picture with more reads.
+    let plane_alone = Settings { lines: None, ..*settings };
+    make(field, &plane_alone, shift, progress)?
+        .ok_or_else(|| too_large(settings.memory_limit as f64, settings))
+}
+
+/// The layers for `settings`; `None` where they outgrow the memory limit with lines, which can be left away.
+fn make(
+    field: &HeightField,
+    settings: &Settings,
+    shift: [f64; 2],
+    progress: &dyn Fn(usize, usize) -> Result<()>,
+) -> Result<Option<Layers>> {
     let scale = HeightScale::of(field);
     let z_max = largest_z(settings.shortest_wavelength);
     let budget = settings.budget;
@@ -194,6 +211,15 @@ pub fn compute_at(
     let first_column = if half_plane { x.bins - guard } else { 0 };
     let size = [x.kept() - first_column, y.kept()];
     let layer_bytes = size[0] * size[1] * TEXEL + if half_plane { on_lines / 2 } else { on_lines };
+    let outgrows = |layers: usize| layers * layer_bytes > settings.memory_limit;
+    let without_lines = lines.is_none();
+    let no_room = |layers: usize| {
+        if without_lines { Err(too_large((layers * layer_bytes) as f64, settings)) } else { Ok(None) }
+    };
+    let least = if settings.terms.is_some() { most_terms.div_ceil(2) } else { bands.layers() };
+    if outgrows(least) {
+        return no_room(least);
+    }
     let mut maker = lines.as_ref().map(|(spacing, axes)| lines::Maker::new(spacing, axes, half_plane, count));
     let transformer = Transformer::new(field, x, y);
     let along_lines = lines.map(|(_, axes)| axes.map(|[x, y]| Transformer::new(field, x, y)));
@@ -210,14 +236,19 @@ pub fn compute_at(
         let wanted = bands.layers();
         while made < wanted {
             progress(PLANES + made, steps(wanted))?;
-            if (made + 1) * layer_bytes > settings.memory_limit {
-                return Err(too_large(((made + 1) * layer_bytes) as f64, settings));
+            if outgrows(made + 1) {
+                return no_room(made + 1);
             }
             let (first_term, band) = (made / count * 2, made % count);
             let family = &bands.families[band];
             let value = |n: usize, i: usize| family.basis(first_term + n, heights[i]);
             let pair = transformer.pair(half_plane, value);
-            texels.extend(pack(&pair, size, first_column));
+            // Asked for as it grows: how many layers there will be is known at the end alone.
+            memory::ensure_room(layer_bytes as u64, "the spectra")?;
+            let begin = texels.len();
+            texels.reserve_exact(size[0] * size[1] * 4);
+            texels.resize(begin + size[0] * size[1] * 4, 0.0);
+            pack(&pair, size[0], first_column, &mut texels[begin..]);
             match (&mut maker, &along_lines) {
                 (Some(maker), Some(sets)) => {
                     for (set, transformer) in sets.iter().enumerate() {
@@ -262,11 +293,15 @@ pub fn compute_at(
         ));
     }
     progress(steps(made), steps(made))?;
+    // What is made now stands beside what it is made from.
+    let lines_bytes = made * (layer_bytes - size[0] * size[1] * TEXEL);
+    let finished = if half { (lines_bytes + texels.len() * size_of::<f32>()) / 2 } else { lines_bytes };
+    memory::ensure_room(finished as u64, "the spectra")?;
     let error_on_lines =
         settings.lines.filter(|_| maker.is_some()).map_or(0.0, |spacing| spacing.interpolation_error());
     let worst =
         |of: &dyn Fn(&dyn Expansion) -> f64| families.iter().map(|f| of(f.as_ref())).fold(0.0, f64::max);
-    Ok(Layers {
+    Ok(Some(Layers {
         size,
         origin: [transformer.x.bins - first_column, transformer.y.bins],
         length: [transformer.x.length, transformer.y.length],
@@ -291,7 +326,7 @@ pub fn compute_at(
         },
         texels: Texels::of(half, texels),
         lines: maker.map(|maker| maker.finish(terms.div_ceil(2), half, settings.side_limit)),
-    })
+    }))
 }
 
 /// Where the audit may stop looking for the number of terms.
@@ -308,16 +343,14 @@ fn most_terms(bands: &Bands, settings: &Settings, z_max: f64) -> usize {
     }
 }
 
-/// One pair of terms as RGBA texels, row by row, from kept column `first_column` on.
-fn pack(pair: &Pair, size: [usize; 2], first_column: usize) -> Vec<f32> {
-    let mut texels = vec![0.0f32; size[0] * size[1] * 4];
-    texels.par_chunks_mut(size[0] * 4).enumerate().for_each(|(row, out)| {
+/// One pair of terms as RGBA `texels`, row by row, each of `columns` from kept column `first_column` on.
+fn pack(pair: &Pair, columns: usize, first_column: usize, texels: &mut [f32]) {
+    texels.par_chunks_mut(columns * 4).enumerate().for_each(|(row, out)| {
         for (column, texel) in out.chunks_mut(4).enumerate() {
             let [a, b] = pair.at(first_column + column, row);
             texel.copy_from_slice(&[a.re as f32, a.im as f32, b.re as f32, b.im as f32]);
         }
     });
-    texels
 }
 
 /// Bytes of a texel: two complex numbers of 32-bit floats.

@@ -1,7 +1,7 @@
 //! Which frequencies are transformed, how finely, and whether there is room for it.
 
 use super::kernel::Interpolation;
-use super::layers::Settings;
+use super::layers::{Aim, Settings};
 use super::lines;
 use super::transform::{PaddedAxis, Samples, Transformer};
 use crate::error::{Error, Result};
@@ -37,7 +37,7 @@ impl Plan {
                 lines: Some((spacing, spacing.axes(&own, sigma, band))),
             };
             if plan.longest() <= settings.side_limit {
-                return plan.checked(&own).map(|()| plan);
+                return plan.checked(&own, settings).map(|()| plan);
             }
         }
         // Whether it fits is known before the axes, which are as long as the window, are made.
@@ -63,7 +63,7 @@ impl Plan {
                 "ask for a shorter --coherence or a larger --tolerance, or use --method reference",
             ));
         }
-        plan.checked(&own).map(|()| plan)
+        plan.checked(&own, settings).map(|()| plan)
     }
 
     /// Every pair of axes.
@@ -76,12 +76,16 @@ impl Plan {
         self.axes().flatten().map(PaddedAxis::kept).max().unwrap_or(0)
     }
 
-    /// Fails where the host has no room for the transforms.
-    fn checked(&self, own: &[Samples; 2]) -> Result<()> {
-        let transform = self.axes().map(|[x, y]| Transformer::memory(x, y, &own[1])).max();
-        // Beside the transform, every height once more, in units of their range.
+    /// Fails where the host has no room for the transforms of `settings`, whose rooms are kept from one to the next. The layers
+    /// ask for theirs as they are made.
+    fn checked(&self, own: &[Samples; 2], settings: &Settings) -> Result<()> {
+        // Real functions share a spectrum; bands of z have complex ones.
+        let one_band = settings.aim == Aim::FewTransforms || settings.terms.is_some();
+        let spectra = if settings.basis.is_real() && one_band { 1 } else { 2 };
+        let transforms: u64 = self.axes().map(|[x, y]| Transformer::memory(x, y, &own[1], spectra)).sum();
+        // Beside them, every height once more, in units of their range.
         let heights = (own[0].count * own[1].count * size_of::<f64>()) as u64;
-        memory::ensure_room(transform.unwrap_or(0).saturating_add(heights), "the Fourier transforms")
+        memory::ensure_room(transforms.saturating_add(heights), "the Fourier transforms")
     }
 }
 

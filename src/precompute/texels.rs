@@ -17,6 +17,9 @@ pub enum Texels {
 /// above where they lose precision, 6.1e-5.
 pub const HALF_UNIT: f32 = 1.0 / 4096.0;
 
+/// Numbers that a thread takes at once: many enough for it, and few enough for its cache.
+const TOGETHER: usize = 1 << 16;
+
 impl Texels {
     /// What 16 bits make of `value`.
     pub fn halved(value: f32) -> f32 {
@@ -28,9 +31,11 @@ impl Texels {
         if !half {
             return Self::Single(values);
         }
-        let scaled: Vec<f32> = values.iter().map(|v| v / HALF_UNIT).collect();
         let mut halves = vec![0u16; values.len()];
-        halves.reinterpret_cast_mut::<f16>().convert_from_f32_slice(&scaled);
+        let scaled = |values: &[f32]| -> Vec<f32> { values.iter().map(|v| v / HALF_UNIT).collect() };
+        halves.par_chunks_mut(TOGETHER).zip(values.par_chunks(TOGETHER)).for_each(|(halves, values)| {
+            halves.reinterpret_cast_mut::<f16>().convert_from_f32_slice(&scaled(values));
+        });
         Self::Half(halves)
     }
 
@@ -94,8 +99,6 @@ impl Texels {
 
     /// Whether every number is one.
     pub fn are_finite(&self) -> bool {
-        /// Many enough for a thread, and few enough for its cache.
-        const TOGETHER: usize = 1 << 16;
         // All bits of the exponent, which infinities and what is no number have. No early end, so that lanes go side by side.
         const SINGLE: u32 = 0x7f80_0000;
         const HALF: u16 = 0x7c00;

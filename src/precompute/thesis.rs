@@ -39,7 +39,7 @@ pub fn layers(field: &HeightField, sigma: f64, shortest: f64) -> Result<Layers> 
     let pairs = TERMS.div_ceil(2);
     let texels = size[0] * size[1] * pairs;
     memory::ensure_room(
-        texels as u64 * 32 + Transformer::memory(&x, &y, &own[1]),
+        texels as u64 * 32 + Transformer::memory(&x, &y, &own[1], 1),
         "the Fourier series of the thesis",
     )?;
     let heights: Vec<f64> = field.heights().iter().map(|&h| scale.normalise(h)).collect();

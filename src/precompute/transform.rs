@@ -222,6 +222,9 @@ impl IntoIterator for Pair {
     }
 }
 
+/// Columns that are transformed together: neighbours share cache lines of the rows.
+const TOGETHER: usize = 8;
+
 /// Transforms of one height field under one window.
 pub struct Transformer<'a> {
     field: &'a HeightField,
@@ -272,10 +275,12 @@ impl<'a> Transformer<'a> {
         spectra.into_iter().for_each(|spectrum| self.keep(spectrum.values));
     }
 
-    /// Host memory that a transform takes at its worst \[bytes\]: the rows of the patch at the kept columns, and the kept
-    /// spectrum.
-    pub fn memory(x: &PaddedAxis, y: &PaddedAxis, own: &Samples) -> u64 {
-        ((own.count + y.kept()) * x.kept() * size_of::<Complex64>()) as u64
+    /// Host memory that a transformer of `spectra` spectra at a time takes at its worst \[bytes\]: the rows of the patch that the
+    /// window sees, at the kept columns, the kept spectra, and a few lines for each thread. `own` is along y.
+    pub fn memory(x: &PaddedAxis, y: &PaddedAxis, own: &Samples, spectra: usize) -> u64 {
+        let rows = own.count.min(y.taps.len());
+        let lines = 2 * (x.samples + TOGETHER * y.samples) * rayon::current_num_threads();
+        (((rows + spectra * y.kept()) * x.kept() + lines) * size_of::<Complex64>()) as u64
     }
 
     /// The spectra of window · `value`(0 or 1, sample of the patch); real functions share one transform.
@@ -313,8 +318,6 @@ impl<'a> Transformer<'a> {
             },
         );
         let mut values = self.room(columns * y.kept());
-        // Neighbouring columns share cache lines of `rows_done`.
-        const TOGETHER: usize = 8;
         values.par_chunks_mut(TOGETHER * y.kept()).enumerate().for_each_init(
             || {
                 (

@@ -17,6 +17,7 @@ mod peaks;
 mod profile;
 mod regressions;
 mod render;
+mod sampling;
 mod sandbox;
 mod surface;
 mod table;

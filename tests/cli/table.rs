@@ -67,9 +67,14 @@ fn what_a_table_cannot_do_is_refused_with_the_reason() {
     assert!(fine.contains("16-bit") && fine.contains("2e-3") && fine.contains("--method spectral"), "{fine}");
     let large = refused(1, &with(&["--coherence", "gaussian:500um", "--tolerance", "5e-3"]));
     assert!(large.contains("texels") && large.contains("--coherence"), "{large}");
-    let sharp = refused(1, &with(&["--coherence", "repeats:60x60"]));
-    assert!(sharp.contains("texels") && sharp.contains("fewer --coherence repeats"), "{sharp}");
-    assert!(sharp.contains("GiB") || sharp.contains("the device holds"), "the room that there is: {sharp}");
+    for copies in ["repeats:60x60", "repeats:1000x1000"] {
+        let sharp = refused(1, &with(&["--coherence", copies]));
+        assert!(sharp.contains("texels") && sharp.contains("fewer --coherence repeats"), "{sharp}");
+        assert!(
+            sharp.contains("GiB") || sharp.contains("the device holds"),
+            "the room that there is: {sharp}"
+        );
+    }
     let named = refused(2, &with(&["--coherence", "repeats:2x2", "--wavelengths", "20"]));
     assert!(named.contains("where the orders are"), "{named}");
     assert!(refused(2, &with(&["--terms", "9"])).contains("--terms"));

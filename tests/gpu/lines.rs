@@ -6,7 +6,7 @@ use crate::table::{by_reference, colours, errors};
 use diffract::expansion::Basis;
 use diffract::measure::cost::Cost;
 use diffract::optics::quadrature::Rule;
-use diffract::precompute::{Layers, compute};
+use diffract::precompute::{Layers, Settings, compute};
 use diffract::render::evaluator::Evaluator;
 use diffract::render::picture::Directions;
 use diffract::render::shading::Shading;
@@ -14,6 +14,10 @@ use diffract::render::tables::Combs;
 use diffract::surface::HeightField;
 use diffract::surface::synth::Kind;
 use diffract::vk::device::Device;
+use diffract::vk::instance::Instance;
+use diffract::vk::mask::Mask;
+use diffract::vk::selection::Wish;
+use std::sync::Arc;
 
 /// Layers of `field` for pictures, which have lines.
 fn layers(device: &Device, field: &HeightField, shading: &Shading) -> Layers {
@@ -131,4 +135,42 @@ fn tolerances_that_the_weights_of_lines_would_break_do_without_them() {
             assert_eq!(settings.lines.is_some(), on_lines, "{tolerance}");
         }
     });
+}
+
+#[test]
+fn a_device_that_has_room_for_the_plane_but_not_for_lines_shades_without_them() {
+    let field = patch(Kind::Elaphe, 12.0);
+    let light = shading(24.0, 3e-2);
+    // Named terms keep the number of layers, whatever there is room for.
+    let shading = Shading { terms: Some(8), ..light.clone() }.for_pictures();
+    let roomy = with_device(|device| shading.layer_settings(0.38, device.candidate()).unwrap());
+    let bytes = |lines| {
+        let layers = compute(&field, &Settings { lines, ..roomy }, &|_, _| Ok(())).unwrap();
+        assert_eq!(layers.lines.is_some(), lines.is_some());
+        layers.bytes()
+    };
+    let (with, without) = (bytes(roomy.lines), bytes(None));
+    assert!(roomy.lines.is_some() && with as f64 > 1.2 * without as f64, "{with} {without}");
+    let on_device_for = |layers: usize| {
+        // Layers get three quarters of a device.
+        let mask = Mask { memory: Some((layers as f64 / 0.75) as u64), ..Mask::default() };
+        let instance = Arc::new(Instance::masked(true, mask).unwrap());
+        let device = Device::open(instance.clone(), &Wish::Any).unwrap();
+        let settings = shading.layer_settings(0.38, device.candidate()).unwrap();
+        assert!(settings.lines.is_some() && settings.memory_limit.abs_diff(layers) < 8);
+        (compute(&field, &settings, &|_, _| Ok(())), device, instance)
+    };
+    let (layers, device, instance) = on_device_for((with + without) / 2);
+    let layers = layers.unwrap();
+    assert!(layers.lines.is_none() && layers.bytes() == without);
+    let queries = colours(44, 200);
+    let exact = by_reference(&field, &light, &queries);
+    let found = Evaluator::new(&device, &layers, &shading).unwrap().cosine_weighted(&queries).unwrap();
+    let [whole, median, _] = errors(&found, &exact);
+    assert!(whole <= light.tolerance && median <= light.tolerance, "{whole:e}, {median:e}");
+    drop(device);
+    assert_eq!(instance.messages(), [""; 0]);
+    // What holds neither is refused with what would fit.
+    let line = on_device_for(without * 9 / 10).0.unwrap_err().to_string();
+    assert!(line.contains("GiB") && line.contains("fewer --terms") && line.contains("--coherence"), "{line}");
 }

@@ -4,6 +4,7 @@
 use super::ColorTable;
 use super::grid::{Grid, LEVELS};
 use crate::error::Result;
+use crate::memory;
 use crate::optics::coherence::Coherence;
 use crate::output;
 use crate::precompute::Settings;
@@ -47,6 +48,8 @@ pub fn load(folder: &Path, key: &blake3::Hash, limit: u64) -> Option<ColorTable>
     let place = path(folder, key);
     // Asked before opening, since opening a pipe waits for its other end.
     let size = std::fs::metadata(&place).ok().filter(std::fs::Metadata::is_file)?.len();
+    // Where there is none, baking says so.
+    memory::ensure_room(size, "the colour table").ok()?;
     read(&mut File::open(&place).ok()?, size, key, limit)
 }
 
