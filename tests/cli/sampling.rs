@@ -98,7 +98,7 @@ fn every_command_that_shades_tells_it_and_tells_it_once() {
         format!("render plate {surface} --size 8x6 -o r.png"),
         format!("render plate {surface} --size 8x6 -o r.png --method table"),
         format!("render plate {surface} --size 4x3 -o r.png --method reference"),
-        format!("profile plate {surface} --size 8x6 --frames 2 --error 5"),
+        format!("profile plate {surface} --size 8x6 --frames 3 --error 5"),
     ] {
         assert_eq!(told(&sandbox, &command, "80nm").len(), 0, "{command}");
         let lines = told(&sandbox, &command, "150nm");
