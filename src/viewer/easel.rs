@@ -156,8 +156,13 @@ impl Easel {
             self.other = None;
         }
         let inset = if wish.inset { self.hemisphere(wish)? } else { None };
+        // A newer wish has its own counted; an errand draws nothing that would.
+        let superseded = || {
+            let desk = shared.desk();
+            desk.stop || desk.wish.is_some()
+        };
         let cost = match wish.rung {
-            Rung::WHOLE if !newer() => self.count(wish)?,
+            Rung::WHOLE if !superseded() => self.count(wish)?,
             _ => None,
         };
         Ok(Some(Word::Drawn(Box::new(Exhibit {
