@@ -155,10 +155,12 @@ impl Expansion for Optimal {
     fn truncation_bound(&self, z: f64, terms: usize) -> f64 {
         /// Samples a radian of the phase zh, so that what lies between them is larger by half a per cent at the most.
         const A_RADIAN: f64 = 5.0;
+        /// Samples at the least, of z and of the heights: flat surfaces have hardly any phase.
+        const FEWEST: [usize; 2] = [32, 256];
         let [from, to] = self.z_range;
         let to = z.clamp(from, to);
-        let zs = 32.max((A_RADIAN * (to - from) * self.heights.half_range) as usize);
-        let heights = 256.max((A_RADIAN * 2.0 * to * self.heights.half_range) as usize);
+        let zs = FEWEST[0].max((A_RADIAN * (to - from) * self.heights.half_range) as usize);
+        let heights = FEWEST[1].max((A_RADIAN * 2.0 * to * self.heights.half_range) as usize);
         let mut c = vec![Complex64::ZERO; terms];
         (0..=zs).fold(0.0, |worst, q| {
             let z = from + (to - from) * q as f64 / zs as f64;

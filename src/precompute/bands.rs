@@ -91,7 +91,12 @@ impl Bands {
 
 /// Whether more than one band is an option for `settings` and heights of z_max·a = `x`.
 fn tried(settings: &Settings, x: f64) -> bool {
-    settings.terms.is_none() && settings.aim == Aim::FewSamples && x <= MOST_RADIANS
+    may_be_many(settings) && x <= MOST_RADIANS
+}
+
+/// Whether more than one band is an option for `settings` and some heights.
+pub(super) fn may_be_many(settings: &Settings) -> bool {
+    settings.terms.is_none() && settings.aim == Aim::FewSamples
 }
 
 /// The functions of each of `count` equal bands of 0 … `z_max`.

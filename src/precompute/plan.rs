@@ -1,7 +1,8 @@
 //! Which frequencies are transformed, how finely, and whether there is room for it.
 
+use super::bands::may_be_many;
 use super::kernel::Interpolation;
-use super::layers::{Aim, Settings};
+use super::layers::Settings;
 use super::lines;
 use super::transform::{PaddedAxis, Samples, Transformer};
 use crate::error::{Error, Result};
@@ -80,8 +81,7 @@ impl Plan {
     /// ask for theirs as they are made.
     fn checked(&self, own: &[Samples; 2], settings: &Settings) -> Result<()> {
         // Real functions share a spectrum; bands of z have complex ones.
-        let one_band = settings.aim == Aim::FewTransforms || settings.terms.is_some();
-        let spectra = if settings.basis.is_real() && one_band { 1 } else { 2 };
+        let spectra = if settings.basis.is_real() && !may_be_many(settings) { 1 } else { 2 };
         let transforms: u64 = self.axes().map(|[x, y]| Transformer::memory(x, y, &own[1], spectra)).sum();
         // Beside them, every height once more, in units of their range.
         let heights = (own[0].count * own[1].count * size_of::<f64>()) as u64;
