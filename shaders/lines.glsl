@@ -12,8 +12,8 @@ struct TwoPairs {
     vec4 second;
 };
 
-// A texel of two pairs over 2^112: sign, exponent and mantissa of the 16-bit floats, moved to where 32-bit floats have them. What GLSL
-// has to unpack them takes software devices several times as long.
+// A texel of two pairs over 2^112, which is what the exponents' biases, 127 and 15, differ by: sign, exponent and mantissa of the 16-bit
+// floats (IEEE 754), moved to where 32-bit floats have them. What GLSL has to unpack them takes software devices several times as long.
 TwoPairs unpacked(uvec4 texel) {
     const int KEPT = int(0x8fffe000u);
     ivec4 bits = ivec4(texel);

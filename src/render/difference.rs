@@ -1,10 +1,10 @@
 //! Where two settings differ: the relative difference of two radiances, pixel by pixel, in false colour.
 
-use super::frame::COVERED;
+use super::frame::{COVERED, displayed};
 use super::target::{self, Geometry, Target};
 use super::{shader, window};
 use crate::error::Result;
-use crate::optics::color::{self, DISPLAY_BLACK};
+use crate::optics::color::DISPLAY_BLACK;
 use crate::vk::access::Access;
 use crate::vk::commands::Commands;
 use crate::vk::descriptors::Descriptors;
@@ -92,14 +92,15 @@ impl DifferencePass {
         self.descriptors.image(0, &judged.radiance, &self.sampler);
         self.descriptors.image(1, &judge.radiance, &self.sampler);
         // What a display shows as black is not wrong.
-        let floor = DISPLAY_BLACK / exposure.exp2();
-        let floor = floor as f32;
-        let [r, g, b] = color::display(background, 0.0).map(|code| f32::from(code) / 255.0);
+        let floor = (DISPLAY_BLACK / exposure.exp2()) as f32;
         let image = &self.image;
         self.commands.run(|record| {
             record.memory(Access::ShaderRead, Access::ColorAttachment);
-            record.images(&[(image, Access::Nothing, Access::ColorAttachment)]);
-            record.render_over(&[(image, [r, g, b, 1.0])], &geometry.depth, |draw| {
+            record.images(&[
+                (image, Access::Nothing, Access::ColorAttachment),
+                (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
+            ]);
+            record.render_over(&[(image, Some(displayed(background)))], &geometry.depth, |draw| {
                 draw.bind(&self.pipeline, &self.descriptors);
                 draw.push(&self.pipeline, bytemuck::bytes_of(&floor));
                 draw.draw(3);

@@ -149,16 +149,12 @@ impl GeometryPass {
         let mut before = change(Access::Nothing, Access::ColorAttachment);
         before.push((&geometry.depth, Access::Nothing, Access::DepthAttachment));
         record.images(&before);
-        let draw = |draw: &Recorder<'_>| {
+        let mark = geometry.marked.then_some([target::UNCOVERED; 4]);
+        let colors: Vec<_> = geometry.images().map(|image| (image, mark)).collect();
+        record.render(&colors, Some(&geometry.depth), |draw| {
             draw.bind(&self.pipeline, descriptors);
             draw.draw_indexed(&mesh.vertices, &mesh.indices, mesh.count);
-        };
-        if geometry.marked {
-            let cleared: Vec<_> = geometry.images().map(|image| (image, [target::UNCOVERED; 4])).collect();
-            record.render(&cleared, Some(&geometry.depth), draw);
-        } else {
-            record.render_just(&geometry.images().collect::<Vec<_>>(), &geometry.depth, draw);
-        }
+        });
         record.images(&change(Access::ColorAttachment, Access::ShaderRead));
     }
 }
@@ -267,7 +263,7 @@ impl PixelPass {
         (geometry, target): (&Geometry, &Target),
         descriptors: &Descriptors,
     ) {
-        record.render_just_over(&[&target.radiance], &geometry.depth, |draw| {
+        record.render_over(&[(&target.radiance, None)], &geometry.depth, |draw| {
             self.draw(draw, descriptors, &self.settings);
         });
     }
@@ -281,7 +277,7 @@ impl PixelPass {
         push: &[u8],
     ) {
         record.images(&[(&target.radiance, Access::Nothing, Access::ColorAttachment)]);
-        record.render(&[(&target.radiance, [0.0; 4])], None, |draw| self.draw(draw, descriptors, push));
+        record.render(&[(&target.radiance, Some([0.0; 4]))], None, |draw| self.draw(draw, descriptors, push));
     }
 
     fn draw(&self, draw: &Recorder<'_>, descriptors: &Descriptors, push: &[u8]) {
@@ -345,13 +341,19 @@ impl DisplayPass {
             (&target.radiance, Access::ColorAttachment, Access::ShaderRead),
             (into, Access::Nothing, Access::ColorAttachment),
         ]);
-        let [r, g, b] = color::display(background, 0.0).map(|code| f32::from(code) / 255.0);
-        record.render_over(&[(into, [r, g, b, 1.0])], &geometry.depth, |draw| {
+        let background = Some(displayed(background));
+        record.render_over(&[(into, background)], &geometry.depth, |draw| {
             draw.bind(&self.pipeline, &self.descriptors);
             draw.push(&self.pipeline, bytemuck::bytes_of(&(exposure as f32)));
             draw.draw(3);
         });
     }
+}
+
+/// What a display pass clears to: the code of `background`, which no exposure changes.
+pub(super) fn displayed(background: DVec3) -> [f32; 4] {
+    let [r, g, b] = color::display(background, 0.0).map(|code| f32::from(code) / 255.0);
+    [r, g, b, 1.0]
 }
 
 /// Bytes of the display's push constants: the exposure.

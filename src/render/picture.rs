@@ -10,7 +10,7 @@ use super::target::{self, Geometry, Target};
 use crate::error::{Error, Result};
 use crate::scene::{MAX_LIGHTS, Mesh};
 use crate::vk::access::Access;
-use crate::vk::commands::{Commands, Recorder};
+use crate::vk::commands::{Commands, FAR, Recorder};
 use crate::vk::device::Device;
 use crate::vk::queries::Timestamps;
 use glam::DVec3;
@@ -365,7 +365,7 @@ impl Painter {
     fn covered(&self) -> Result<Vec<bool>> {
         let depth = target::read_back(&self.device, &self.geometry.depth, Access::DepthAttachment)?;
         let depth: Vec<f32> = bytemuck::pod_collect_to_vec(&depth);
-        Ok(depth.into_iter().map(|depth| depth < target::FAR).collect())
+        Ok(depth.into_iter().map(|depth| depth < FAR).collect())
     }
 
     /// Writes the `Frame` block of `view` for pictures of `size`.

@@ -17,9 +17,6 @@ pub const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 /// Format of the displayed picture; the shader applies the transfer function.
 pub const DISPLAY: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
-/// What depth is cleared to.
-pub const FAR: f32 = 1.0;
-
 /// Format of directions and pigment.
 pub const GEOMETRY: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
@@ -34,7 +31,7 @@ pub struct Geometry {
     pub albedo: Option<Image>,
     /// ω_i of the other lights, two to an image.
     pub more_lights: Vec<Image>,
-    /// Depth; [`FAR`] where nothing is covered.
+    /// Depth; [`crate::vk::commands::FAR`] where nothing is covered.
     pub depth: Image,
     /// Lights.
     pub lights: usize,

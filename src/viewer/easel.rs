@@ -105,10 +105,11 @@ impl Easel {
     fn draw(&mut self, wish: &Wish, shared: &Shared) -> Result<Option<Word>> {
         let start = Instant::now();
         let moving = wish.moving;
-        let newer = || {
+        let superseded = || {
             let desk = shared.desk();
-            desk.stop || desk.wish.is_some() || !desk.errands.is_empty()
+            desk.stop || desk.wish.is_some()
         };
+        let newer = || superseded() || !shared.desk().errands.is_empty();
         let milliseconds = || start.elapsed().as_secs_f64() * 1e3;
         let mut go_on = || !(newer() && (!moving || milliseconds() > PATIENCE));
         self.tidy(wish);
@@ -157,10 +158,6 @@ impl Easel {
         }
         let inset = if wish.inset { self.hemisphere(wish)? } else { None };
         // A newer wish has its own counted; an errand draws nothing that would.
-        let superseded = || {
-            let desk = shared.desk();
-            desk.stop || desk.wish.is_some()
-        };
         let cost = match wish.rung {
             Rung::WHOLE if !superseded() => self.count(wish)?,
             _ => None,

@@ -125,7 +125,7 @@ impl Screen {
         let record = |record: &crate::vk::commands::Recorder<'_>| {
             record.images(&[(image, Access::Nothing, Access::ColorAttachment)]);
             let mut drawn = Ok(());
-            record.render(&[(image, BACKDROP)], None, |draw| {
+            record.render(&[(image, Some(BACKDROP))], None, |draw| {
                 if let Some(scenery) = scenery {
                     pass.draw(draw, pictures, &scenery.place);
                 }

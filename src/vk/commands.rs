@@ -18,6 +18,9 @@ use std::sync::Arc;
 /// take for a large picture.
 const PATIENCE: u64 = 600 * 1_000_000_000;
 
+/// What depth is cleared to: where the farthest things are seen.
+pub const FAR: f32 = 1.0;
+
 /// A command buffer, its pool and its fence.
 pub struct Commands {
     raw: vk::CommandBuffer,
@@ -261,56 +264,35 @@ impl Recorder<'_> {
         unsafe { self.device.cmd_dispatch(self.raw, groups, 1, 1) };
     }
 
-    /// Draws into cleared `colors` (with their clear values) and cleared `depth`, all of one size.
-    pub fn render(&self, colors: &[(&Image, [f32; 4])], depth: Option<&Image>, draw: impl FnOnce(&Self)) {
+    /// Draws into `colors` and a `depth` that is cleared to [`FAR`], all of one size. Colours are cleared where they come with a value; that
+    /// takes software devices long, and without one they hold anything where nothing is drawn.
+    pub fn render(
+        &self,
+        colors: &[(&Image, Option<[f32; 4]>)],
+        depth: Option<&Image>,
+        draw: impl FnOnce(&Self),
+    ) {
         self.rendering(colors, depth.map(|image| (image, vk::AttachmentLoadOp::CLEAR)), draw);
     }
 
     /// The same with a `depth` that was drawn before.
-    pub fn render_over(&self, colors: &[(&Image, [f32; 4])], depth: &Image, draw: impl FnOnce(&Self)) {
-        self.rendering(colors, Some((depth, vk::AttachmentLoadOp::LOAD)), draw);
-    }
-
-    /// As [`Recorder::render_over`] into `colors` that are not cleared, for which software devices take long: where nothing is drawn, they
-    /// hold anything.
-    pub fn render_just_over(&self, colors: &[&Image], depth: &Image, draw: impl FnOnce(&Self)) {
-        self.without_clear(colors, depth, vk::AttachmentLoadOp::LOAD, draw);
-    }
-
-    /// The same with a cleared `depth`.
-    pub fn render_just(&self, colors: &[&Image], depth: &Image, draw: impl FnOnce(&Self)) {
-        self.without_clear(colors, depth, vk::AttachmentLoadOp::CLEAR, draw);
-    }
-
-    fn without_clear(
+    pub fn render_over(
         &self,
-        colors: &[&Image],
+        colors: &[(&Image, Option<[f32; 4]>)],
         depth: &Image,
-        load: vk::AttachmentLoadOp,
         draw: impl FnOnce(&Self),
     ) {
-        let colors: Vec<_> = colors.iter().map(|image| (*image, [0.0; 4])).collect();
-        self.rendering_as(vk::AttachmentLoadOp::DONT_CARE, &colors, Some((depth, load)), draw);
+        self.rendering(colors, Some((depth, vk::AttachmentLoadOp::LOAD)), draw);
     }
 
     fn rendering(
         &self,
-        colors: &[(&Image, [f32; 4])],
-        depth: Option<(&Image, vk::AttachmentLoadOp)>,
-        draw: impl FnOnce(&Self),
-    ) {
-        self.rendering_as(vk::AttachmentLoadOp::CLEAR, colors, depth, draw);
-    }
-
-    fn rendering_as(
-        &self,
-        load: vk::AttachmentLoadOp,
-        colors: &[(&Image, [f32; 4])],
+        colors: &[(&Image, Option<[f32; 4]>)],
         depth: Option<(&Image, vk::AttachmentLoadOp)>,
         draw: impl FnOnce(&Self),
     ) {
         let Some(size) = colors.first().map(|c| c.0.size()) else { return };
-        let attachment = |image: &Image, access: Access, clear: vk::ClearValue| {
+        let attachment = |image: &Image, access: Access, load, clear: vk::ClearValue| {
             vk::RenderingAttachmentInfo::default()
                 .image_view(image.view())
                 .image_layout(access.row().2)
@@ -321,12 +303,14 @@ impl Recorder<'_> {
         let attachments: Vec<_> = colors
             .iter()
             .map(|(image, clear)| {
-                let clear = vk::ClearValue { color: vk::ClearColorValue { float32: *clear } };
-                attachment(image, Access::ColorAttachment, clear)
+                let load = clear.map_or(vk::AttachmentLoadOp::DONT_CARE, |_| vk::AttachmentLoadOp::CLEAR);
+                let float32 = clear.unwrap_or_default();
+                let clear = vk::ClearValue { color: vk::ClearColorValue { float32 } };
+                attachment(image, Access::ColorAttachment, load, clear)
             })
             .collect();
-        let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 } };
-        let depth = depth.map(|(image, own)| attachment(image, Access::DepthAttachment, far).load_op(own));
+        let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: FAR, stencil: 0 } };
+        let depth = depth.map(|(image, load)| attachment(image, Access::DepthAttachment, load, far));
         let (size, rows) = self.part.clone().unwrap_or((size, 0..size[1]));
         let area = vk::Rect2D {
             offset: vk::Offset2D { x: 0, y: rows.start as i32 },
