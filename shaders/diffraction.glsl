@@ -47,9 +47,49 @@ float largest_wavenumber(Pair pair) {
     return min(reach.x, reach.y);
 }
 
-// c_2p, c_2p+1 at a place along the columns of a layer.
-vec4 coefficients_at(float column, int layer) {
-    if (NEAREST) {
+// Where the coefficients come from; the same numbers as in src/precompute/coefficients.rs.
+const int INTERPOLATED = 0; // linear between the columns of a table
+const int NEAREST = 1;      // the nearest column
+const int POWERS = 2;       // c_n = d^n of the place d in the band: computed
+const int POLYNOMIALS = 3;  // c_0 = 1, c_n = d T_{n-1}(2d - 1) with Chebyshev's T: computed
+
+const bool COMPUTED = SOURCE == POWERS || SOURCE == POLYNOMIALS;
+
+// The coefficients at one z, pair after pair.
+struct Coefficients {
+    float place;     // in the band of z, 0 ... 1
+    float conjugate; // as in `Pair`
+    vec2 own;        // computed: of the pair at hand
+    vec2 next;       // and of the next
+};
+
+Coefficients coefficients_from(float place, float conjugate) {
+    Coefficients c = Coefficients(place, conjugate, vec2(1.0, place), vec2(0.0));
+    if (SOURCE == POWERS) {
+        c.next = vec2(place * place, place * place * place);
+    } else {
+        float x = 2.0 * place - 1.0;
+        c.next = place * vec2(x, 2.0 * x * x - 1.0);
+    }
+    return c;
+}
+
+// To the next pair.
+void advance(inout Coefficients c) {
+    c.own = c.next;
+    if (SOURCE == POWERS) {
+        c.next *= c.place * c.place;
+    } else {
+        float twice = 4.0 * c.place - 2.0;
+        c.next.x = twice * c.own.y - c.own.x;
+        c.next.y = twice * c.next.x - c.own.y;
+    }
+}
+
+// c_2p, c_2p+1 from a layer of the table.
+vec4 coefficients_at(float place, int layer) {
+    float column = place * optics.last_column;
+    if (SOURCE == NEAREST) {
         return texelFetch(coefficients, ivec3(int(column + 0.5), 0, layer), 0);
     }
     // Interpolating all coefficients alike interpolates e^{izh} itself: an error of (dz a)^2/8 and no cancellation.
@@ -59,6 +99,18 @@ vec4 coefficients_at(float column, int layer) {
 // c_2p P_2p + c_2p+1 P_2p+1 of a pair of terms.
 vec2 sum_of_terms(vec4 c, vec4 s) {
     return vec2(c.x * s.x - c.y * s.y, c.x * s.y + c.y * s.x) + vec2(c.z * s.z - c.w * s.w, c.z * s.w + c.w * s.z);
+}
+
+// The same of the pair at hand, whose layer this is; then goes on to the next.
+vec2 next_terms(inout Coefficients coefficients, int layer, vec4 s) {
+    if (COMPUTED) {
+        vec2 sum = coefficients.own.x * s.xy + coefficients.own.y * s.zw;
+        advance(coefficients);
+        return sum;
+    }
+    vec4 c = coefficients_at(coefficients.place, layer);
+    c.yw *= coefficients.conjugate;
+    return sum_of_terms(c, s);
 }
 
 // Pairs of terms that k|w| = z needs.
@@ -72,17 +124,14 @@ float power(Pair pair, float wavenumber) {
     float z = 2.0 * PI * wavenumber * pair.w;
     float place = z * optics.bands_per_z;
     int layer = min(int(place), Z_BANDS - 1);
-    float column = min(place - float(layer), 1.0) * optics.last_column;
+    Coefficients c = coefficients_from(min(place - float(layer), 1.0), pair.conjugate);
     int count = FEWER_PAIRS ? pairs_at(z) : PAIRS;
     vec2 p = vec2(0.0);
     // Tested at its end: software devices run a loop's body until every lane has failed the test, and a test in front would
     // run it once more for nobody. There is always a pair.
     int done = 0;
     do {
-        vec4 c = coefficients_at(column, layer);
-        c.yw *= pair.conjugate;
-        vec4 s = read_layer(read, layer);
-        p += sum_of_terms(c, s);
+        p += next_terms(c, layer, read_layer(read, layer));
         layer += Z_BANDS;
         ++done;
     } while (done < count);

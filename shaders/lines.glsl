@@ -54,68 +54,60 @@ vec4 read_line(ivec3 at, float t) {
 
 // A node: where a ray crosses a line.
 struct Node {
-    ivec2 at;        // texel of the first pair, and line
-    float t;         // from there to the next point
-    int layer;       // of the first group of pairs
-    int band;        // of z
-    float column;    // of the coefficients
-    float conjugate; // as in `Pair`
+    ivec2 at;    // texel of the first pair, and line
+    float t;     // from there to the next point
+    int layer;   // of the first group of pairs
+    int band;    // of z
 };
-
-vec4 coefficients_of(Node node, int pair) {
-    vec4 c = coefficients_at(node.column, pair * Z_BANDS + node.band);
-    c.yw *= node.conjugate;
-    return c;
-}
 
 int layer_of(Node node, int pair) {
     return node.layer + pair / GROUPED * Z_BANDS + node.band;
 }
 
 // Sum of the terms of a pair.
-vec2 sum_of_pair(Node node, int pair) {
+vec2 sum_of_pair(Node node, int pair, inout Coefficients c) {
     vec4 s = read_line(ivec3(node.at.x + pair % GROUPED, node.at.y, layer_of(node, pair)), node.t);
-    return sum_of_terms(coefficients_of(node, pair), s);
+    return next_terms(c, pair * Z_BANDS + node.band, s);
 }
 
 // Sum of the terms of a pair and the next, over 2^112.
-vec2 sum_of_two_pairs(Node node, int pair) {
+vec2 sum_of_two_pairs(Node node, int pair, inout Coefficients c) {
     ivec2 at = ivec2((node.at.x + pair % GROUPED) / 2, node.at.y);
     TwoPairs s = read_two_pairs(ivec3(at, layer_of(node, pair)), node.t);
-    vec2 sum = sum_of_terms(coefficients_of(node, pair), s.first);
+    vec2 sum = next_terms(c, pair * Z_BANDS + node.band, s.first);
     if (pair + 1 < PAIRS) {
-        sum += sum_of_terms(coefficients_of(node, pair + 1), s.second);
+        sum += next_terms(c, (pair + 1) * Z_BANDS + node.band, s.second);
     }
     return sum;
 }
 
 // Sum of the terms that k|w| = z needs.
-vec2 sum_at(Node node, float z) {
+vec2 sum_at(Node node, float z, Coefficients c) {
     if (!PACKED) {
         int count = FEWER_PAIRS ? pairs_at(z) : PAIRS, pair = 0;
         vec2 p = vec2(0.0);
         do {
-            p += sum_of_pair(node, pair);
+            p += sum_of_pair(node, pair, c);
             ++pair;
         } while (pair < count);
         return p;
     }
-    vec2 p = sum_of_two_pairs(node, 0);
+    vec2 p = sum_of_two_pairs(node, 0, c);
     if (FEWER_PAIRS || PAIRS > 8) {
         int count = FEWER_PAIRS ? pairs_at(z) : PAIRS;
         for (int pair = 2; pair < count; pair += 2) {
-            p += sum_of_two_pairs(node, pair);
+            p += sum_of_two_pairs(node, pair, c);
         }
     } else {
         // One after the other: software devices take a sixth longer for a loop.
         if (PAIRS > 2) {
-            p += sum_of_two_pairs(node, 2);
+            p += sum_of_two_pairs(node, 2, c);
         }
         if (PAIRS > 4) {
-            p += sum_of_two_pairs(node, 4);
+            p += sum_of_two_pairs(node, 4, c);
         }
         if (PAIRS > 6) {
-            p += sum_of_two_pairs(node, 6);
+            p += sum_of_two_pairs(node, 6, c);
         }
     }
     return p * UNPACKED;
@@ -160,9 +152,8 @@ vec3 sum_over_lines(Pair pair, float largest) {
         node.t = point - whole;
         node.layer = behind;
         node.band = min(int(place), Z_BANDS - 1);
-        node.column = min(place - float(node.band), 1.0) * optics.last_column;
-        node.conjugate = conjugate;
-        vec2 p = sum_at(node, place / optics.bands_per_z);
+        Coefficients c = coefficients_from(min(place - float(node.band), 1.0), conjugate);
+        vec2 p = sum_at(node, place / optics.bands_per_z, c);
         float weight = clamp(number * column_per_line + first_column, 0.0, lines_at.last_column);
         xyz += texelFetch(line_weights, ivec2(int(weight), row), 0).xyz * dot(p, p);
     }

@@ -7,7 +7,7 @@ layout(constant_id = 2) const bool HALF_PLANE = true;   // the layers hold f_x >
 layout(constant_id = 3) const int Z_BANDS = 1;          // equal parts of z = k|w| with layers of their own
 layout(constant_id = 4) const int PAIRS = 1;            // pairs of terms of each
 layout(constant_id = 5) const bool FEWER_PAIRS = false; // small z need fewer
-layout(constant_id = 6) const bool NEAREST = false;     // the nearest column of coefficients is good enough
+layout(constant_id = 6) const int SOURCE = 0;           // of the coefficients: see diffraction.glsl
 
 // Place and weights of one read of all layers, made once per frequency.
 struct Read {

@@ -4,6 +4,7 @@
 //! t = (h − mid)/a ∈ \[−1, 1\] with a half the range, and b_n is a function of t. Where every b_n is real, the spectra
 //! F{g·b_n} are Hermitian and half of each is enough.
 
+pub mod anchored;
 pub mod chebyshev;
 pub mod heights;
 pub mod optimal;
@@ -12,6 +13,7 @@ pub mod shifted;
 pub mod taylor;
 
 use crate::surface::HeightField;
+use anchored::Series;
 use rustfft::num_complex::Complex64;
 
 /// Which family of functions.
@@ -22,7 +24,8 @@ pub enum Basis {
     Taylor,
     /// Chebyshev polynomials, by the Jacobi–Anger expansion.
     Chebyshev,
-    /// Singular functions of e^{izh} on the heights that the surface really has.
+    /// Singular functions of e^{izh} on the heights that the surface really has; in bands of z the functions that polynomials in z take,
+    /// which a shader computes.
     Optimal,
     /// Polynomials in z, which colour tables are baked from.
     Phase,
@@ -70,13 +73,18 @@ impl HeightScale {
     }
 }
 
-/// A family of b_n and c_n. The precompute stores spectra of b_n; the shader reads c_n from a table over z.
+/// A family of b_n and c_n. The precompute stores spectra of b_n; the shader reads c_n from a table over z, or computes it.
 pub trait Expansion: Send + Sync {
     /// b_n at t ∈ \[−1, 1\].
     fn basis(&self, n: usize, t: f64) -> Complex64;
 
     /// c_0 … c_{len−1} at z \[rad/µm\] into `out`.
     fn coefficients(&self, z: f64, out: &mut [Complex64]);
+
+    /// How c_n is computed from the place in a band of z; `None` where a table over z is read.
+    fn series(&self) -> Option<Series> {
+        None
+    }
 
     /// The largest number of terms that there is.
     fn most_terms(&self) -> usize;

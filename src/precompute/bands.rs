@@ -2,6 +2,7 @@
 //! wavelength fewer reads, for more layers to make and to hold.
 
 use super::layers::{Aim, Settings};
+use crate::expansion::anchored::{Anchored, Series};
 use crate::expansion::chebyshev::Chebyshev;
 use crate::expansion::heights::Heights;
 use crate::expansion::optimal::Optimal;
@@ -66,10 +67,11 @@ impl Bands {
             let left = heights.residuals(single[0].as_ref(), [0.0, z_max], MOST_PAIRS);
             left.iter().position(|&error| error <= allowed).map_or(MOST_PAIRS, |p| p + 1)
         };
+        let reads = |pairs: usize| if settings.lines.is_some() { pairs.div_ceil(2) } else { pairs };
         let mut best: Option<Self> = None;
+        let mut fewest = (reads(pairs_of_one.min(MOST_PAIRS + 1)), 0);
         for count in CANDIDATES {
-            let most = best.as_ref().map_or(pairs_of_one, |b| b.pairs);
-            if most <= 1 {
+            if fewest.0 <= 1 && pairs_of_one <= 1 {
                 break;
             }
             let families = families(&heights, basis, z_max, count);
@@ -78,10 +80,14 @@ impl Bands {
             let needed = families.par_iter().enumerate().map(|(band, family)| {
                 let range = [band as f64, band as f64 + 1.0].map(|edge| edge * width);
                 let left = heights.residuals(family.as_ref(), range, most_pairs);
-                left.iter().position(|&error| error <= allowed).map_or(usize::MAX, |p| p + 1)
+                left.iter().position(|&error| error <= allowed).map(|p| p + 1)
             });
-            let pairs = needed.max().unwrap_or(usize::MAX);
-            if pairs < most {
+            let pairs: Option<usize> =
+                needed.collect::<Option<Vec<_>>>().and_then(|all| all.into_iter().max());
+            let Some(pairs) = pairs else { continue };
+            let cost = (reads(pairs), pairs.next_multiple_of(2) * count);
+            if cost < fewest {
+                fewest = cost;
                 best = Some(Self { families, real: false, pairs });
             }
         }
@@ -102,32 +108,31 @@ pub(super) fn may_be_many(settings: &Settings) -> bool {
 /// The functions of each of `count` equal bands of 0 … `z_max`.
 fn families(heights: &Heights, basis: Basis, z_max: f64, count: usize) -> Vec<Box<dyn Expansion>> {
     let half_range = heights.half_range;
-    let width = z_max / count as f64;
-    let (centre, reach) = (|band: usize| (band as f64 + 0.5) * width, width / 2.0);
-    let of = |band: usize| -> Box<dyn Expansion> {
-        match basis {
-            Basis::Taylor if count == 1 => Box::new(Taylor { half_range }),
-            Basis::Chebyshev if count == 1 => Box::new(Chebyshev { half_range }),
-            // Made for one band: its layers are read for all of z at once.
+    if count == 1 {
+        return vec![match basis {
+            Basis::Taylor => Box::new(Taylor { half_range }),
+            Basis::Chebyshev => Box::new(Chebyshev { half_range }),
+            Basis::Optimal => Box::new(Optimal::over(heights, [0.0, z_max])),
             Basis::Phase => Box::new(Phase::new(half_range, z_max)),
-            Basis::Taylor => Box::new(Shifted {
-                expansion: Taylor { half_range },
-                half_range,
-                centre: centre(band),
-                reach,
-            }),
-            Basis::Chebyshev => Box::new(Shifted {
-                expansion: Chebyshev { half_range },
-                half_range,
-                centre: centre(band),
-                reach,
-            }),
-            Basis::Optimal => {
-                Box::new(Optimal::over(heights, [band as f64 * width, (band as f64 + 1.0) * width]))
-            }
-        }
+        }];
+    }
+    let anchored = |series: Series| -> Vec<Box<dyn Expansion>> {
+        let bands = Anchored::bands(series, half_range, z_max, count);
+        bands.into_iter().map(|band| -> Box<dyn Expansion> { Box::new(band) }).collect()
     };
-    (0..count).into_par_iter().map(of).collect()
+    match basis {
+        Basis::Taylor => anchored(Series::Powers),
+        // The polynomials of Phase are in z already, and tables are baked of all z at once.
+        Basis::Optimal | Basis::Phase => anchored(Series::Polynomials),
+        Basis::Chebyshev => {
+            let reach = z_max / count as f64;
+            let shifted = |band: usize| -> Box<dyn Expansion> {
+                let expansion = Chebyshev { half_range };
+                Box::new(Shifted { expansion, half_range, centre: band as f64 * reach, reach })
+            };
+            (0..count).map(shifted).collect()
+        }
+    }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! A file is written beside its place and renamed, so another process sees all of it or nothing; a check sum over the
 //! whole is compared when it is read, and a file that does not match is made anew.
 
-use super::coefficients::Coefficients;
+use super::coefficients::{Coefficients, Source};
 use super::kernel::{Interpolation, Kernel};
 use super::layers::{self, Errors, Layers, Settings};
 use super::lines::Lines;
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// First bytes of a file; the number changes whenever the layers of the same key would change.
-const MAGIC: &[u8; 20] = b"diffract layers 0009";
+const MAGIC: &[u8; 20] = b"diffract layers 0010";
 /// Bytes of the check sum and of the key.
 const HASH: usize = blake3::OUT_LEN;
 /// Numbers of 8 bytes that describe the layers in front of the texels.
@@ -263,7 +263,7 @@ fn to_numbers(l: &Layers) -> [f64; HEADER] {
     [
         [sx, sy, ox, oy, l.length[0], l.length[1], l.band[0], l.band[1]].as_slice(),
         &[l.sigma, l.z_max, kx, ky, rx, ry],
-        &[flag(l.half_plane), flag(l.coefficients.nearest)],
+        &[flag(l.half_plane), f64::from(l.coefficients.source as u8)],
         &counts,
         &[l.pairs_needed.slope, l.pairs_needed.fewest],
         &[e.expansion, e.interpolation, e.truncation_bound, e.rounding_bound],
@@ -311,7 +311,7 @@ fn lines_from(n: &[f64], pairs: usize, bands: usize, most: usize) -> Option<Line
 
 /// Layers of these numbers with room for their texels, which are `payload` bytes in all.
 fn from_numbers(n: &[f64], payload: usize) -> Option<Layers> {
-    let &[sx, sy, ox, oy, lx, ly, bx, by, sigma, z_max, kx, ky, rx, ry, half_plane, nearest, ref rest @ ..] =
+    let &[sx, sy, ox, oy, lx, ly, bx, by, sigma, z_max, kx, ky, rx, ry, half_plane, source, ref rest @ ..] =
         n
     else {
         return None;
@@ -335,7 +335,7 @@ fn from_numbers(n: &[f64], payload: usize) -> Option<Layers> {
         terms,
         coefficients: Coefficients {
             columns,
-            nearest: nearest != 0.0,
+            source: *Source::ALL.get(whole(source)?)?,
             values: vec![[0.0; 4]; product(&[pairs, z_bands, columns], payload / 16)?],
         },
         z_max,
@@ -419,15 +419,13 @@ mod tests {
         assert_eq!(load(forged(&whole, &key, 0, &same(0))), Some(layers));
         let e = ["size", "size", "origin", "origin", "length", "length", "band", "band"];
         let names =
-            [&e[..], &["sigma", "z_max", "kernel", "kernel", "ratio", "ratio", "half", "nearest"]].concat();
+            [&e[..], &["sigma", "z_max", "kernel", "kernel", "ratio", "ratio", "half", "source"]].concat();
         let names = [&names[..], &["z_bands", "terms", "columns", "slope", "fewest"]].concat();
-        for (number, name) in
-            names.iter().enumerate().filter(|(_, n)| !["kernel", "half", "nearest"].contains(n))
-        {
+        for (number, name) in names.iter().enumerate().filter(|(_, n)| !["kernel", "half"].contains(n)) {
             for value in [f64::NAN, f64::INFINITY, -1.0, 0.0, 0.5, 1e18, 1e300] {
                 let harmless = matches!(
                     (*name, value),
-                    ("origin" | "slope" | "fewest", 0.0)
+                    ("origin" | "slope" | "fewest" | "source", 0.0)
                         | ("slope" | "fewest", -1.0)
                         | ("sigma", f64::INFINITY)
                 ) || (value > 0.0

@@ -1,15 +1,34 @@
-//! c_n(z) as a table: what the shader reads instead of computing.
+//! How shaders come by c_n(z): from a table, or by computing polynomials.
 
 use crate::expansion::Expansion;
+use crate::expansion::anchored::Series;
 use rustfft::num_complex::Complex64;
+
+/// Where a shader has c_n(z) from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// Linear interpolation in the table.
+    Interpolated = 0,
+    /// The nearest point of the table.
+    Nearest = 1,
+    /// [`Series::Powers`].
+    Powers = 2,
+    /// [`Series::Polynomials`].
+    Polynomials = 3,
+}
+
+impl Source {
+    /// Every source, by its number.
+    pub const ALL: [Self; 4] = [Self::Interpolated, Self::Nearest, Self::Powers, Self::Polynomials];
+}
 
 /// c_n(z) on a uniform grid of z in each band of z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coefficients {
-    /// Points over a band, its ends included.
+    /// Where shaders have them from.
+    pub source: Source,
+    /// Points over a band, its ends included; the ends alone where shaders compute.
     pub columns: usize,
-    /// Whether the nearest point is good enough; else it takes linear interpolation.
-    pub nearest: bool,
     /// Pair by pair of terms, band by band, point by point: (Re, Im) of term 2p, (Re, Im) of term 2p + 1.
     pub values: Vec<[f32; 4]>,
 }
@@ -37,8 +56,13 @@ impl Coefficients {
         let allowed = SHARE * tolerance;
         let for_nearest = (2.0 * width * half_range / (48f64.sqrt() * allowed)).ceil();
         let for_linear = (width * half_range / (8.0 * allowed).sqrt()).ceil();
-        let nearest = for_nearest <= INTERVALS.1;
-        let intervals = if nearest { for_nearest } else { for_linear }.clamp(INTERVALS.0, INTERVALS.1);
+        let series = families.first().and_then(|family| family.series());
+        let (source, intervals) = match series {
+            Some(Series::Powers) => (Source::Powers, 1.0),
+            Some(Series::Polynomials) => (Source::Polynomials, 1.0),
+            None if for_nearest <= INTERVALS.1 => (Source::Nearest, for_nearest.max(INTERVALS.0)),
+            None => (Source::Interpolated, for_linear.clamp(INTERVALS.0, INTERVALS.1)),
+        };
         let columns = intervals as usize + 1;
         let bands = families.len();
         let mut values = vec![[0.0f32; 4]; terms.div_ceil(2) * bands * columns];
@@ -52,6 +76,6 @@ impl Coefficients {
                 }
             }
         }
-        Self { columns, nearest, values }
+        Self { source, columns, values }
     }
 }

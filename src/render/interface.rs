@@ -109,7 +109,7 @@ pub fn specialization(layers: &Layers) -> Vec<u32> {
         layers.z_bands as u32,
         layers.pairs() as u32,
         (layers.pairs_needed.slope > 0.0).into(),
-        layers.coefficients.nearest.into(),
+        layers.coefficients.source as u32,
     ];
     if let Some(lines) = &layers.lines {
         // Numbers 7 and 8 belong to shaders of colour tables.
