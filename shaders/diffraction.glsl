@@ -146,16 +146,14 @@ float cosine_weighted(Pair pair, float wavenumber) {
 
 #include "lines.glsl"
 
-// XYZ of f cos(theta_i) [1/sr], over the wavelengths that are in the band: where the ray crosses lines, or by the comb that
-// |(u, v)| needs.
+// XYZ of f cos(theta_i) [1/sr], over the wavelengths that are in the band: where the ray crosses lines, or, where there are none, by the
+// comb that |(u, v)| needs.
 vec3 cosine_weighted_xyz(Pair pair) {
     float largest = pair.factor != 0.0 ? largest_wavenumber(pair) : 0.0;
-    vec3 xyz = vec3(0.0);
     if (LINES) {
-        bool crosses = crosses_lines(pair);
-        xyz = sum_over_lines(pair, crosses ? largest : 0.0);
-        largest = crosses ? 0.0 : largest;
+        return sum_over_lines(pair, largest) * pair.factor;
     }
+    vec3 xyz = vec3(0.0);
     ivec2 comb = combs[min(int(pair.uv * (0.5 * float(UV_BINS))), UV_BINS - 1)];
     for (int node = 0; node < comb.y; ++node) {
         vec4 weight_and_wavenumber = texelFetch(nodes, ivec2(node, comb.x), 0);

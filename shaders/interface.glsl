@@ -3,6 +3,8 @@
 
 const int MAX_LIGHTS = 4;
 const int UV_BINS = 256; // entries of `combs` over |(u, v)| in 0 ... 2
+const int OCTAVES = 20;  // of rays near the mirror direction, with finer lines each
+const float FINER = 4.0; // points of those lines to one of the others
 
 layout(set = 0, binding = 0, std140) uniform Frame {
     mat4 clip_from_world;
@@ -52,6 +54,8 @@ layout(set = 0, binding = 19, std140) uniform Lines {
     float first_row;                // log2 of the first row's distance of nodes [1/um]
     float rows_per_octave;
     float last_column;
+    float nearest;                  // max(|u|, |v|) that rays nearer to the mirror direction are taken for
+    vec4 near[OCTAVES];             // xy: number of the point and of the line of f = 0, for each octave of rays below `from`
 } lines_at;
 
 // Spectra on lines: layer (pair / GROUPED) Z_BANDS + band, those of constant f_y behind all of constant f_x; row by line,

@@ -25,5 +25,8 @@ void main() {
     answers[n++] = vec4(lines_at.across, lines_at.along);
     answers[n++] = vec4(lines_at.origin, lines_at.from, lines_at.unit);
     answers[n++] = vec4(lines_at.first_column, lines_at.columns_per_wavenumber, lines_at.first_row, lines_at.rows_per_octave);
-    answers[n++] = vec4(lines_at.last_column, 0.0, 0.0, 0.0);
+    answers[n++] = vec4(lines_at.last_column, lines_at.nearest, float(OCTAVES), FINER);
+    for (int i = 0; i < OCTAVES; ++i) {
+        answers[n++] = lines_at.near[i];
+    }
 }

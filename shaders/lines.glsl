@@ -113,10 +113,6 @@ vec2 sum_at(Node node, float z, Coefficients c) {
     return p * UNPACKED;
 }
 
-bool crosses_lines(Pair pair) {
-    return max(abs(pair.toward.x), abs(pair.toward.y)) >= lines_at.from;
-}
-
 // XYZ of q^2 |P|^2, summed over the lines that a ray crosses up to the wavenumber `largest`; nothing where that is 0.
 vec3 sum_over_lines(Pair pair, float largest) {
     bool second = abs(pair.toward.y) > abs(pair.toward.x);
@@ -126,7 +122,13 @@ vec3 sum_over_lines(Pair pair, float largest) {
         ray = -ray;
         conjugate = -conjugate;
     }
-    float per_wavenumber = abs(ray.x) * (second ? lines_at.across.y : lines_at.across.x); // lines
+    // Rays that cross too few lines have finer ones, by octaves of their reach; the last octave serves all that is left.
+    float reach = max(abs(ray.x), lines_at.nearest);
+    bool far = reach >= lines_at.from;
+    int octave = clamp(int(log2(lines_at.from / reach)), 0, OCTAVES - 1);
+    vec2 origin = far ? lines_at.origin : lines_at.near[octave].xy;
+    float finer = far ? 1.0 : exp2(float(octave + 1));
+    float per_wavenumber = reach * finer * (second ? lines_at.across.y : lines_at.across.x); // lines
     float step = 1.0 / max(per_wavenumber, 1e-6);
     int row = clamp(int((log2(step) - lines_at.first_row) * lines_at.rows_per_octave + 0.5), 0,
                     textureSize(line_weights, 0).y - 1);
@@ -135,20 +137,25 @@ vec3 sum_over_lines(Pair pair, float largest) {
     vec2 range = vec2(texelFetch(line_weights, ivec2(0, row), 0).w, texelFetch(line_weights, ivec2(1, row), 0).w);
     int first = int(ceil(range.x * per_wavenumber - 1.0));
     int last = largest > 0.0 ? int(floor(min(range.y * per_wavenumber + 1.0, largest * per_wavenumber))) : -1;
-    float points_per_line = ray.y * step * (second ? lines_at.along.y : lines_at.along.x);
+    float points_per_line = ray.y * step * (far ? 1.0 : FINER) * (second ? lines_at.along.y : lines_at.along.x);
     int side = ray.x < 0.0 ? -1 : 1;
     int behind = second ? (PAIRS + GROUPED - 1) / GROUPED * Z_BANDS : 0;
     float bands_per_line = 2.0 * PI * pair.w * optics.bands_per_z * step;
     float column_per_line = step * lines_at.columns_per_wavenumber;
     float first_column = -lines_at.first_column * lines_at.columns_per_wavenumber;
     vec3 xyz = vec3(0.0);
-    for (int line = first; line <= last; ++line) {
+    if (first > last) {
+        return xyz;
+    }
+    // Tested at its end, as the loop of `power` is.
+    int line = first;
+    do {
         float number = float(line);
-        float point = number * points_per_line + lines_at.origin.x;
+        float point = number * points_per_line + origin.x;
         float whole = floor(point);
         float place = number * bands_per_line;
         Node node;
-        node.at = ivec2(int(whole) * GROUPED, int(lines_at.origin.y) + side * line);
+        node.at = ivec2(int(whole) * GROUPED, int(origin.y) + side * line);
         node.t = point - whole;
         node.layer = behind;
         node.band = min(int(place), Z_BANDS - 1);
@@ -156,6 +163,7 @@ vec3 sum_over_lines(Pair pair, float largest) {
         vec2 p = sum_at(node, place / optics.bands_per_z, c);
         float weight = clamp(number * column_per_line + first_column, 0.0, lines_at.last_column);
         xyz += texelFetch(line_weights, ivec2(int(weight), row), 0).xyz * dot(p, p);
-    }
+        ++line;
+    } while (line <= last);
     return xyz * (step * lines_at.unit);
 }

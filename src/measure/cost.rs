@@ -35,11 +35,8 @@ impl Cost {
     pub fn of(layers: &Layers, combs: &Combs, directions: &[Directions]) -> Self {
         Self::counted(directions, |pair| {
             let along = pair.uvw().truncate().abs();
-            if let (Some(lines), Some(sliding)) = (&layers.lines, &combs.sliding)
-                && along.max_element() >= lines.from
-            {
-                let set = usize::from(along.y > along.x);
-                let per = along[set] * lines.across[set];
+            if let (Some(lines), Some(sliding)) = (&layers.lines, &combs.sliding) {
+                let (_, per) = lines.crossed(along.to_array());
                 let numbers = sliding.nodes(per, largest_wavenumber(layers, pair));
                 return of_wavenumbers(layers, pair, 1, numbers.map(|m| m as f64 / per));
             }

@@ -7,6 +7,7 @@ use super::coefficients::{Coefficients, Source};
 use super::kernel::{Interpolation, Kernel};
 use super::layers::{self, Errors, Layers, Settings};
 use super::lines::Lines;
+use super::near;
 use super::pairs::PairRule;
 use super::texels::Texels;
 use crate::error::{Error, Result};
@@ -23,7 +24,7 @@ const MAGIC: &[u8; 20] = b"diffract layers 0010";
 /// Bytes of the check sum and of the key.
 const HASH: usize = blake3::OUT_LEN;
 /// Numbers of 8 bytes that describe the layers in front of the texels.
-const HEADER: usize = 41;
+const HEADER: usize = 27 + LINES;
 
 /// The folder: `$XDG_CACHE_HOME/diffract`, else `~/.cache/diffract`; `None` where the user has neither.
 pub fn folder() -> Option<PathBuf> {
@@ -174,7 +175,9 @@ fn is_sound(layers: &Layers) -> bool {
         && rule.iter().all(|x| x.is_finite())
         && l.texels.are_finite()
         && l.lines.iter().all(|lines| {
-            (0..2).all(|axis| lines.origin[axis] < lines.size[axis])
+            let inside = |origin: &[usize; 2]| (0..2).all(|axis| origin[axis] < lines.size[axis]);
+            inside(&lines.origin)
+                && lines.near.iter().all(inside)
                 && positive(&[lines.across, lines.along, [lines.from, lines.level]].concat())
                 && (1..=l.pairs() + 1).contains(&lines.grouped)
                 && lines.texels.are_finite()
@@ -259,6 +262,11 @@ fn to_numbers(l: &Layers) -> [f64; HEADER] {
             lines.from,
             lines.level,
         ]
+        .into_iter()
+        .chain(lines.near.iter().flatten().map(|n| *n as f64))
+        .collect::<Vec<_>>()
+        .try_into()
+        .unwrap_or([0.0; LINES])
     });
     [
         [sx, sy, ox, oy, l.length[0], l.length[1], l.band[0], l.band[1]].as_slice(),
@@ -276,7 +284,7 @@ fn to_numbers(l: &Layers) -> [f64; HEADER] {
 }
 
 /// Numbers that describe the lines; all 0 where there are none.
-const LINES: usize = 14;
+const LINES: usize = 14 + 2 * near::OCTAVES;
 
 /// A count of a file that fits into memory; products of four of them, and sixteen, fit a `u128`.
 fn whole(n: f64) -> Option<usize> {
@@ -291,7 +299,8 @@ fn product(counts: &[usize], most: usize) -> Option<usize> {
 
 /// Lines of `pairs` pairs in each of `bands` bands, with room for no more texels than `most` bytes hold.
 fn lines_from(n: &[f64], pairs: usize, bands: usize, most: usize) -> Option<Lines> {
-    let &[_, half, cubic, points, rows, point, row, grouped, ax, ay, lx, ly, from, level] = n else {
+    let &[_, half, cubic, points, rows, point, row, grouped, ax, ay, lx, ly, from, level, ref near @ ..] = n
+    else {
         return None;
     };
     let lines = Lines {
@@ -302,6 +311,7 @@ fn lines_from(n: &[f64], pairs: usize, bands: usize, most: usize) -> Option<Line
         kernel: if cubic == 0.0 { Kernel::Linear } else { Kernel::Cubic },
         size: [whole(points)?, whole(rows)?],
         origin: [whole(point)?, whole(row)?],
+        near: near.chunks_exact(2).map(|n| Some([whole(n[0])?, whole(n[1])?])).collect::<Option<_>>()?,
         grouped: whole(grouped)?.max(1),
         texels: Texels::zeroed(false, 0),
     };

@@ -39,6 +39,28 @@ impl Kernel {
         }
     }
 
+    /// Weights of the four texels around a place at `t` ∈ \[0, 1\] between the middle two.
+    pub fn weights(self, t: f64) -> [f64; 4] {
+        match self {
+            Self::Linear => [0.0, 1.0 - t, t, 0.0],
+            Self::Cubic => {
+                let (t2, t3) = (t * t, t * t * t);
+                let first = (1.0 - 3.0 * t + 3.0 * t2 - t3) / 6.0;
+                let second = (4.0 - 6.0 * t2 + 3.0 * t3) / 6.0;
+                [first, second, 1.0 - first - second - t3 / 6.0, t3 / 6.0]
+            }
+        }
+    }
+
+    /// What reading between texels adds on average of the second difference of a smooth function; to take it away first is deapodisation to
+    /// second order.
+    pub fn blur(self) -> f64 {
+        match self {
+            Self::Linear => 1.0 / 12.0,
+            Self::Cubic => 1.0 / 6.0,
+        }
+    }
+
     /// The word for it in reports.
     pub fn name(self) -> &'static str {
         match self {

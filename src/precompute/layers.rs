@@ -6,6 +6,7 @@ use super::bands::Bands;
 use super::coefficients::Coefficients;
 use super::kernel::Interpolation;
 use super::lines::{self, Lines};
+use super::near::Centre;
 use super::pairs::PairRule;
 use super::plan::{Plan, bands_of, too_large};
 use super::texels::Texels;
@@ -111,7 +112,7 @@ pub struct Layers {
     /// RGBA texels (Re, Im of term 2p; Re, Im of term 2p + 1), pair by pair, in each band by band, row by row in growing
     /// f_y; in units of the flat mirror's peak amplitude.
     pub texels: Texels,
-    /// The same on lines, for colours away from the mirror direction; then the texels hold the plane's centre alone.
+    /// The same on lines, for colours alone; then `texels` are one a layer, and nobody reads them.
     pub lines: Option<Lines>,
 }
 
@@ -194,11 +195,13 @@ fn make(
             "ask for a larger --tolerance, or use --method reference",
         ));
     }
-    let Plan { plane: [x, y], lines } = Plan::new(field, settings, interpolation, shift)?;
-    let guard = interpolation.kernels[0].guard();
-    let on_lines: usize =
-        lines.iter().flat_map(|(_, axes)| axes).map(|[x, y]| x.kept() * y.kept() * TEXEL).sum();
-    let room = settings.memory_limit / (x.kept() * y.kept() * TEXEL + on_lines);
+    let plan = Plan::new(field, settings, interpolation, shift)?;
+    // Of a layer: the plane's, or those of both sets of lines.
+    let texels_of = |half_plane: bool| match plan.extent(settings, half_plane) {
+        Some(extent) => 2 * extent.size().into_iter().product::<usize>(),
+        None => plan.plane.iter().map(|axis| axis.kept()).product(),
+    };
+    let room = settings.memory_limit / (texels_of(false) * TEXEL);
     let mut bands = Bands::choose(field, settings, z_max, room);
     if settings.basis == Basis::Taylor && settings.terms.is_none() && bands.real {
         // Refuses what is hopeless before any work.
@@ -208,9 +211,17 @@ fn make(
     let count = bands.families.len();
     let half_plane = bands.real;
     // Texels left of f_x = 0 exist for the kernel alone where the other half plane follows.
+    let extent = plan.extent(settings, half_plane);
+    let Plan { plane: [x, y], interpolation, lines } = plan;
+    let guard = interpolation.kernels[0].guard();
     let first_column = if half_plane { x.bins - guard } else { 0 };
-    let size = [x.kept() - first_column, y.kept()];
-    let layer_bytes = size[0] * size[1] * TEXEL + if half_plane { on_lines / 2 } else { on_lines };
+    // Beside lines nobody reads the plane: it is but a texel, since devices bind no empty textures.
+    let (size, origin) = match extent {
+        Some(_) => ([1, 1], [0, 0]),
+        None => ([x.kept() - first_column, y.kept()], [x.bins - first_column, y.bins]),
+    };
+    let layer_bytes =
+        TEXEL * extent.as_ref().map_or(size[0] * size[1], |extent| 2 * extent.size()[0] * extent.size()[1]);
     let outgrows = |layers: usize| layers * layer_bytes > settings.memory_limit;
     let without_lines = lines.is_none();
     let no_room = |layers: usize| {
@@ -220,7 +231,8 @@ fn make(
     if outgrows(least) {
         return no_room(least);
     }
-    let mut maker = lines.as_ref().map(|(spacing, axes)| lines::Maker::new(spacing, axes, half_plane, count));
+    let spacing = lines.as_ref().map(|(spacing, _)| *spacing);
+    let mut maker = spacing.zip(extent).map(|(spacing, extent)| lines::Maker::new(&spacing, extent, count));
     let transformer = Transformer::new(field, x, y);
     let along_lines = lines.map(|(_, axes)| axes.map(|[x, y]| Transformer::new(field, x, y)));
     // Lines hold every frequency, where the plane may be its centre alone.
@@ -248,19 +260,23 @@ fn make(
             let begin = texels.len();
             texels.reserve_exact(size[0] * size[1] * 4);
             texels.resize(begin + size[0] * size[1] * 4, 0.0);
-            pack(&pair, size[0], first_column, &mut texels[begin..]);
             match (&mut maker, &along_lines) {
                 (Some(maker), Some(sets)) => {
+                    let axes = [&transformer.x, &transformer.y];
+                    let centre = Centre { pair: &pair, axes, kernels: interpolation.kernels };
                     for (set, transformer) in sets.iter().enumerate() {
                         let pair = transformer.pair(half_plane, value);
-                        maker.add(set, &pair);
+                        maker.add(set, &pair, &centre);
                         if set == 0 {
                             audit.add(band, &pair);
                         }
                         transformer.take_back(pair);
                     }
                 }
-                _ => audit.add(band, &pair),
+                _ => {
+                    pack(&pair, size[0], first_column, &mut texels[begin..]);
+                    audit.add(band, &pair);
+                }
             }
             transformer.take_back(pair);
             made += 1;
@@ -294,16 +310,14 @@ fn make(
     }
     progress(steps(made), steps(made))?;
     // What is made now stands beside what it is made from.
-    let lines_bytes = made * (layer_bytes - size[0] * size[1] * TEXEL);
+    let lines_bytes = if maker.is_some() { made * layer_bytes } else { 0 };
     let finished = if half { (lines_bytes + texels.len() * size_of::<f32>()) / 2 } else { lines_bytes };
     memory::ensure_room(finished as u64, "the spectra")?;
-    let error_on_lines =
-        settings.lines.filter(|_| maker.is_some()).map_or(0.0, |spacing| spacing.interpolation_error());
     let worst =
         |of: &dyn Fn(&dyn Expansion) -> f64| families.iter().map(|f| of(f.as_ref())).fold(0.0, f64::max);
     Ok(Some(Layers {
         size,
-        origin: [transformer.x.bins - first_column, transformer.y.bins],
+        origin,
         length: [transformer.x.length, transformer.y.length],
         band: bands_of(field, settings.shortest_wavelength),
         sigma: settings.sigma,
@@ -320,7 +334,7 @@ fn make(
         interpolation,
         errors: Errors {
             expansion: expansion_error,
-            interpolation: interpolation_error.max(error_on_lines),
+            interpolation: spacing.map_or(interpolation_error, |spacing| spacing.interpolation_error()),
             truncation_bound: worst(&|f| f.truncation_bound(z_max, terms)),
             rounding_bound: worst(&|f| f.rounding_bound(z_max, F32_ROUNDOFF)),
         },

@@ -5,9 +5,10 @@
 //! where |v| > |u|). Across the lines nothing is interpolated then, so that they may stand as far apart as the nodes do, and what is
 //! read of a node are neighbours along one line.
 //!
-//! Rays of small |u| and |v| cross few lines; they are read from the plane's centre, as single wavelengths are.
+//! Rays of small |u| and |v| cross few lines; finer ones are there for them (`near.rs`).
 
 use super::kernel::{self, Kernel, SPECKLE};
+use super::near::{Centre, FAR_END, Near, OCTAVES};
 use super::texels::Texels;
 use super::transform::{PaddedAxis, Pair, Samples};
 use rayon::prelude::*;
@@ -54,6 +55,13 @@ impl Spacing {
         SPECKLE * self.kernel.amplitude_error(self.along)
     }
 
+    /// The largest frequency of either axis that rays near the mirror direction are read at \[µm⁻¹\], for wavelengths from `shortest` \[µm\].
+    pub(super) fn centre(&self, sigma: f64, shortest: f64) -> f64 {
+        /// Lines of the finest octave beyond the visible range, and points beside them.
+        const BEYOND: f64 = 4.0;
+        self.from / shortest + BEYOND / (self.across.min(self.along) * sigma)
+    }
+
     /// The transforms' axes: for lines of constant f_x, and of constant f_y.
     pub(super) fn axes(&self, own: &[Samples; 2], sigma: f64, band: [f64; 2]) -> [[PaddedAxis; 2]; 2] {
         [0, 1].map(|set| {
@@ -83,6 +91,8 @@ pub struct Lines {
     pub size: [usize; 2],
     /// The point and the line of f = 0.
     pub origin: [usize; 2],
+    /// The same of the finer lines of each octave of rays below `from`.
+    pub near: Vec<[usize; 2]>,
     /// Pairs of terms that stand beside each other at a point, so that they come from one place of the memory; one behind the last
     /// is 0.
     pub grouped: usize,
@@ -97,58 +107,86 @@ fn grouped(pairs: usize, half: bool, most: usize) -> usize {
     if half && 5 * even <= 6 * pairs { even.min(2 * most) } else { pairs.min(most) }
 }
 
-/// Lines that are being made.
-pub(super) struct Maker {
-    lines: Lines,
+/// What lines take of a texture.
+#[derive(Clone, Debug)]
+pub(super) struct Extent {
     /// Bins of each set's axes: [set][across, along].
     bins: [[usize; 2]; 2],
+    /// L of both sets across the lines, and along them \[µm\].
+    across: [f64; 2],
+    along: [f64; 2],
+    /// The point and the line of f = 0.
+    origin: [usize; 2],
+    near: Near,
     half_plane: bool,
-    bands: usize,
-    /// Layers of both sets, `[set][pair × bands + band]`.
-    made: [Vec<Vec<f32>>; 2],
 }
 
-impl Maker {
-    /// For `axes` of `spacing`; of real functions on the half plane where `half_plane`.
+impl Extent {
+    /// For `axes` of `spacing` and wavelengths from `shortest` \[µm\]; of real functions on the half plane where `half_plane`.
     pub(super) fn new(
         spacing: &Spacing,
         axes: &[[PaddedAxis; 2]; 2],
+        shortest: f64,
         half_plane: bool,
-        bands: usize,
     ) -> Self {
         let [x_lines, y_lines] = axes;
         let (across, along) = ([&x_lines[0], &y_lines[1]], [&x_lines[1], &y_lines[0]]);
         let bins = [0, 1].map(|set| [across[set].bins, along[set].bins]);
         let largest = |which: usize| bins[0][which].max(bins[1][which]);
         let lines = if half_plane { largest(0) + 1 } else { 2 * largest(0) + 1 };
+        let [across, along] = [across, along].map(|axes| axes.map(|axis| axis.length));
+        let above = [2 * largest(1) + 1, lines];
+        let near = Near::new((spacing.from, shortest), across, along, spacing.kernel, half_plane, above);
+        let origin = [largest(1), if half_plane { 0 } else { largest(0) }];
+        Self { bins, across, along, origin, near, half_plane }
+    }
+
+    /// Points of a line, and lines.
+    pub(super) fn size(&self) -> [usize; 2] {
+        self.near.size
+    }
+}
+
+/// Lines that are being made.
+pub(super) struct Maker {
+    lines: Lines,
+    extent: Extent,
+    bands: usize,
+    /// Layers of both sets, `[set][pair × bands + band]`.
+    made: [Vec<Vec<f32>>; 2],
+}
+
+impl Maker {
+    /// Of `extent` by `spacing`, in so many `bands`.
+    pub(super) fn new(spacing: &Spacing, extent: Extent, bands: usize) -> Self {
         Self {
             lines: Lines {
                 from: spacing.from,
                 level: spacing.level,
-                across: across.map(|axis| axis.length),
-                along: along.map(|axis| axis.length),
+                across: extent.across,
+                along: extent.along,
                 kernel: spacing.kernel,
-                size: [2 * largest(1) + 1, lines],
-                origin: [largest(1), if half_plane { 0 } else { largest(0) }],
+                size: extent.size(),
+                origin: extent.origin,
+                near: extent.near.origins.clone(),
                 grouped: 1,
                 texels: Texels::zeroed(false, 0),
             },
-            bins,
-            half_plane,
+            extent,
             bands,
             made: [Vec::new(), Vec::new()],
         }
     }
 
-    /// Takes the next pair of terms in, as transformed for set number `set`.
-    pub(super) fn add(&mut self, set: usize, pair: &Pair) {
-        let [points, _] = self.lines.size;
-        let [across, along] = self.bins[set];
-        let first_line = if self.half_plane { 0 } else { -(across as i64) };
-        let [origin_point, origin_line] = self.lines.origin;
-        let mut texels = vec![0f32; points * self.lines.size[1] * 4];
+    /// Takes the next pair of terms in, as transformed for set number `set` and for the plane's `centre`.
+    pub(super) fn add(&mut self, set: usize, pair: &Pair, centre: &Centre<'_>) {
+        let [points, rows] = self.lines.size;
+        let Extent { bins, across: lengths, along: point_lengths, origin, near, half_plane } = &self.extent;
+        let [across, along] = bins[set];
+        let first_line = if *half_plane { 0 } else { -(across as i64) };
+        let mut texels = vec![0f32; points * rows * 4];
         texels.par_chunks_mut(points * 4).enumerate().for_each(|(row, out)| {
-            let line = row as i64 - origin_line as i64;
+            let line = row as i64 - origin[1] as i64;
             if line < first_line || line > across as i64 {
                 return;
             }
@@ -156,9 +194,10 @@ impl Maker {
             for point in 0..=2 * along {
                 let [a, b] = if set == 0 { pair.at(line, point) } else { pair.at(point, line) };
                 let texel = [a.re as f32, a.im as f32, b.re as f32, b.im as f32];
-                out[(origin_point - along + point) * 4..][..4].copy_from_slice(&texel);
+                out[(origin[0] - along + point) * 4..][..4].copy_from_slice(&texel);
             }
         });
+        near.fill(set, (lengths[set], point_lengths[set]), centre, &mut texels);
         self.made[set].push(texels);
     }
 
@@ -199,6 +238,23 @@ impl Lines {
     /// Whether shaders read two pairs at once: numbers of 16 bits, in texels of 16 bytes.
     pub fn are_packed(&self) -> bool {
         self.texels.is_half() && self.grouped.is_multiple_of(2)
+    }
+
+    /// max(|u|, |v|) that rays nearer to the mirror direction are taken for.
+    pub fn nearest(&self) -> f64 {
+        self.from * FAR_END * f64::from(-(OCTAVES as i32)).exp2()
+    }
+
+    /// Where the ray along |(u, v)| = `uv` crosses lines: the set, and lines per unit of wavenumber \[µm\].
+    pub fn crossed(&self, uv: [f64; 2]) -> (usize, f64) {
+        let set = usize::from(uv[1] > uv[0]);
+        let reach = uv[set];
+        if reach >= self.from {
+            return (set, reach * self.across[set]);
+        }
+        let reach = reach.max(self.nearest());
+        let octave = ((self.from / reach).log2() as i32).clamp(0, OCTAVES as i32 - 1);
+        (set, reach * self.across[set] * f64::from(octave + 1).exp2())
     }
 
     /// Layers of the texture, of `pairs` pairs of terms in each of `bands` bands.

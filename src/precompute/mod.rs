@@ -7,6 +7,7 @@ pub mod coefficients;
 pub mod kernel;
 pub mod layers;
 pub mod lines;
+pub mod near;
 pub mod pairs;
 mod plan;
 pub mod texels;

@@ -13,6 +13,8 @@ use crate::surface::HeightField;
 pub(super) struct Plan {
     /// Of the whole plane, or of its centre where there are lines.
     pub plane: [PaddedAxis; 2],
+    /// How the plane is read between its bins.
+    pub interpolation: Interpolation,
     /// Of the lines of constant f_x and of constant f_y.
     pub lines: Option<(lines::Spacing, [[PaddedAxis; 2]; 2])>,
 }
@@ -29,15 +31,19 @@ impl Plan {
         let own = Samples::of(field, shift);
         let sigma = settings.sigma;
         if let Some(spacing) = settings.lines.filter(|_| sigma.is_finite()) {
+            /// Part of the error of reading between texels: what is made of the centre is read between its own texels again.
+            const CENTRE: f64 = 0.05;
+            let interpolation = Interpolation::for_tolerance(CENTRE * settings.budget.interpolation);
             let plan = Self {
+                interpolation,
                 plane: [0, 1].map(|i| {
-                    let reach = band[i].min(spacing.from / settings.shortest_wavelength);
+                    let reach = band[i].min(spacing.centre(sigma, settings.shortest_wavelength));
                     let length = interpolation.ratios[i] * sigma;
                     PaddedAxis::new(&own[i], sigma, length, Some(interpolation.kernels[i]), reach)
                 }),
                 lines: Some((spacing, spacing.axes(&own, sigma, band))),
             };
-            if plan.longest() <= settings.side_limit {
+            if plan.longest(settings) <= settings.side_limit {
                 return plan.checked(&own, settings).map(|()| plan);
             }
         }
@@ -53,13 +59,13 @@ impl Plan {
             let length = interpolation.ratios[i] * extent(i);
             PaddedAxis::new(&own[i], sigma, length, Some(interpolation.kernels[i]), band[i])
         };
-        let plan = Self { plane: [axis(0), axis(1)], lines: None };
-        if plan.longest() > settings.side_limit {
+        let plan = Self { plane: [axis(0), axis(1)], interpolation, lines: None };
+        let longest = plan.longest(settings);
+        if longest > settings.side_limit {
             return Err(Error::failed(
                 format!(
                     "the spectra would be {} texels long, the device holds {}",
-                    plan.longest(),
-                    settings.side_limit
+                    longest, settings.side_limit
                 ),
                 "ask for a shorter --coherence or a larger --tolerance, or use --method reference",
             ));
@@ -72,9 +78,20 @@ impl Plan {
         std::iter::once(&self.plane).chain(self.lines.iter().flat_map(|(_, axes)| axes))
     }
 
+    /// What lines take of a texture, on the half plane or on the whole one.
+    pub fn extent(&self, settings: &Settings, half_plane: bool) -> Option<lines::Extent> {
+        let of = |(spacing, axes): &(lines::Spacing, _)| {
+            lines::Extent::new(spacing, axes, settings.shortest_wavelength, half_plane)
+        };
+        self.lines.as_ref().map(of)
+    }
+
     /// Texels along the longest side of a layer.
-    fn longest(&self) -> usize {
-        self.axes().flatten().map(PaddedAxis::kept).max().unwrap_or(0)
+    fn longest(&self, settings: &Settings) -> usize {
+        match self.extent(settings, false) {
+            Some(extent) => extent.size().into_iter().max().unwrap_or(0),
+            None => self.plane.iter().map(PaddedAxis::kept).max().unwrap_or(0),
+        }
     }
 
     /// Fails where the host has no room for the transforms of `settings`, whose rooms are kept from one to the next. The layers

@@ -3,6 +3,7 @@
 use super::color_table::{Filter, Grid};
 use crate::precompute::Layers;
 use crate::precompute::kernel::Kernel;
+use crate::precompute::near::OCTAVES;
 use crate::scene::MAX_LIGHTS;
 use crate::vk::descriptors::Binding;
 use ash::vk;
@@ -143,8 +144,12 @@ pub struct LinesBlock {
     pub rows_per_octave: f32,
     /// Number of the last column.
     pub last_column: f32,
-    /// std140 rounds a block up to 16 bytes.
-    pub padding: [f32; 3],
+    /// max(|u|, |v|) that rays nearer to the mirror direction are taken for.
+    pub nearest: f32,
+    /// std140 aligns vectors of four to 16 bytes.
+    pub padding: [f32; 2],
+    /// Number of the point and of the line of f = 0 for each octave of rays below `from`; z, w unused.
+    pub near: [[f32; 4]; OCTAVES],
 }
 
 /// What `shaders/repeats.glsl` takes as push constants.

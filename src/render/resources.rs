@@ -383,7 +383,12 @@ fn lines_block(layers: &Layers, combs: &Combs) -> LinesBlock {
         first_row: sliding.steps.0.log2() as f32,
         rows_per_octave: (1.0 / sliding.steps.1) as f32,
         last_column: (Sliding::COLUMNS - 1) as f32,
-        padding: [0.0; 3],
+        nearest: lines.nearest() as f32,
+        padding: [0.0; 2],
+        near: std::array::from_fn(|octave| {
+            let [point, line] = lines.near.get(octave).copied().unwrap_or_default();
+            [point as f32, line as f32, 0.0, 0.0]
+        }),
     }
 }
 

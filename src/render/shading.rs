@@ -29,6 +29,10 @@ pub enum Purpose {
 /// much as it.
 const PICTURE_GAIN: f64 = SPECKLE / 2.0;
 
+/// How much more reading along lines may err than reading between texels of the plane, where bright pixels stand alone, as the mirror's peak
+/// does: a colour on lines is read from many nodes at as many places between points, and even a grating's order from two.
+const AVERAGED_ON_LINES: f64 = std::f64::consts::SQRT_2;
+
 /// How much more linear interpolation errs midway between texels than on average (RMS): (1/8)/√(1/120). The one bright pixel
 /// of a picture may stand there.
 const MIDWAY: f64 = 1.369;
@@ -121,7 +125,8 @@ impl Shading {
         }
         let rule = Rule::gaussian(&self.illuminant, sigma, self.quadrature());
         let lines = (rule.level, Sliding::across(rule.level));
-        Spacing::new(sigma, lines, Sliding::fewest(&rule), SPAN, self.budget().interpolation)
+        let interpolation = AVERAGED_ON_LINES * self.gain() * self.shares().interpolation * self.tolerance;
+        Spacing::new(sigma, lines, Sliding::fewest(&rule), SPAN, interpolation)
     }
 
     /// What the sum over wavelengths may err by, relative to the colour.

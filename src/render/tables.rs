@@ -31,13 +31,14 @@ pub struct Combs {
 impl Combs {
     /// The wavelengths of colours from `layers` under `shading`.
     pub fn of(layers: &Layers, shading: &Shading) -> Self {
-        let combs = Self::new(&shading.illuminant, layers.sigma, shading.quadrature(), shading.wavelengths);
-        let sliding = layers.lines.as_ref().map(|lines| {
-            let [least, most] = [lines.across[0].min(lines.across[1]), lines.across[0].max(lines.across[1])];
-            // Rays of |u| = 2 meet lines the closest.
-            Sliding::new(&shading.illuminant, lines.level, 1.0 / (2.0 * most), 1.0 / (lines.from * least))
-        });
-        Self { sliding, ..combs }
+        let Some(lines) = &layers.lines else {
+            return Self::new(&shading.illuminant, layers.sigma, shading.quadrature(), shading.wavelengths);
+        };
+        let [least, most] = [lines.across[0].min(lines.across[1]), lines.across[0].max(lines.across[1])];
+        // Rays of |u| = 2 meet lines the closest.
+        let (shortest, longest) = (1.0 / (2.0 * most), 1.0 / (lines.from * least));
+        let sliding = Sliding::new(&shading.illuminant, lines.level, shortest, longest);
+        Self { sliding: Some(sliding), ..Self::none() }
     }
 
     /// The weights of nodes on lines as a texture, with the squared wavenumber in them and the range in front; one texel
@@ -91,7 +92,9 @@ impl Combs {
 
     /// No wavelengths: their sum is made already.
     pub fn none() -> Self {
-        Self { bins: vec![[0, 0]; UV_BINS], nodes: Table { size: [0, 0], values: Vec::new() }, sliding: None }
+        // Devices bind no empty textures.
+        let nodes = Table { size: [1, 1], values: vec![[0.0; 4]] };
+        Self { bins: vec![[0, 0]; UV_BINS], nodes, sliding: None }
     }
 
     /// Row of `nodes` and number of nodes for a direction at |(u, v)| = `uv`.

@@ -4,6 +4,7 @@ use crate::device::with_device;
 use ash::vk;
 use bytemuck::Zeroable;
 use diffract::expansion::Basis;
+use diffract::precompute::near::{FINER, OCTAVES};
 use diffract::precompute::{Aim, Budget, Settings, compute};
 use diffract::render::interface::{FrameBlock, LinesBlock, OpticsBlock, UV_BINS, binding};
 use diffract::render::pigment::Pigment;
@@ -72,14 +73,17 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             first_row: 211.0,
             rows_per_octave: 212.0,
             last_column: 213.0,
-            padding: [0.0; 3],
+            nearest: 214.0,
+            padding: [0.0; 2],
+            near: std::array::from_fn(|i| [220.0 + i as f32, 240.0 + i as f32, 0.0, 0.0]),
         };
         expected.extend([
             [201.0, 202.0, 203.0, 204.0],
             [205.0, 206.0, 207.0, 208.0],
             [209.0, 210.0, 211.0, 212.0],
-            [213.0, 0.0, 0.0, 0.0],
+            [213.0, 214.0, OCTAVES as f32, FINER as f32],
         ]);
+        expected.extend(lines.near);
 
         let field = HeightField::new(4, 4, [0.1, 0.1], vec![0.0; 16]).unwrap();
         let settings = Settings {

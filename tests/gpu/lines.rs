@@ -5,9 +5,11 @@ use crate::evaluation::{patch, shading};
 use crate::table::{by_reference, colours, errors};
 use diffract::expansion::Basis;
 use diffract::measure::cost::Cost;
+use diffract::optics::geometry::Pair;
 use diffract::optics::quadrature::Rule;
 use diffract::precompute::{Layers, Settings, compute};
-use diffract::render::evaluator::Evaluator;
+use diffract::random::Random;
+use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::picture::Directions;
 use diffract::render::shading::Shading;
 use diffract::render::tables::Combs;
@@ -17,6 +19,7 @@ use diffract::vk::device::Device;
 use diffract::vk::instance::Instance;
 use diffract::vk::mask::Mask;
 use diffract::vk::selection::Wish;
+use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
 /// Layers of `field` for pictures, which have lines.
@@ -101,6 +104,48 @@ fn colours_along_lines_meet_their_tolerance_where_samples_and_sides_are_not_squa
 }
 
 #[test]
+fn rays_toward_the_mirror_direction_meet_the_tolerance_octave_by_octave() {
+    const OCTAVES: i32 = 17;
+    const EACH: usize = 12;
+    let mut random = Random::new(45);
+    let light = DVec3::new(0.31, -0.17, 1.0).normalize();
+    let mut toward = |uv: f64| {
+        let angle = random.share() * std::f64::consts::TAU;
+        let level = -light.truncate() + DVec2::from_angle(angle) * uv * (0.5 + 0.5 * random.share());
+        let pair = Pair::new(light, level.extend((1.0 - level.length_squared()).sqrt()));
+        Query { pair, wavelength: None }
+    };
+    // The last is the mirror direction to all digits that there are.
+    let queries: Vec<Query> =
+        (0..OCTAVES).flat_map(|k| vec![0.3 * f64::from(-k).exp2(); EACH]).map(&mut toward).collect();
+    for (side, length) in [(24.0, 30.0), (12.0, 25.0)] {
+        let field = patch(Kind::Elaphe, side);
+        let light = shading(length, 1e-2);
+        let exact = by_reference(&field, &light, &queries);
+        with_device(|device| {
+            for (basis, terms, tolerance) in
+                [(Basis::Optimal, None, 1e-3), (Basis::Optimal, None, 1e-2), (Basis::Taylor, Some(16), 1e-2)]
+            {
+                let shading = Shading { basis, terms, tolerance, ..light.clone() }.for_pictures();
+                let layers = layers(device, &field, &shading);
+                assert_eq!(layers.half_plane, terms.is_some());
+                let mut evaluator = Evaluator::new(device, &layers, &shading).unwrap();
+                let found = evaluator.cosine_weighted(&queries).unwrap();
+                for (octave, (found, exact)) in found.chunks(EACH).zip(exact.chunks(EACH)).enumerate() {
+                    let wrong: f64 = found.iter().zip(exact).map(|(f, e)| (*f - *e).length_squared()).sum();
+                    let whole = (wrong / exact.iter().map(|e| e.length_squared()).sum::<f64>()).sqrt();
+                    eprintln!(
+                        "{length} um at {tolerance:e} by {} in octave {octave}: {whole:.1e}",
+                        basis.name()
+                    );
+                    assert!(whole <= tolerance, "{basis:?}, octave {octave}: {whole:e}");
+                }
+            }
+        });
+    }
+}
+
+#[test]
 fn nodes_on_lines_are_counted_as_the_rule_has_them() {
     let field = patch(Kind::Elaphe, 12.0);
     let shading = Shading { basis: Basis::Optimal, ..shading(65.0, 1e-2) }.for_pictures();
@@ -119,10 +164,12 @@ fn nodes_on_lines_are_counted_as_the_rule_has_them() {
         assert_eq!(cost(0.6, 0.5).wavelengths, along.wavelengths);
         // The patch is not quite square, and so are the lines.
         assert!(cost(0.1, 0.6).wavelengths.abs_diff(along.wavelengths) <= 1);
-        // In the centre the comb does it.
+        // Toward the mirror direction octave by octave as many, down to those that stand for the colour functions alone.
         let rule = Rule::gaussian(&shading.illuminant, layers.sigma, shading.quadrature());
-        let near = cost(0.05, 0.03);
-        assert!(near.wavelengths >= rule.count(0.0) && near.wavelengths < rule.count(0.2), "{near:?}");
+        for near in [cost(0.05, 0.03), cost(0.002, 0.001), cost(0.0, 0.0)] {
+            let fewest = rule.count(0.0);
+            assert!((fewest..=3 * fewest + 3).contains(&near.wavelengths), "{near:?} of {fewest}");
+        }
     });
 }
 
