@@ -69,7 +69,8 @@ impl Near {
         Self { lines, points, origins, size: [columns, top + height], kernel, half_plane }
     }
 
-    /// Writes a pair of terms, less what reading between the points will blur, of set number `set`, lines 1/`across` and points 1/`along` apart in the lines above, into `texels` of this size.
+    /// Writes a pair of terms of set number `set` into `texels` of this size, less what reading between the points will blur. The lines
+    /// above stand 1/`across` apart, their points 1/`along` \[µm\].
     pub fn fill(&self, set: usize, (across, along): (f64, f64), centre: &Centre<'_>, texels: &mut [f32]) {
         let point_length = along * FINER as f64;
         let blur = self.kernel.blur();
