@@ -4,11 +4,12 @@
 //! say what they have done by events; the window's thread never waits for them.
 
 mod app;
+pub mod atlas;
 mod compare;
 mod easel;
 mod graph;
 #[allow(unsafe_code, reason = "hands Vulkan objects to the panel's renderer")]
-mod gui;
+pub mod gui;
 mod hand;
 mod inset;
 mod judge;

@@ -1,5 +1,6 @@
 //! Frames of the window: pictures below, the panel above, two frames in flight.
 
+use super::atlas::Kept;
 use super::gui::{Gui, Painting};
 use crate::error::Result;
 use crate::render::window::{Pictures, Place, WindowPass};
@@ -23,6 +24,7 @@ struct Flight {
     commands: Commands,
     acquired: Semaphore,
     pictures: Pictures,
+    kept: Kept,
 }
 
 /// The pictures to show and where.
@@ -66,6 +68,7 @@ impl Screen {
                 commands: Commands::new(device, "window")?,
                 acquired: Semaphore::new(device, "image acquired")?,
                 pictures: pass.pictures()?,
+                kept: Kept::default(),
             })
         };
         Ok(Self {
@@ -101,13 +104,10 @@ impl Screen {
         if self.outdated {
             self.renew()?;
         }
-        if self.gui.has_textures(&painting.textures) {
-            self.flights.iter_mut().try_for_each(|flight| flight.commands.wait())?;
-            self.gui.upload(&mut painting.textures)?;
-        }
         let Some(swapchain) = &self.swapchain else { return Ok(false) };
         let flight = &mut self.flights[self.next];
         flight.commands.wait()?;
+        flight.kept.clear();
         let index = match swapchain.acquire(&flight.acquired)? {
             Shown::Done(index) => index,
             Shown::Outdated => {
@@ -121,15 +121,16 @@ impl Screen {
             self.pass.show(&mut flight.pictures, left, right);
         }
         let image = swapchain.image(index);
-        let (pass, pictures, gui) = (&self.pass, &flight.pictures, &mut self.gui);
+        let (pass, pictures, gui, kept) = (&self.pass, &flight.pictures, &mut self.gui, &mut flight.kept);
         let record = |record: &crate::vk::commands::Recorder<'_>| {
+            gui.upload(record, &mut painting.textures, kept)?;
             record.images(&[(image, Access::Nothing, Access::ColorAttachment)]);
             let mut drawn = Ok(());
             record.render(&[(image, Some(BACKDROP))], None, |draw| {
                 if let Some(scenery) = scenery {
                     pass.draw(draw, pictures, &scenery.place);
                 }
-                drawn = gui.draw(draw, image.size(), painting);
+                drawn = gui.draw(draw, image.size(), painting, kept);
             });
             record.images(&[(image, Access::ColorAttachment, Access::Present)]);
             drawn

@@ -220,6 +220,19 @@ impl Recorder<'_> {
         let mut region = region(to, layer, first_row, rows);
         region.image_subresource.mip_level = level;
         region.image_extent.width = (to.size()[0] >> level).max(1);
+        self.copy_to(from, to, region);
+    }
+
+    /// Copies tightly packed texels from the start of `from` into the rectangle of `size` texels at `corner` of layer 0 of
+    /// `to`.
+    pub fn copy_to_part(&self, from: &Buffer, to: &Image, corner: [u32; 2], size: [u32; 2]) {
+        let mut region = region(to, 0, corner[1], size[1]);
+        region.image_offset.x = corner[0] as i32;
+        region.image_extent.width = size[0];
+        self.copy_to(from, to, region);
+    }
+
+    fn copy_to(&self, from: &Buffer, to: &Image, region: vk::BufferImageCopy) {
         let layout = Access::TransferWrite.row().2;
         // SAFETY: recording is open, the image is in the transfer layout, the buffer holds the texels.
         unsafe { self.device.cmd_copy_buffer_to_image(self.raw, from.raw(), to.raw(), layout, &[region]) };

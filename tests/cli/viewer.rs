@@ -77,6 +77,19 @@ impl Viewer {
         wait_for(text, || self.words().into_iter().find(|word| word.text == text)).at
     }
 
+    /// Waits until the middle of `text` can be read from what is on the screen: strokes against their ground.
+    #[track_caller]
+    pub fn reads(&self, text: &str) {
+        let [x, y] = self.find(text);
+        wait_for(&format!("the look of `{text}`"), || {
+            let shown = self.display.look(self.window)?;
+            let near = (x - 9..x + 9).flat_map(|x| (y - 4..y + 5).map(move |y| (x, y)));
+            let green: Vec<u8> = near.map(|(x, y)| shown.get_pixel(x as u32, y as u32).0[1]).collect();
+            let [least, most] = [green.iter().min(), green.iter().max()].map(|level| *level.unwrap());
+            (most - least > 90).then_some(())
+        });
+    }
+
     /// What stands in the row that is called `label`, from left to right.
     #[track_caller]
     pub fn row(&self, label: &str) -> Vec<Word> {

@@ -49,6 +49,18 @@ fn method_filter_windows_and_what_else_the_optics_has_act_on_the_picture() {
 }
 
 #[test]
+fn words_can_be_read_also_those_of_letters_that_were_not_there_at_first() {
+    let viewer = Viewer::open(&[&["sphere"][..], &LARGE].concat());
+    ["tolerance", "still: everything"].into_iter().for_each(|text| viewer.reads(text));
+    for name in ["ЖЩЮЯЖЩЮЯ.obj", "ψξθφψξθφ.obj"] {
+        viewer.sandbox.write(name, "v -1 -1 0\nv 1 -1 0\nv 1 1 0.5\nv -1 1 0\nf 1 2 3 4\n");
+        viewer.display.drop_file(viewer.window, &viewer.sandbox.path(name));
+        viewer.reads(name);
+    }
+    viewer.close();
+}
+
+#[test]
 fn coherence_is_a_window_or_repeats() {
     let viewer = Viewer::open(&[&["sphere"][..], &LARGE].concat());
     let (through_a_window, _) = viewer.shows("--coherence gaussian:4um");

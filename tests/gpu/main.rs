@@ -12,6 +12,7 @@ mod interface;
 mod lines;
 mod long_run;
 mod measure;
+mod panel;
 mod picture;
 mod promise;
 mod repeats;
