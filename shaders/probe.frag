@@ -30,7 +30,7 @@ void main() {
         // As the frame reads them: neighbours along a line, pair beside pair.
         ivec3 size = PACKED ? textureSize(packed_lines, 0) * ivec3(2, 1, 1) : textureSize(lines, 0);
         ivec2 points = size.xy / ivec2(GROUPED, 1) - 4;
-        vec2 from = probe.scattered != 0 ? place * vec2(points) : gl_FragCoord.xy * 0.25;
+        vec2 from = probe.scattered != 0 ? place * vec2(points) : gl_FragCoord.xy;
         ivec2 at = ivec2(mod(from, vec2(points))) + 2;
         int pair = 0;
         for (int i = 0; i < probe.samples; ++i) {
