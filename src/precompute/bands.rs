@@ -67,11 +67,10 @@ impl Bands {
             let left = heights.residuals(single[0].as_ref(), [0.0, z_max], MOST_PAIRS);
             left.iter().position(|&error| error <= allowed).map_or(MOST_PAIRS, |p| p + 1)
         };
-        let reads = |pairs: usize| if settings.lines.is_some() { pairs.div_ceil(2) } else { pairs };
         let mut best: Option<Self> = None;
-        let mut fewest = (reads(pairs_of_one.min(MOST_PAIRS + 1)), 0);
+        let mut fewest = (reads(settings, &single, pairs_of_one.min(MOST_PAIRS + 1)), 0);
         for count in CANDIDATES {
-            if fewest.0 <= 1 && pairs_of_one <= 1 {
+            if pairs_of_one <= 1 {
                 break;
             }
             let families = families(&heights, basis, z_max, count);
@@ -85,7 +84,7 @@ impl Bands {
             let pairs: Option<usize> =
                 needed.collect::<Option<Vec<_>>>().and_then(|all| all.into_iter().max());
             let Some(pairs) = pairs else { continue };
-            let cost = (reads(pairs), pairs.next_multiple_of(2) * count);
+            let cost = (reads(settings, &families, pairs), pairs.next_multiple_of(2) * count);
             if cost < fewest {
                 fewest = cost;
                 best = Some(Self { families, real: false, pairs });
@@ -93,6 +92,15 @@ impl Bands {
         }
         best.unwrap_or_else(|| Self::single(single, basis))
     }
+}
+
+/// Texels that a wavelength reads for `pairs` pairs of terms of `families`: coefficients from a table count as much as spectra do.
+fn reads(settings: &Settings, families: &[Box<dyn Expansion>], pairs: usize) -> usize {
+    /// A bilinear sample of the plane takes as long as reading so many texels.
+    const SAMPLE: usize = 2;
+    let spectra = settings.lines.map_or(SAMPLE * pairs, |lines| lines.texels_of_a_node(pairs));
+    let computed = families.iter().all(|family| family.series().is_some());
+    spectra + if computed { 0 } else { pairs }
 }
 
 /// Whether more than one band is an option for `settings` and heights of z_max·a = `x`.

@@ -50,6 +50,12 @@ impl Spacing {
         [self.level, self.from, self.across, self.along, f64::from(u8::from(self.kernel == Kernel::Cubic))]
     }
 
+    /// Texels that are read of a node for `pairs` pairs of terms, where 16 bits hold them.
+    pub(super) fn texels_of_a_node(&self, pairs: usize) -> usize {
+        let beside = grouped(pairs, true, pairs);
+        self.kernel.texels() * if beside.is_multiple_of(2) { pairs.div_ceil(2) } else { pairs }
+    }
+
     /// RMS relative intensity error of reading along the lines.
     pub fn interpolation_error(&self) -> f64 {
         SPECKLE * self.kernel.amplitude_error(self.along)
