@@ -2,7 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 // Writes what a covered pixel has to be shaded with: directions in its tangent frame, and the pigment. Shading follows in a
 // pass of its own, pixel beside pixel, whatever the size of the triangles; a reference shades the very same directions.
-#include "interface.glsl"
+#include "frame.glsl"
+
+layout(set = 0, binding = 1) uniform sampler2D pigment;
 
 layout(constant_id = 0) const int LIGHTS = MAX_LIGHTS; // of the scene
 layout(constant_id = 1) const bool TEXTURED = true;    // whether the pigment is of a texture

@@ -2,10 +2,10 @@
 // -N, two numbers each: a frame writes and reads them for every pixel. Its twin is `Directions` of src/render/picture.rs.
 
 // Written by the geometry pass: to the viewer (xy) and to the first light (zw).
-layout(set = 0, binding = 9) uniform sampler2D directions;
-layout(set = 0, binding = 10) uniform sampler2D albedos;      // where there is a pigment texture
-layout(set = 0, binding = 11) uniform sampler2D more_lights_0; // to the second and to the third light
-layout(set = 0, binding = 12) uniform sampler2D more_lights_1; // to the fourth
+layout(set = 0, binding = 2) uniform sampler2D directions;
+layout(set = 0, binding = 3) uniform sampler2D albedos;      // where there is a pigment texture
+layout(set = 0, binding = 4) uniform sampler2D more_lights_0; // to the second and to the third light
+layout(set = 0, binding = 5) uniform sampler2D more_lights_1; // to the fourth
 
 // What the pass clears to: farther out than any direction is projected.
 const float UNCOVERED = 100.0;

@@ -5,6 +5,7 @@
 
 #![deny(unsafe_code)]
 
+pub mod brdf;
 pub mod cli;
 pub mod error;
 pub mod expansion;
@@ -18,6 +19,7 @@ pub mod precompute;
 pub mod random;
 pub mod render;
 pub mod scene;
+pub mod setup;
 pub mod surface;
 pub mod units;
 pub mod viewer;

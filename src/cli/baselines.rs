@@ -8,10 +8,9 @@ use crate::measure::trade::{GRATING, Row, THESIS};
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::thesis;
-use crate::render::picture::Painter;
-use crate::render::pigment::Pigment;
-use crate::render::resources::Optics;
+use crate::render::source::{ClassicalGrating, Source, Thesis};
 use crate::surface::statistics::Statistics;
+use std::sync::Arc;
 
 /// The row of `series`, drawn for the frame that `own` sets up; `None` where it is nothing for this surface.
 pub fn measured(
@@ -35,10 +34,11 @@ fn grating(stage: &Stage, own: &Arguments, references: &mut References) -> Resul
         (None, None) => return Ok(None),
     };
     let shading = own.optics.for_pictures(&own.colour)?;
-    let (mut painter, _, _, directions) = stage.prepare(own, &shading)?;
+    let classical = |strength| Source::ClassicalGrating(ClassicalGrating { axis, period, strength });
+    let (mut painter, directions) = stage.painter(&classical(0.0), &shading)?;
     let exact = references.of(stage, &shading, &directions)?;
-    let mut colors = |strength: f32| {
-        painter.shade_as_grating(axis, period as f32, strength)?;
+    let mut colors = |strength: f64| {
+        painter.shade_by(&classical(strength), &shading)?;
         painter.paint(&stage.view, stage.scene.exposure, stage.scene.background)
     };
     // The picture is linear in the strength: least squares between that of 0 and that of 1.
@@ -48,8 +48,8 @@ fn grating(stage: &Stage, own: &Arguments, references: &mut References) -> Resul
         let orders = *one - *pigment;
         (p + orders.dot(*exact - *pigment), s + orders.length_squared())
     });
-    let strength = if square > 0.0 { (product / square).max(0.0) as f32 } else { 0.0 };
-    painter.shade_as_grating(axis, period as f32, strength)?;
+    let strength = if square > 0.0 { (product / square).max(0.0) } else { 0.0 };
+    painter.shade_by(&classical(strength), &shading)?;
     Ok(Some(Row {
         flags: format!("grating equation, one period of {:.0} nm, for comparison", period * 1e3),
         series: GRATING.to_owned(),
@@ -62,25 +62,20 @@ fn grating(stage: &Stage, own: &Arguments, references: &mut References) -> Resul
 fn of_thesis(stage: &Stage, own: &Arguments, references: &mut References) -> Result<Option<Row>> {
     let shading = own.optics.for_pictures(&own.colour)?;
     let Coherence::Gaussian { length } = shading.coherence else { return Ok(None) };
-    let layers = thesis::layers(&stage.field, length / 4.0, SHORTEST)?;
+    let layers = Arc::new(thesis::layers(&stage.field, length / 4.0, SHORTEST)?);
     let (low, high) = stage.field.range();
-    let optics = Optics::Thesis(&layers, (high - low) / 2.0);
-    let lights = stage.view.lights.len();
-    let (mesh, pigment) = (&stage.scene.mesh, Pigment::white());
-    let mut painter = Painter::new(&stage.device, optics, &shading, mesh, &pigment, stage.size, lights)?;
-    let directions =
-        (0..lights).map(|light| painter.directions(&stage.view, light)).collect::<Result<Vec<_>>>()?;
+    let source = Source::Thesis(Thesis { layers, half_range: (high - low) / 2.0 });
+    let (mut painter, directions) = stage.painter(&source, &shading)?;
     let exact = references.of(stage, &shading, &directions)?;
-    // Two terms share a texel.
-    let reads = thesis::WAVELENGTHS * thesis::TERMS.div_ceil(2) * thesis::TAPS * lights;
+    let cost = source.cost(&shading, &directions, stage.size);
     Ok(Some(Row {
         flags: "the thesis' sum: 37 terms, 81 wavelengths, 3 x 3 reads, for comparison".to_owned(),
         series: THESIS.to_owned(),
         terms: thesis::TERMS,
         layers: thesis::TERMS,
         kernel: "3 x 3 bins".to_owned(),
-        wavelengths: (thesis::WAVELENGTHS * lights) as f64,
-        samples: reads as f64,
+        wavelengths: cost.wavelengths_per_pixel(),
+        samples: cost.samples_per_pixel(),
         ..row(stage, &mut painter, exact)?
     }))
 }

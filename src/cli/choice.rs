@@ -1,12 +1,12 @@
 //! The setting that keeps a frame rate: the most accurate one that does, found by drawing, not by guessing.
 
-use super::options::Method;
 use super::profile::Arguments;
 use super::say;
 use super::stage::Stage;
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::measure::profile::measure;
+use crate::setup::Method;
 
 /// From the finest to the coarsest where no tolerance is named. Tables begin where they fit a usual device.
 const LADDER: [(Method, f64); 6] = [
@@ -88,8 +88,8 @@ fn candidates(arguments: &Arguments) -> Vec<Arguments> {
 /// Frames a second of a setting.
 fn rate(stage: &Stage, own: &Arguments) -> Result<f64> {
     let shading = own.optics.for_pictures(&own.colour)?;
-    let (mut painter, ..) = stage.prepare(own, &shading)?;
-    let times = measure(&mut painter, &stage.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
+    let mut ready = stage.prepare(own, &shading)?;
+    let times = measure(&mut ready.painter, &stage.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
     Ok(1e3 / times.frame.p50)
 }
 

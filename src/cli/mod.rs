@@ -1,19 +1,17 @@
 //! The command line: one file per command; raw arguments in, validated settings with units out.
 
-mod answers;
 mod baselines;
 mod brdf;
 mod choice;
 mod devices;
 mod eval;
+mod evaluation;
 mod options;
 mod peaks;
 mod prepare;
 mod profile;
 mod range;
 mod render;
-mod repeated;
-mod spectral;
 mod stage;
 mod surface;
 mod trade;

@@ -4,11 +4,10 @@ use super::options::{
     ColourOptions, DeviceOptions, FilterOptions, OpticsOptions, SurfaceOptions, check_lights, real,
     sample_pixels,
 };
-use super::stage::{Setting, Stage};
+use super::stage::{Ready, Stage};
 use super::{choice, prepare, write};
 use crate::error::Result;
 use crate::measure::budget::Budget;
-use crate::measure::cost::Cost;
 use crate::measure::error::PixelErrors;
 use crate::measure::profile::{Bound, Rates, Summary, Times, measure, rates};
 use crate::output;
@@ -159,43 +158,38 @@ fn explained(report: &Report) -> String {
 
 fn profile(stage: &Stage, arguments: &Arguments) -> Result<Report> {
     let shading = arguments.optics.for_pictures(&arguments.colour)?;
-    let (mut painter, setting, cost, directions) = stage.prepare(arguments, &shading)?;
+    let mut ready = stage.prepare(arguments, &shading)?;
     let bar = prepare::progress_bar("frames");
-    let times = measure(&mut painter, &stage.view, arguments.frames as usize, f64::INFINITY, &|done, of| {
-        bar.set_length(of as u64);
-        bar.set_position(done as u64);
-        Ok(())
-    })?;
+    let times =
+        measure(&mut ready.painter, &stage.view, arguments.frames as usize, f64::INFINITY, &|done, of| {
+            bar.set_length(of as u64);
+            bar.set_position(done as u64);
+            Ok(())
+        })?;
     bar.finish_and_clear();
-    let rates = rates(&mut painter, stage.pixels())?;
+    let rates = rates(&mut ready.painter, stage.pixels())?;
     let (error, flip) = match arguments.error {
-        Some(count) => stage.compare(&mut painter, &shading, &directions, count)?,
+        Some(count) => stage.compare(&mut ready.painter, &shading, &ready.directions, count)?,
         None => (None, None),
     };
-    let report = report(stage, arguments, setting, &cost, &times, &rates);
+    let report = report(stage, arguments, ready, &times, &rates);
     Ok(Report { error, flip, ..report })
 }
 
-fn report(
-    stage: &Stage,
-    arguments: &Arguments,
-    setting: Setting,
-    cost: &Cost,
-    times: &Times,
-    rates: &Rates,
-) -> Report {
+fn report(stage: &Stage, arguments: &Arguments, ready: Ready, times: &Times, rates: &Rates) -> Report {
     let candidate = stage.device.candidate();
+    let Ready { summary, cost, budget, .. } = ready;
     let reached = cost.samples as f64 / (times.shade.p50 * 1e-3);
     Report {
         device: candidate.name.clone(),
         driver: candidate.driver.clone(),
         size: stage.size,
-        method: setting.method,
-        basis: setting.basis.name(),
+        method: summary.method,
+        basis: summary.basis.name(),
         tolerance: arguments.optics.tolerance(),
-        terms: setting.terms,
-        layers: setting.layers,
-        kernel: setting.kernel,
+        terms: summary.terms,
+        layers: summary.layers,
+        kernel: summary.kernel,
         wavelengths: cost.wavelengths_per_pixel(),
         covered: cost.covered as f64 / stage.pixels() as f64,
         gpu_ms: times.gpu.into(),
@@ -214,7 +208,7 @@ fn report(
         noisy: times.spread > NOISY,
         error: None,
         flip: None,
-        budget: setting.budget,
+        budget,
     }
 }
 

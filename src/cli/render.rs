@@ -1,25 +1,22 @@
 //! `diffract render`: a scene into a file.
 
 use super::options::{
-    ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions,
-    check_lights, sample_pixels,
+    ColourOptions, DeviceOptions, FilterOptions, OpticsOptions, SurfaceOptions, ViewOptions, check_lights,
+    sample_pixels,
 };
-use super::spectral::Spectral;
 use super::{prepare, write};
 use crate::error::{Error, Result};
 use crate::measure::error;
-use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::SHORTEST;
-use crate::precompute::Layers;
 use crate::render::frame::View;
 use crate::render::picture::{Directions, Painter, Picture};
 use crate::render::pigment::Pigment;
 use crate::render::reference_picture::{self, displayed, reference_pixels};
-use crate::render::resources::Optics;
 use crate::render::shading::Shading;
+use crate::render::source::{ClassicalGrating, Source};
 use crate::scene::Scene;
+use crate::setup::{Method, Settings};
 use crate::surface::HeightField;
-use crate::vk::device::Device;
 use crate::{output, units};
 use clap::Args;
 use std::path::PathBuf;
@@ -88,25 +85,20 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
     let pigment = scene.pigment.as_deref().map(Pigment::read).transpose()?;
     let view = View { pigment: pigment.is_some(), ..View::of(scene, scene.lights.clone()) };
     let pigment = pigment.unwrap_or_else(Pigment::white);
-    let paint = |optics: Optics| {
-        let (size, lights) = (arguments.size, view.lights.len());
-        Painter::new(&device, optics, shading, &scene.mesh, &pigment, size, lights)
+    let method = arguments.optics.method();
+    let source = if reference {
+        // The frame's directions are all that the reference needs, and this source has no data.
+        Source::ClassicalGrating(ClassicalGrating::default())
+    } else {
+        let filter = arguments.filter.filter;
+        let settings = Settings { filter, ..Settings::new(method, shading.clone()) };
+        prepare::source(field, &settings, &device)?
     };
-    let mut painter = match arguments.optics.method() {
-        Method::Spectral => {
-            let spectral = Spectral::prepare(field, shading, &device)?;
-            let mut painter = paint(spectral.optics())?;
-            if spectral.repeats() {
-                spectral.check(&directions_of(&mut painter, &view)?)?;
-            }
-            Ok(painter)
-        }
-        Method::Table => {
-            let table = prepare::color_table(field, shading, &device)?;
-            paint(Optics::Table(&table, arguments.filter.filter))
-        }
-        Method::Reference => paint((&directions_only(&device)?).into()),
-    }?;
+    let (size, lights) = (arguments.size, view.lights.len());
+    let mut painter = Painter::new(&device, &source, shading, &scene.mesh, &pigment, size, lights)?;
+    if source.has_limits(shading) {
+        source.check(shading, &directions_of(&mut painter, &view)?)?;
+    }
     let picture = if reference {
         let radiance = reference_radiance(&mut painter, &view, field, shading, arguments.sample_pixels)?;
         let display = displayed(&radiance, scene.exposure, scene.background);
@@ -117,14 +109,6 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
     drop(painter);
     prepare::finish(&device)?;
     Ok(picture)
-}
-
-/// The reference needs the frame's directions only: these layers are the smallest there are, and always the same.
-fn directions_only(device: &Device) -> Result<Layers> {
-    let flat = HeightField::new(1, 1, [SHORTEST / 4.0; 2], vec![0.0])?;
-    let coherence = Coherence::Gaussian { length: 1.0 };
-    let shading = Shading { coherence, tolerance: 1e-1, ..Shading::default() };
-    prepare::layers(&flat, &shading, SHORTEST, device)
 }
 
 /// The directions that each light of `view` comes from.

@@ -1,22 +1,20 @@
 //! What `profile` and `trade` measure on: a scene on a device, and the reference of its very directions.
 
-use super::options::{Method, lights_of};
+use super::options::lights_of;
 use super::prepare;
 use super::profile::Arguments;
-use super::spectral::Spectral;
 use crate::error::{Error, Result};
-use crate::expansion::Basis;
 use crate::measure::budget::Budget;
-use crate::measure::cost::Cost;
 use crate::measure::error::{self, PixelErrors};
-use crate::render::color_table::Filter;
 use crate::render::frame::View;
 use crate::render::picture::{Directions, Painter, Picture};
 use crate::render::pigment::Pigment;
 use crate::render::reference_picture::{covered, displayed, reference_pixels};
-use crate::render::resources::Optics;
 use crate::render::shading::Shading;
+use crate::render::source::cost::Cost;
+use crate::render::source::{Source, Summary};
 use crate::scene::Scene;
+use crate::setup::{Method, Settings};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use glam::DVec3;
@@ -62,15 +60,13 @@ impl References {
     }
 }
 
-/// What the method reads from.
-pub struct Setting {
-    pub method: &'static str,
-    pub terms: usize,
-    pub layers: usize,
-    pub kernel: String,
-    /// The expansion that the layers hold, or that a table was baked from.
-    pub basis: Basis,
+/// A setting, ready to be drawn.
+pub struct Ready {
+    pub painter: Painter,
+    pub summary: Summary,
+    pub cost: Cost,
     pub budget: Budget,
+    pub directions: Vec<Directions>,
 }
 
 impl Stage {
@@ -96,58 +92,36 @@ impl Stage {
         self.size[0] as usize * self.size[1] as usize
     }
 
-    /// The painter of the method, with what it reads, how much of it, and the directions that it shades.
-    pub fn prepare(
-        &self,
-        arguments: &Arguments,
-        shading: &Shading,
-    ) -> Result<(Painter, Setting, Cost, Vec<Directions>)> {
+    /// A painter from `source`, and the directions that it shades.
+    pub fn painter(&self, source: &Source, shading: &Shading) -> Result<(Painter, Vec<Directions>)> {
         let (mesh, pigment, lights) = (&self.scene.mesh, Pigment::white(), self.view.lights.len());
-        if arguments.optics.method() == Method::Reference {
+        let mut painter = Painter::new(&self.device, source, shading, mesh, &pigment, self.size, lights)?;
+        let directions =
+            (0..lights).map(|light| painter.directions(&self.view, light)).collect::<Result<Vec<_>>>()?;
+        source.check(shading, &directions)?;
+        Ok((painter, directions))
+    }
+
+    /// What `arguments` ask for.
+    pub fn prepare(&self, arguments: &Arguments, shading: &Shading) -> Result<Ready> {
+        let method = arguments.optics.method();
+        if method == Method::Reference {
             return Err(Error::usage(
                 "--method reference has no frames to time",
                 "use --method spectral or --method table",
             ));
         }
-        let directions = |painter: &mut Painter| {
-            (0..lights).map(|light| painter.directions(&self.view, light)).collect::<Result<Vec<_>>>()
-        };
-        if arguments.optics.method() == Method::Table {
-            let table = prepare::color_table(&self.field, shading, &self.device)?;
-            let filter = arguments.filter.filter;
-            let optics = Optics::Table(&table, filter);
-            let mut painter = Painter::new(&self.device, optics, shading, mesh, &pigment, self.size, lights)?;
-            let directions = directions(&mut painter)?;
-            let cost = Cost::of_table(&table.grid, filter, &directions, self.size);
-            let kernel = match filter {
-                Filter::Pixel => "trilinear, over pixels",
-                Filter::Point => "bilinear, at points",
-            };
-            let setting = Setting {
-                method: "table",
-                basis: Basis::Phase,
-                terms: table.grid.values(),
-                layers: table.grid.layers(),
-                kernel: kernel.to_owned(),
-                budget: Budget::of_table(shading),
-            };
-            return Ok((painter, setting, cost, directions));
-        }
-        let spectral = Spectral::prepare(&self.field, shading, &self.device)?;
-        let (optics, layers) = (spectral.optics(), &spectral.layers);
-        let mut painter = Painter::new(&self.device, optics, shading, mesh, &pigment, self.size, lights)?;
-        let directions = directions(&mut painter)?;
-        spectral.check(&directions)?;
-        let cost = spectral.cost(&painter, &directions);
-        let kernel = match &layers.lines {
-            Some(lines) => format!("{} along lines", lines.kernel.name()),
-            None => format!("{} kernel", layers.interpolation.name()),
-        };
-        let (terms, pairs) = (layers.terms, layers.pairs());
-        let budget = Budget::of_layers(layers, shading);
-        let setting =
-            Setting { method: "spectral", basis: shading.basis, terms, layers: pairs, kernel, budget };
-        Ok((painter, setting, cost, directions))
+        let filter = arguments.filter.filter;
+        let settings = Settings { filter, ..Settings::new(method, shading.clone()) };
+        let source = prepare::source(&self.field, &settings, &self.device)?;
+        let (painter, directions) = self.painter(&source, shading)?;
+        Ok(Ready {
+            painter,
+            summary: source.summary(shading),
+            cost: source.cost(shading, &directions, self.size),
+            budget: Budget::of(&source, shading),
+            directions,
+        })
     }
 
     /// Errors of what `painter` shows at `count` random pixels, and what an observer sees of them where that is every

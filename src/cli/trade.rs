@@ -1,7 +1,7 @@
 //! `diffract trade`: speed against accuracy, measured over many settings.
 
 use super::options::{DeviceOptions, SurfaceOptions, check_lights, coherence, ior, tolerance};
-use super::stage::{Exact, References, Stage, shown};
+use super::stage::{Exact, Ready, References, Stage, shown};
 use super::{baselines, prepare, profile, say, write};
 use crate::error::{Error, Result};
 use crate::measure::error::PixelErrors;
@@ -204,7 +204,7 @@ fn measured(
 ) -> Result<Row> {
     let own = setting(arguments, flags)?;
     let shading: Shading = own.optics.for_pictures(&own.colour)?;
-    let (mut painter, what, cost, directions) = stage.prepare(&own, &shading)?;
+    let Ready { mut painter, summary: what, cost, directions, .. } = stage.prepare(&own, &shading)?;
     let exact = references.of(stage, &shading, &directions)?;
     let series = match what.method {
         "spectral" => format!("spectral, {}", own.optics.basis_of_pictures().name()),

@@ -1,8 +1,9 @@
 //! Settings in words, for captions.
 
-use super::options::{Method, OpticsOptions};
+use super::options::OpticsOptions;
 use crate::optics::coherence::Coherence;
 use crate::scene::Light;
+use crate::setup::Method;
 use crate::surface::HeightField;
 
 /// A coherence as the command line has it.

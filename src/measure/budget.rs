@@ -3,6 +3,7 @@
 use crate::precompute::Layers;
 use crate::render::color_table::{bake::COMB_SHARE, grid::GRID_SHARE, nodes::NODE_SHARE};
 use crate::render::shading::Shading;
+use crate::render::source::{Grating, Source, Window};
 use serde::Serialize;
 
 /// One part of the error.
@@ -26,6 +27,17 @@ pub struct Budget {
 }
 
 impl Budget {
+    /// The parts of what is shaded from `source` under `shading`; none for a baseline.
+    pub fn of(source: &Source, shading: &Shading) -> Self {
+        match source {
+            Source::Window(Window { layers }) | Source::Grating(Grating { layers, .. }) => {
+                Self::of_layers(layers, shading)
+            }
+            Source::Table(_) => Self::of_table(shading),
+            Source::Thesis(_) | Source::ClassicalGrating(_) => Self::default(),
+        }
+    }
+
     /// The parts of `layers` under `shading`.
     pub fn of_layers(layers: &Layers, shading: &Shading) -> Self {
         let known_by_rule = "by the rule for the nodes, which tests hold to it";

@@ -1,7 +1,7 @@
 //! A frame: depth, shading, display. The same commands draw offscreen and to a window.
 
-use super::interface::FrameBlock;
-use super::resources::{Reads, Resources};
+use super::frame_set::FrameBlock;
+use super::source::BoundSource;
 use super::target::{self, Geometry, Target};
 use super::{shader, upload};
 use crate::error::{Error, Result};
@@ -13,9 +13,10 @@ use crate::vk::commands::Recorder;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
 use crate::vk::image::Image;
-use crate::vk::pipeline::{Code, Drawing, Pipeline};
+use crate::vk::pipeline::{Code, Constant, Drawing, Pipeline};
 use crate::vk::sampler::Sampler;
 use ash::vk;
+use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use std::mem::offset_of;
 use std::sync::Arc;
@@ -130,10 +131,14 @@ impl GeometryPass {
             colors: &vec![target::GEOMETRY; geometry.images().count()],
             depth: Some((vk::CompareOp::LESS, true)),
         };
-        let constants = [geometry.lights as u32, geometry.textured.into()];
+        // `constant_id`s of both stages.
+        const LIGHTS: u32 = 0;
+        const TEXTURED: u32 = 1;
+        let constants =
+            [Constant::new(LIGHTS, geometry.lights as u32), Constant::new(TEXTURED, geometry.textured)];
         let fragment = Some(shader!("geometry.frag").with(&constants));
         let vertex = shader!("surface.vert").with(&constants);
-        Ok(Self { pipeline: Pipeline::graphics(device, vertex, fragment, &drawing, descriptors, 0)? })
+        Ok(Self { pipeline: Pipeline::graphics(device, vertex, fragment, &drawing, &[descriptors], 0)? })
     }
 
     /// Records the drawing of `mesh` into `geometry`, which it leaves readable by shaders.
@@ -152,7 +157,7 @@ impl GeometryPass {
         let mark = geometry.marked.then_some([target::UNCOVERED; 4]);
         let colors: Vec<_> = geometry.images().map(|image| (image, mark)).collect();
         record.render(&colors, Some(&geometry.depth), |draw| {
-            draw.bind(&self.pipeline, descriptors);
+            draw.bind(&self.pipeline, &[descriptors]);
             draw.draw_indexed(&mesh.vertices, &mesh.indices, mesh.count);
         });
         record.images(&change(Access::ColorAttachment, Access::ShaderRead));
@@ -167,93 +172,59 @@ pub(super) const COVERED: Option<(vk::CompareOp, bool)> = Some((vk::CompareOp::G
 /// device idle in a fragment stage of their own.
 pub struct PixelPass {
     pipeline: Pipeline,
-    // Push constants.
-    settings: Vec<u8>,
 }
 
 impl PixelPass {
-    /// The pass that shades what the geometry pass found under `lights` lights, with `resources`.
+    /// The pass that shades what the geometry pass found under `lights` lights, from `source`, over the layout of `frame`.
     ///
     /// # Errors
     /// Where the device refuses.
-    pub fn shading(device: &Arc<Device>, resources: &Resources, lights: usize) -> Result<Self> {
-        if let Some(half_range) = &resources.thesis {
-            let pass = Self::new(device, shader!("thesis.frag"), resources, size_of::<f32>() as u32)?;
-            return Ok(Self { settings: bytemuck::bytes_of(half_range).to_vec(), ..pass });
-        }
-        match (resources.reads, &resources.copies) {
-            (Reads::Layers, None) => Self::new(device, shader!("diffraction.frag"), resources, 0),
-            (Reads::Layers, Some(copies)) => {
-                let bytes = size_of_val(copies) as u32;
-                let pass = Self::new(device, shader!("repeats.frag"), resources, bytes)?;
-                Ok(Self { settings: bytemuck::bytes_of(copies).to_vec(), ..pass })
-            }
-            (Reads::Table, _) => {
-                let lights = [lights.min(MAX_LIGHTS) as u32];
-                let constants = [&resources.specialization, lights.as_slice()].concat();
-                Self::with(device, shader!("table.frag").with(&constants), resources, 0, COVERED)
-            }
-        }
+    pub fn shading(
+        device: &Arc<Device>,
+        frame: &Descriptors,
+        source: &BoundSource,
+        lights: usize,
+    ) -> Result<Self> {
+        let constants = source.shade_constants(lights.min(MAX_LIGHTS));
+        Self::new(device, source.shade().with(&constants), [frame, &source.descriptors], 0, COVERED)
     }
 
-    /// The pass that finds out how fast the device reads the layers; its push constants are the number of reads
-    /// and whether they are scattered.
+    /// The pass that finds out how fast the device reads the texture of `source`.
     ///
     /// # Errors
     /// Where the device refuses.
-    pub fn probe(device: &Arc<Device>, resources: &Resources) -> Result<Self> {
-        let code = shader!("probe.frag").with(&resources.specialization);
-        Self::with(device, code, resources, 8, None)
+    pub fn probe(device: &Arc<Device>, frame: &Descriptors, source: &BoundSource) -> Result<Self> {
+        let code = source.probe().with(source.constants());
+        let push_bytes = size_of::<Probe>() as u32;
+        Self::new(device, code, [frame, &source.descriptors], push_bytes, None)
     }
 
-    fn new(device: &Arc<Device>, code: Code<'_>, resources: &Resources, push_bytes: u32) -> Result<Self> {
-        Self::with(device, code.with(&resources.specialization), resources, push_bytes, COVERED)
-    }
-
-    fn with(
+    fn new(
         device: &Arc<Device>,
         code: Code<'_>,
-        resources: &Resources,
+        sets: [&Descriptors; 2],
         push_bytes: u32,
         depth: Option<(vk::CompareOp, bool)>,
     ) -> Result<Self> {
         let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth };
         let vertex = shader!("display.vert");
-        let descriptors = &resources.descriptors;
-        let pipeline = Pipeline::graphics(device, vertex, Some(code), &drawing, descriptors, push_bytes)?;
-        Ok(Self { pipeline, settings: Vec::new() })
-    }
-
-    /// The pass that shades as a classical grating shader does, for comparison: `axis` along which the heights repeat every
-    /// `period` \[µm\], and the radiance of the first order under a light of irradiance 1.
-    ///
-    /// # Errors
-    /// Where the device refuses.
-    pub fn grating(
-        device: &Arc<Device>,
-        resources: &Resources,
-        axis: [f32; 2],
-        period: f32,
-        strength: f32,
-    ) -> Result<Self> {
-        let pass = Self::new(device, shader!("grating.frag"), resources, 16)?;
-        let settings = bytemuck::cast_slice(&[axis[0], axis[1], period, strength]).to_vec();
-        Ok(Self { settings, ..pass })
+        let pipeline = Pipeline::graphics(device, vertex, Some(code), &drawing, &sets, push_bytes)?;
+        Ok(Self { pipeline })
     }
 
     /// Records the pass over what `geometry` covers into `target.radiance`, which it leaves as a colour attachment. What is not covered
-    /// holds anything: who reads radiance asks the depth.
+    /// holds anything: who reads radiance asks the depth. `sets`: the frame and the source.
     pub fn record(
         &self,
         record: &Recorder<'_>,
         (geometry, target): (&Geometry, &Target),
-        descriptors: &Descriptors,
+        sets: [&Descriptors; 2],
     ) {
         record.images(&[
             (&target.radiance, Access::Nothing, Access::ColorAttachment),
             (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
         ]);
-        self.go_on(record, (geometry, target), descriptors);
+        self.go_on(record, (geometry, target), sets);
     }
 
     /// Records another part of a pass that [`PixelPass::record`] began.
@@ -261,10 +232,11 @@ impl PixelPass {
         &self,
         record: &Recorder<'_>,
         (geometry, target): (&Geometry, &Target),
-        descriptors: &Descriptors,
+        sets: [&Descriptors; 2],
     ) {
         record.render_over(&[(&target.radiance, None)], &geometry.depth, |draw| {
-            self.draw(draw, descriptors, &self.settings);
+            draw.bind(&self.pipeline, &sets);
+            draw.draw(3);
         });
     }
 
@@ -273,20 +245,26 @@ impl PixelPass {
         &self,
         record: &Recorder<'_>,
         target: &Target,
-        descriptors: &Descriptors,
-        push: &[u8],
+        sets: [&Descriptors; 2],
+        probe: Probe,
     ) {
         record.images(&[(&target.radiance, Access::Nothing, Access::ColorAttachment)]);
-        record.render(&[(&target.radiance, Some([0.0; 4]))], None, |draw| self.draw(draw, descriptors, push));
+        record.render(&[(&target.radiance, Some([0.0; 4]))], None, |draw| {
+            draw.bind(&self.pipeline, &sets);
+            draw.push(&self.pipeline, bytemuck::bytes_of(&probe));
+            draw.draw(3);
+        });
     }
+}
 
-    fn draw(&self, draw: &Recorder<'_>, descriptors: &Descriptors, push: &[u8]) {
-        draw.bind(&self.pipeline, descriptors);
-        if !push.is_empty() {
-            draw.push(&self.pipeline, push);
-        }
-        draw.draw(3);
-    }
+/// Push constants of `probe.frag`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Probe {
+    /// Texture samples of a pixel.
+    pub samples: u32,
+    /// 1 where every pixel reads at a place of its own, 0 where neighbours read neighbours.
+    pub scattered: u32,
 }
 
 /// The pass that turns radiance into a displayed picture.
@@ -315,7 +293,7 @@ impl DisplayPass {
             shader!("display.vert"),
             fragment,
             &drawing,
-            &descriptors,
+            &[&descriptors],
             DISPLAY_BYTES,
         )?;
         let sampler = Sampler::linear(device, "display sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
@@ -343,7 +321,7 @@ impl DisplayPass {
         ]);
         let background = Some(displayed(background));
         record.render_over(&[(into, background)], &geometry.depth, |draw| {
-            draw.bind(&self.pipeline, &self.descriptors);
+            draw.bind(&self.pipeline, &[&self.descriptors]);
             draw.push(&self.pipeline, bytemuck::bytes_of(&(exposure as f32)));
             draw.draw(3);
         });

@@ -1,11 +1,11 @@
 //! One picture, offscreen: what `diffract render` writes.
 
 use super::evaluator::{Asker, Query};
-use super::frame::{DeviceMesh, DisplayPass, GeometryPass, PixelPass, View};
+use super::frame::{DeviceMesh, DisplayPass, GeometryPass, PixelPass, Probe, View};
+use super::frame_set::FrameSet;
 use super::pigment::Pigment;
-use super::resources::{Optics, Reads, Resources};
 use super::shading::Shading;
-use super::tables::Combs;
+use super::source::{BoundSource, Source};
 use super::target::{self, Geometry, Target};
 use crate::error::{Error, Result};
 use crate::scene::{MAX_LIGHTS, Mesh};
@@ -30,7 +30,8 @@ pub struct Painter {
     mesh: DeviceMesh,
     timestamps: Timestamps,
     asker: Option<Asker>,
-    resources: Resources,
+    source: BoundSource,
+    frame: FrameSet,
     // Rows of a strip that take a fitting time.
     strip: u32,
     // Whether all of radiance is of one picture, and displayed.
@@ -59,37 +60,38 @@ pub struct Directions {
 }
 
 impl Painter {
-    /// Uploads everything for pictures of `size` pixels under at most `lights` lights, shaded from layers or from a colour table.
+    /// Uploads everything for pictures of `size` pixels under at most `lights` lights, shaded from `source`.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn new<'a>(
+    pub fn new(
         device: &Arc<Device>,
-        optics: impl Into<Optics<'a>>,
+        source: &Source,
         shading: &Shading,
         mesh: &Mesh,
         pigment: &Pigment,
         size: [u32; 2],
         lights: usize,
     ) -> Result<Self> {
-        let resources = Resources::new(device, optics, shading, pigment)?;
-        let looks = [pigment.is_textured(), resources.asks_what_is_covered()];
+        let source = source.bind(device, shading)?;
+        let looks = [pigment.is_textured(), source.asks_what_is_covered];
         let geometry = Geometry::new(device, size, lights.min(MAX_LIGHTS), looks)?;
-        resources.read_from(&geometry);
+        let frame = FrameSet::new(device, pigment, &geometry)?;
         let target = Target::new(device, size)?;
         let display = DisplayPass::new(device, target::DISPLAY)?;
         display.read_from(&target);
         Ok(Self {
             commands: Commands::new(device, "frame")?,
-            find: GeometryPass::new(device, &resources.descriptors, &geometry)?,
-            shade: PixelPass::shading(device, &resources, lights)?,
+            find: GeometryPass::new(device, &frame.descriptors, &geometry)?,
+            shade: PixelPass::shading(device, &frame.descriptors, &source, lights)?,
             geometry,
             display,
             target,
             mesh: DeviceMesh::new(device, mesh)?,
             timestamps: Timestamps::new(device, 3)?,
             asker: None,
-            resources,
+            source,
+            frame,
             strip: 64,
             whole: false,
             device: device.clone(),
@@ -103,14 +105,15 @@ impl Painter {
     pub fn resize(&mut self, size: [u32; 2], lights: usize) -> Result<()> {
         let lights = lights.min(MAX_LIGHTS);
         self.whole = false;
-        if lights != self.geometry.lights && self.resources.reads == Reads::Table {
-            self.shade = PixelPass::shading(&self.device, &self.resources, lights)?;
+        if lights != self.geometry.lights {
+            let frame = &self.frame.descriptors;
+            self.shade = PixelPass::shading(&self.device, frame, &self.source, lights)?;
         }
         if lights != self.geometry.lights || size != self.target.size() {
             let looks = [self.geometry.textured, self.geometry.marked];
             self.geometry = Geometry::new(&self.device, size, lights, looks)?;
-            self.resources.read_from(&self.geometry);
-            self.find = GeometryPass::new(&self.device, &self.resources.descriptors, &self.geometry)?;
+            self.frame.read_from(&self.geometry);
+            self.find = GeometryPass::new(&self.device, &self.frame.descriptors, &self.geometry)?;
         }
         if size != self.target.size() {
             self.target = Target::new(&self.device, size)?;
@@ -119,24 +122,14 @@ impl Painter {
         Ok(())
     }
 
-    /// Shades by `shading` from now on, from the very layers or table that the painter has, under at most `lights` lights: what
-    /// depends on the index, the illuminant or the number of copies is uploaded, and the rest stays.
+    /// Shades by `shading` from now on, from `source`, whose data the painter has: what depends on the index, the illuminant or the number
+    /// of copies is uploaded, and the rest stays.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn shade_by<'a>(
-        &mut self,
-        optics: impl Into<Optics<'a>>,
-        shading: &Shading,
-        lights: usize,
-    ) -> Result<()> {
+    pub fn shade_by(&mut self, source: &Source, shading: &Shading) -> Result<()> {
         self.whole = false;
-        let copies = self.resources.copies;
-        self.resources.shade_by(&self.device, optics.into(), shading)?;
-        if copies != self.resources.copies {
-            self.shade = PixelPass::shading(&self.device, &self.resources, lights)?;
-        }
-        Ok(())
+        source.rebind(&self.device, &mut self.source, shading)
     }
 
     /// Draws `view` and leaves the result on the device; milliseconds that the device took for shading and display.
@@ -210,7 +203,8 @@ impl Painter {
         background: DVec3,
     ) -> Result<[f64; 2]> {
         let (geometry, target) = (&self.geometry, &self.target);
-        let (display, resources) = (&self.display, &self.resources);
+        let (display, frame) = (&self.display, &self.frame.descriptors);
+        let sets = [frame, &self.source.descriptors];
         let (first, last) = (rows.start == 0, rows.end == size[1]);
         self.whole = false;
         self.commands.run(|record| {
@@ -218,10 +212,10 @@ impl Painter {
             record.reset(&self.timestamps);
             record.timestamp(&self.timestamps, 0);
             if first {
-                self.find.record(&all, geometry, &resources.descriptors, &self.mesh);
-                self.shade.record(&some, (geometry, target), &resources.descriptors);
+                self.find.record(&all, geometry, frame, &self.mesh);
+                self.shade.record(&some, (geometry, target), sets);
             } else {
-                self.shade.go_on(&some, (geometry, target), &resources.descriptors);
+                self.shade.go_on(&some, (geometry, target), sets);
             }
             record.timestamp(&self.timestamps, 1);
             if last {
@@ -252,28 +246,28 @@ impl Painter {
     pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
         let asker = match &mut self.asker {
             Some(asker) => asker,
-            none => none.insert(Asker::new(&self.device, &self.resources)?),
+            none => none.insert(Asker::new(&self.device, &self.source)?),
         };
-        asker.ask(&self.resources, queries)
+        asker.ask(&self.source, queries)
     }
 
-    /// Milliseconds in which the device reads `samples` bilinear samples per pixel of the layers with nothing else to do: what
+    /// Milliseconds in which the device reads `samples` bilinear samples per pixel of its texture with nothing else to do: what
     /// it could reach, with neighbours for neighbouring pixels or, `scattered`, with a place of its own for each pixel.
     ///
     /// # Errors
     /// Where the device is lost.
     pub fn probe(&mut self, samples: u32, scattered: bool) -> Result<f64> {
-        let push = [samples, u32::from(scattered)];
-        let pass = PixelPass::probe(&self.device, &self.resources)?;
+        let probe = Probe { samples, scattered: scattered.into() };
+        let pass = PixelPass::probe(&self.device, &self.frame.descriptors, &self.source)?;
         let target = &self.target;
+        let sets = [&self.frame.descriptors, &self.source.descriptors];
         self.whole = false;
         let mut best = f64::INFINITY;
         for _ in 0..5 {
             self.commands.run(|record| {
                 record.reset(&self.timestamps);
                 record.timestamp(&self.timestamps, 0);
-                let push = bytemuck::cast_slice(&push);
-                pass.record_probe(record, target, &self.resources.descriptors, push);
+                pass.record_probe(record, target, sets, probe);
                 record.timestamp(&self.timestamps, 1);
                 record.timestamp(&self.timestamps, 2);
                 Ok(())
@@ -281,20 +275,6 @@ impl Painter {
             best = best.min(self.timestamps.intervals()?[0]);
         }
         Ok(best)
-    }
-
-    /// From now on shades as a classical grating shader does, by [`PixelPass::grating`].
-    ///
-    /// # Errors
-    /// Where the device refuses.
-    pub fn shade_as_grating(&mut self, axis: [f32; 2], period: f32, strength: f32) -> Result<()> {
-        self.shade = PixelPass::grating(&self.device, &self.resources, axis, period, strength)?;
-        Ok(())
-    }
-
-    /// The wavelength combs that the pictures use.
-    pub fn combs(&self) -> &Combs {
-        &self.resources.combs
     }
 
     /// Draws `view` and reads the picture back.
@@ -335,7 +315,7 @@ impl Painter {
         // What is covered may be other pixels than those of the radiance that is there.
         self.whole = false;
         self.commands.run(|record| {
-            self.find.record(record, &self.geometry, &self.resources.descriptors, &self.mesh);
+            self.find.record(record, &self.geometry, &self.frame.descriptors, &self.mesh);
             Ok(())
         })?;
         let read = |image| -> Result<Vec<[f32; 4]>> {
@@ -375,7 +355,7 @@ impl Painter {
             // There are no albedos to read.
             block.base_color[3] = 0.0;
         }
-        self.resources.frame.write(bytemuck::bytes_of(&block))
+        self.frame.write(&block)
     }
 }
 

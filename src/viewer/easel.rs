@@ -5,12 +5,12 @@ use super::inset::{self, Inset};
 use super::judge;
 use super::pace::{Degree, Rung};
 use super::studio::{Counted, Errand, Exhibit, Shared, Stage, Wish, Word};
-use super::worker::{Made, Prepared};
+use super::worker::Prepared;
 use crate::error::{Error, Result};
-use crate::measure::cost::Cost;
 use crate::render::difference::DifferencePass;
 use crate::render::frame::View;
 use crate::render::picture::Painter;
+use crate::render::source::Source;
 use crate::vk::device::Device;
 use std::sync::{Arc, PoisonError};
 use std::time::Instant;
@@ -27,14 +27,15 @@ struct Slot {
 impl Slot {
     /// Whether all that is large of `prepared` and of the scene of `wish` is on the device.
     fn serves(&self, prepared: &Prepared, wish: &Wish) -> bool {
-        Arc::ptr_eq(&self.stage, &wish.stage) && self.prepared.made.shares_all_with(&prepared.made)
+        Arc::ptr_eq(&self.stage, &wish.stage)
+            && self.prepared.shaded_from.shares_data_with(&prepared.shaded_from)
     }
 
     /// Shades by `prepared` from now on: of what is on the device, only what depends on its settings is made anew.
-    fn take_over(&mut self, prepared: &Arc<Prepared>, lights: usize) -> Result<()> {
+    fn take_over(&mut self, prepared: &Arc<Prepared>) -> Result<()> {
         if self.prepared.number != prepared.number {
             self.shown = None;
-            self.painter.shade_by(&prepared.made, &prepared.shading, lights)?;
+            self.painter.shade_by(&prepared.shaded_from, &prepared.shading)?;
             self.prepared = prepared.clone();
         }
         Ok(())
@@ -214,14 +215,13 @@ impl Easel {
         let Some(slot) = &mut self.own else { return Ok(None) };
         let pixels = wish.size[0] as usize * wish.size[1] as usize;
         let directions = judge::directions(&mut slot.painter, &wish.view)?;
-        let some = judge::thinned(&directions, pixels);
-        let cost = match &wish.own.made {
-            Made::Layers(layers) => Cost::of(layers, slot.painter.combs(), &some),
-            Made::Repeats(layers, repeating) => Cost::of_repeats(layers, repeating, &some),
-            // How far apart neighbours are decides what it reads.
-            Made::Table(table, filter) => Cost::of_table(&table.grid, *filter, &directions, wish.size),
+        let Prepared { shaded_from, shading, .. } = &*wish.own;
+        // How far apart neighbours are decides what a table reads.
+        let judged = match shaded_from {
+            Source::Table(_) => directions,
+            _ => judge::thinned(&directions, pixels),
         };
-        let judged = if matches!(wish.own.made, Made::Table(..)) { &directions } else { &some };
+        let cost = shaded_from.cost(shading, &judged, wish.size);
         let seen = judged.first().map_or(1, |d| d.view.len()).max(1);
         let counted = Counted {
             covered: cost.covered as f64 / seen as f64,
@@ -262,14 +262,15 @@ fn paint(
     let slot = match slot {
         Some(slot) if slot.serves(prepared, wish) => {
             slot.painter.resize(wish.size, lights)?;
-            slot.take_over(prepared, lights)?;
+            slot.take_over(prepared)?;
             slot
         }
         slot => {
             *slot = None; // its memory first
             let Stage { scene, pigment } = &*wish.stage;
-            let Prepared { made, shading, .. } = &**prepared;
-            let painter = Painter::new(device, made, shading, &scene.mesh, pigment, wish.size, lights)?;
+            let Prepared { shaded_from, shading, .. } = &**prepared;
+            let painter =
+                Painter::new(device, shaded_from, shading, &scene.mesh, pigment, wish.size, lights)?;
             let (prepared, stage) = (prepared.clone(), wish.stage.clone());
             slot.insert(Slot { painter, prepared, stage, shown: None })
         }
@@ -287,10 +288,9 @@ fn paint(
             return Ok(Some([0.0; 2]));
         }
     }
-    if let Made::Repeats(_, repeating) = &prepared.made
-        && repeating.has_limits()
-    {
-        repeating.check(&judge::directions(&mut slot.painter, view)?)?;
+    if prepared.shaded_from.has_limits(&prepared.shading) {
+        let directions = judge::directions(&mut slot.painter, view)?;
+        prepared.shaded_from.check(&prepared.shading, &directions)?;
     }
     slot.shown = None;
     let start = Instant::now();

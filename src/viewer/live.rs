@@ -14,10 +14,9 @@ use super::screen::{Scenery, Screen};
 use super::settings::Settings;
 use super::studio::{Stage, Studio, Wish};
 use super::words::Words;
-use super::worker::{Bake, ROLES, Worker};
+use super::worker::{ROLES, Worker};
 use super::{hand, overlay, panel, style};
 use crate::error::{Error, Result};
-use crate::render::color_table;
 use crate::render::window::Place;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
@@ -97,11 +96,9 @@ impl Live {
         let screen = Screen::new(&device, &surface, &window, start.present)?;
         let send = proxy.clone();
         // An event that cannot be sent comes after the end of the loop.
-        let of = device.clone();
-        let bake: Bake = Box::new(move |field, shading, go_on| {
-            color_table::obtain(&of, field, shading, &|_, done, of| go_on(done, of))
-        });
-        let worker = Worker::new(device.candidate(), bake, move |r| drop(send.send_event(Event::Worker(r))))?;
+        let worker = Worker::new(device.candidate(), Some(device.clone()), move |r| {
+            drop(send.send_event(Event::Worker(r)));
+        })?;
         let send = proxy.clone();
         let studio = Studio::new(&device, move |w| drop(send.send_event(Event::Studio(w))))?;
         let context = egui::Context::default();

@@ -32,8 +32,8 @@ use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::render::color_table::Filter;
 use crate::render::pigment::Pigment;
-use crate::render::resources::Reads;
 use crate::scene::Scene;
+use crate::setup::Method;
 use crate::surface::Source;
 use crate::vk::instance::Instance;
 use crate::vk::selection::Wish;
@@ -55,7 +55,7 @@ pub struct Start {
     /// The height field.
     pub surface: Source,
     /// By which method.
-    pub method: Reads,
+    pub method: Method,
     /// What a pixel of a colour table shows.
     pub filter: Filter,
     /// Window centres that a colour table averages over.

@@ -1,13 +1,11 @@
-//! Layers and colour tables made in the background: the newest request of each role wins, the user's own goes first.
+//! Sources made in the background: the newest request of each role wins, the user's own goes first.
 
 use crate::error::{Error, Result};
-use crate::optics::spectrum::SHORTEST;
-use crate::precompute::{Layers, Settings, cache};
-use crate::render::color_table::{ColorTable, Filter};
-use crate::render::repeating::Repeating;
-use crate::render::resources::{Optics, Reads};
 use crate::render::shading::Shading;
-use crate::surface::{HeightField, Source};
+use crate::render::source::Source;
+use crate::setup::{self, InUse, Target};
+use crate::surface::{HeightField, Source as Surface};
+use crate::vk::device::Device;
 use crate::vk::selection::Candidate;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -36,70 +34,10 @@ pub struct Prepared {
     /// The height field.
     pub field: Arc<HeightField>,
     /// What it is shaded from.
-    pub made: Made,
+    pub shaded_from: Source,
     /// The settings.
     pub shading: Shading,
 }
-
-/// What a surface is shaded from.
-#[derive(Clone)]
-pub enum Made {
-    /// Layers.
-    Layers(Arc<Layers>),
-    /// Layers of one period, and how it repeats.
-    Repeats(Arc<Layers>, Arc<Repeating>),
-    /// A colour table, and how it is read.
-    Table(Arc<ColorTable>, Filter),
-}
-
-impl Made {
-    /// Layers of the texture, texels along its sides, and its bytes.
-    pub fn texture(&self) -> (usize, [usize; 2], u64) {
-        match self {
-            Self::Layers(layers) | Self::Repeats(layers, _) => {
-                // Lines hold nearly all of it, where there are any.
-                let size = layers.lines.as_ref().map_or(layers.size, |lines| lines.size);
-                (layers.count(), size, layers.bytes() as u64)
-            }
-            Self::Table(table, _) => (table.grid.layers(), [table.grid.side; 2], table.grid.bytes()),
-        }
-    }
-
-    /// Whether both read the very same texture, however it is shaded.
-    pub fn shares_all_with(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Layers(a), Self::Layers(b)) | (Self::Repeats(a, _), Self::Repeats(b, _)) => {
-                Arc::ptr_eq(a, b)
-            }
-            (Self::Table(a, by), Self::Table(b, as_well)) => Arc::ptr_eq(a, b) && by == as_well,
-            _ => false,
-        }
-    }
-
-    /// Terms of the expansion, where one is summed.
-    pub fn terms(&self) -> Option<usize> {
-        match self {
-            Self::Layers(layers) | Self::Repeats(layers, _) => Some(layers.terms),
-            Self::Table(..) => None,
-        }
-    }
-}
-
-impl<'a> From<&'a Made> for Optics<'a> {
-    fn from(made: &'a Made) -> Self {
-        match made {
-            Made::Layers(layers) => Self::Layers(layers),
-            Made::Repeats(layers, repeating) => Self::Repeats(layers, repeating.repeats),
-            Made::Table(table, filter) => Self::Table(table, *filter),
-        }
-    }
-}
-
-/// Makes the colour table of a surface; its last argument is called as work goes on, and an error from it ends the work.
-pub type Bake = Box<
-    dyn Fn(&HeightField, &Shading, &dyn Fn(usize, usize) -> Result<()>) -> Result<(ColorTable, Option<Error>)>
-        + Send,
->;
 
 /// What is asked for.
 #[derive(Clone)]
@@ -109,13 +47,9 @@ pub struct Request {
     /// A number that grows with each request.
     pub number: u64,
     /// The height field.
-    pub source: Source,
+    pub surface: Surface,
     /// The settings.
-    pub shading: Shading,
-    /// By which method.
-    pub method: Reads,
-    /// How a colour table is read.
-    pub filter: Filter,
+    pub settings: setup::Settings,
 }
 
 /// What the worker has to say.
@@ -160,14 +94,21 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// A thread that makes layers for `device`, and tables by `bake`, and tells `report`.
+    /// A thread that makes sources for a device of these `limits`, tables on `device`, and tells `report`.
     ///
     /// # Errors
     /// Where the system gives no thread.
-    pub fn new(device: &Candidate, bake: Bake, report: impl Fn(Report) + Send + 'static) -> Result<Self> {
+    pub fn new(
+        limits: &Candidate,
+        device: Option<Arc<Device>>,
+        report: impl Fn(Report) + Send + 'static,
+    ) -> Result<Self> {
         let shared = Arc::<Shared>::default();
-        let (own, device) = (shared.clone(), device.clone());
-        let work = move || run(&own, (&device, &bake), &report);
+        let (own, limits) = (shared.clone(), limits.clone());
+        let work = move || {
+            let target = Target { limits: &limits, device: device.as_ref() };
+            run(&own, target, &report);
+        };
         let thread = std::thread::Builder::new().name("layers".to_owned()).spawn(work).map_err(|e| {
             Error::failed(format!("the system gives no thread ({e})"), "close other programs")
         })?;
@@ -194,20 +135,14 @@ impl Drop for Worker {
     }
 }
 
-/// Layers and what they were made of and for.
-type KeptLayers = (Arc<HeightField>, Settings, Arc<Layers>);
-/// A table, the same.
-type KeptTable = (Arc<HeightField>, Shading, Arc<ColorTable>);
-
 /// What was made last, for requests that share it.
 #[derive(Default)]
 struct Kept {
-    field: Option<(Source, Arc<HeightField>)>,
-    layers: [Option<KeptLayers>; ROLES],
-    tables: [Option<KeptTable>; ROLES],
+    field: Option<(Surface, Arc<HeightField>)>,
+    in_use: InUse,
 }
 
-fn run(shared: &Shared, by: (&Candidate, &Bake), report: &dyn Fn(Report)) {
+fn run(shared: &Shared, target: Target<'_>, report: &dyn Fn(Report)) {
     let mut kept = Kept::default();
     loop {
         let request = {
@@ -222,7 +157,7 @@ fn run(shared: &Shared, by: (&Candidate, &Bake), report: &dyn Fn(Report)) {
                 requests = shared.wake.wait(requests).unwrap_or_else(PoisonError::into_inner);
             }
         };
-        let made = make(&request, &mut kept, by, shared, report);
+        let made = make(&request, &mut kept, target, shared, report);
         if !shared.stop.load(Ordering::Relaxed) {
             match made {
                 Ok((prepared, note)) => report(Report::Ready(request.role, prepared, note)),
@@ -239,66 +174,29 @@ fn run(shared: &Shared, by: (&Candidate, &Bake), report: &dyn Fn(Report)) {
 fn make(
     request: &Request,
     kept: &mut Kept,
-    (device, bake): (&Candidate, &Bake),
+    target: Target<'_>,
     shared: &Shared,
     report: &dyn Fn(Report),
 ) -> Result<(Arc<Prepared>, Option<String>)> {
-    let Request { role, number, source, shading, .. } = request;
+    let Request { role, number, surface, settings } = request;
     let field = match &kept.field {
-        Some((known, field)) if known == source => field.clone(),
+        Some((known, field)) if known == surface => field.clone(),
         _ => {
-            let field = Arc::new(source.load()?);
-            kept.field = Some((source.clone(), field.clone()));
+            let field = Arc::new(surface.load()?);
+            kept.field = Some((surface.clone(), field.clone()));
             field
         }
     };
-    let progress = |done: usize, of: usize| {
+    let progress = |_: &'static str, done: usize, of: usize| {
         if shared.interrupts(*role) {
             return Err(Error::failed("there is something newer to do", "wait for it"));
         }
         report(Report::Progress { role: *role, done, of });
         Ok(())
     };
-    if request.method == Reads::Table {
-        // Neither has a say in a table.
-        let same =
-            Shading { ior: Shading::default().ior, basis: Shading::default().basis, ..shading.clone() };
-        let known = |known: &&KeptTable| Arc::ptr_eq(&known.0, &field) && known.1 == same;
-        let (table, note) = match kept.tables.iter().flatten().find(known) {
-            Some((_, _, table)) => (table.clone(), None),
-            None => {
-                let (table, not_kept) = bake(&field, shading, &progress)?;
-                let note = not_kept.map(|e| format!("the colour table is not kept for next time: {e}"));
-                (Arc::new(table), note)
-            }
-        };
-        kept.layers[*role as usize] = None;
-        kept.tables[*role as usize] = Some((field.clone(), same, table.clone()));
-        let made = Made::Table(table, request.filter);
-        return Ok((Arc::new(Prepared { number: *number, field, made, shading: shading.clone() }), note));
-    }
-    let repeating = Repeating::of(&field, shading);
-    let settings = match &repeating {
-        None => shading.layer_settings(SHORTEST, device)?,
-        Some(_) => shading.windowed_settings(f64::INFINITY, SHORTEST, device)?,
-    };
-    let same = |known: &&KeptLayers| Arc::ptr_eq(&known.0, &field) && known.1 == settings;
-    let (layers, note) = match kept.layers.iter().flatten().find(same) {
-        Some((_, _, layers)) => (layers.clone(), None),
-        None => {
-            let (layers, not_kept) = cache::obtain(&field, &settings, &progress)?;
-            let note = not_kept.map(|e| format!("the spectra are not kept for next time: {e}"));
-            (Arc::new(layers), note)
-        }
-    };
-    kept.tables[*role as usize] = None;
-    kept.layers[*role as usize] = Some((field.clone(), settings, layers.clone()));
-    let made = match repeating {
-        None => Made::Layers(layers),
-        Some(repeating) => Made::Repeats(layers, Arc::new(repeating)),
-    };
-    let prepared = Prepared { number: *number, field, made, shading: shading.clone() };
-    Ok((Arc::new(prepared), note))
+    let made = setup::source(&field, settings, target, &mut kept.in_use, &progress)?;
+    let (shaded_from, shading) = (made.source, settings.shading.clone());
+    Ok((Arc::new(Prepared { number: *number, field, shaded_from, shading }), made.note))
 }
 
 #[cfg(test)]
@@ -327,16 +225,15 @@ mod tests {
 
     fn request(role: Role, number: u64, name: &str, tolerance: f64) -> Request {
         let level = Level::None;
-        let source = Source { name: name.to_owned(), pixel_size: None, height: None, level, seed: 1 };
+        let surface = Surface { name: name.to_owned(), pixel_size: None, height: None, level, seed: 1 };
         let shading = Shading { tolerance, ..Shading::default() };
-        Request { role, number, source, shading, method: Reads::Layers, filter: Filter::Point }
+        Request { role, number, surface, settings: setup::Settings::new(setup::Method::Spectral, shading) }
     }
 
     #[test]
     fn the_newest_request_wins_and_the_others_get_their_turn() {
         let (sender, reports) = mpsc::channel();
-        let bake: Bake = Box::new(|_, _, _| Err(Error::failed("no tables here", "ask for layers")));
-        let worker = Worker::new(&device(), bake, move |report| {
+        let worker = Worker::new(&device(), None, move |report| {
             if !matches!(report, Report::Progress { .. }) {
                 let _ = sender.send(report);
             }

@@ -246,10 +246,10 @@ impl Recorder<'_> {
         unsafe { self.device.cmd_copy_image_to_buffer(self.raw, from.raw(), layout, to.raw(), &regions) };
     }
 
-    /// Binds a pipeline and its resources.
-    pub fn bind(&self, pipeline: &Pipeline, descriptors: &Descriptors) {
-        let sets = [descriptors.set()];
-        // SAFETY: recording is open; the set was made for this pipeline's layout and all it points to is live.
+    /// Binds a pipeline and its descriptor sets, set 0 first.
+    pub fn bind(&self, pipeline: &Pipeline, sets: &[&Descriptors]) {
+        let sets: Vec<_> = sets.iter().map(|set| set.set()).collect();
+        // SAFETY: recording is open; the sets were made for this pipeline's layout and all they point to is live.
         unsafe {
             self.device.cmd_bind_pipeline(self.raw, pipeline.bind_point(), pipeline.raw());
             self.device.cmd_bind_descriptor_sets(

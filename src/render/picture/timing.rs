@@ -57,15 +57,16 @@ impl Painter {
         let start = Instant::now();
         let milliseconds = |since: Instant| since.elapsed().as_secs_f64() * 1e3;
         self.write(view, self.target.size())?;
-        let (target, resources, stamps) = (&self.target, &self.resources, &watch.timestamps);
+        let (target, frame, stamps) = (&self.target, &self.frame.descriptors, &watch.timestamps);
+        let sets = [frame, &self.source.descriptors];
         let mut times = PassTimes::default();
         self.commands.run(|record| {
             let begin = Instant::now();
             record.reset(stamps);
             record.timestamp(stamps, 0);
-            self.find.record(record, &self.geometry, &resources.descriptors, &self.mesh);
+            self.find.record(record, &self.geometry, frame, &self.mesh);
             record.timestamp(stamps, 1);
-            self.shade.record(record, (&self.geometry, target), &resources.descriptors);
+            self.shade.record(record, (&self.geometry, target), sets);
             record.timestamp(stamps, 2);
             super::record_display(record, &self.display, (&self.geometry, target), exposure, background);
             record.timestamp(stamps, 3);

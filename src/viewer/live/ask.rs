@@ -2,7 +2,7 @@
 
 use super::Live;
 use crate::render::frame::View;
-use crate::render::resources::Reads;
+use crate::setup::{self, Method};
 use crate::viewer::compare::{self, Compare};
 use crate::viewer::pace::Rung;
 use crate::viewer::settings::{Needs, Optics, Settings};
@@ -21,7 +21,7 @@ impl Live {
         }
         let ready = self.model.own.as_ref().map(|p| p.number) == self.asked[0].as_ref().map(|a| a.0);
         // No layers are as fast as a table: its moving picture has its resolution to give.
-        if self.model.pace.is_slow() && ready && own.optics.method == Reads::Layers {
+        if self.model.pace.is_slow() && ready && own.optics.method == Method::Spectral {
             self.ask(Role::Coarse, &Settings { optics: compare::coarse(&own.optics), ..own.clone() });
             // Through repeats wavelengths stand where the orders are.
             if !own.repeats() && compare::looser_colours(&own.optics).is_some() {
@@ -46,9 +46,10 @@ impl Live {
                     shading.looser_colours = compare::looser_colours(&settings.optics).unwrap_or(1.0);
                     shading.wavelengths = None;
                 }
-                let source = settings.surface.clone();
+                let surface = settings.surface.clone();
                 let Optics { method, filter, .. } = settings.optics;
-                self.worker.ask(Request { role, number: self.number, source, shading, method, filter });
+                let settings = setup::Settings { filter, ..setup::Settings::new(method, shading) };
+                self.worker.ask(Request { role, number: self.number, surface, settings });
                 self.model.progress[role as usize] = Some((0, 1));
                 self.window.request_redraw();
             }

@@ -1,14 +1,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Shades a pixel from a colour table: for each light one lookup, and the pigment below what the surface reflects.
-#include "interface.glsl"
-#include "spectrum.glsl"
-#include "diffraction.glsl"
+// Shades a pixel: for each light what the source says that the surface diffracts, and the pigment below what it reflects.
+#include "frame.glsl"
+#include "brdf.glsl"
+#include "reads.glsl"
+#include "source.glsl"
 #include "color.glsl"
-#include "table.glsl"
 #include "pixel.glsl"
 
-layout(constant_id = 8) const int LIGHTS = 1; // known beforehand, so that only their directions are read
+layout(constant_id = 0) const int LIGHTS = MAX_LIGHTS; // known beforehand, so that only their directions are read
+layout(constant_id = 1) const bool MARKED = true;      // whether directions tell what is covered
 
 layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
 
@@ -26,27 +27,32 @@ vec2 shorter_step(int light, vec2 toward, ivec2 pixel, ivec2 next) {
     return step.x < 1e6 ? step : vec2(0.0);
 }
 
+// What a pixel covers of (u, v) for a light.
+Footprint footprint_of(int light, vec2 toward, ivec2 pixel) {
+    return Footprint(shorter_step(light, toward, pixel, ivec2(1, 0)), shorter_step(light, toward, pixel, ivec2(0, 1)));
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 stored = texelFetch(directions, pixel, 0);
+    radiance = vec4(0.0);
+    if (MARKED && !covered(stored)) {
+        return;
+    }
     vec3 to_view = unprojected(stored.xy);
     vec3 albedo = albedo_of(pixel);
     vec3 sum = vec3(0.0);
     for (int i = 0; i < LIGHTS; ++i) {
         vec3 to_light = light_direction(stored, i, pixel);
-        Pair pair = pair_of(to_light, to_view);
-        vec2 toward = to_light.xy + to_view.xy;
-        vec3 xyz;
-        if (MAX_TAPS == 0) {
-            xyz = table_xyz(pair, toward);
-        } else {
-            vec2 dx = shorter_step(i, toward, pixel, ivec2(1, 0)), dy = shorter_step(i, toward, pixel, ivec2(0, 1));
-            xyz = table_xyz(pair, toward, dx, dy);
+        Pair pair = pair_of(to_light, to_view, source.normal_reflectance);
+        Footprint footprint = POINT;
+        if (SOURCE_READS_FOOTPRINT) {
+            footprint = footprint_of(i, pair.toward, pixel);
         }
+        vec3 diffracted = LINEAR_SRGB_FROM_XYZ * source_xyz(pair, footprint);
+        vec3 pigmented = albedo * ((1.0 - pair.reflectance) * to_light.z / PI);
         // Below the horizon there is neither.
-        vec3 diffracted = pair.factor > 0.0 ? LINEAR_SRGB_FROM_XYZ * xyz : vec3(0.0);
-        vec3 pigmented = pair.factor > 0.0 ? albedo * ((1.0 - pair.reflectance) * to_light.z / PI) : vec3(0.0);
-        sum += (diffracted + pigmented) * (frame.lights[i].w * PI);
+        sum += pair.factor > 0.0 ? (diffracted + pigmented) * (frame.lights[i].w * PI) : vec3(0.0);
     }
-    radiance = covered(stored) ? vec4(sum, 1.0) : vec4(0.0);
+    radiance = vec4(sum, 1.0);
 }
