@@ -18,6 +18,8 @@ void main() {
     }
     answers[n++] = frame.base_color;
     answers[n++] = vec4(frame.counts);
+    answers[n++] = vec4(frame.at.jitter, frame.at.footprint, float(frame.at.index));
+    answers[n++] = vec4(float(frame.at.count), float(frame.at.seed), 0.0, 0.0);
     answers[n++] = vec4(optics.texture_size, optics.origin);
     answers[n++] = vec4(optics.texels_per_frequency, optics.band);
     answers[n++] = vec4(optics.sigma, optics.normal_reflectance, optics.bands_per_z, optics.last_column);

@@ -53,6 +53,8 @@ pub mod binding {
     pub const LINES_BLOCK: u32 = 19;
     /// The lines' texture where two pairs of terms share a texel.
     pub const PACKED_LINES: u32 = 20;
+    /// Footprints of every pixel for the first light; those of the others follow.
+    pub const FOOTPRINTS: u32 = 21;
 }
 
 /// The `Frame` block (std140).
@@ -69,6 +71,26 @@ pub struct FrameBlock {
     pub base_color: [f32; 4],
     /// x: number of lights.
     pub counts: [i32; 4],
+    /// Which sample of the picture the frame is.
+    pub sample: SampleBlock,
+}
+
+/// A sample of a picture, as [`super::sampling::Sample`] has it (std140).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct SampleBlock {
+    /// Place in the pixel, from its centre: x to the right, y downward \[pixels\].
+    pub jitter: [f32; 2],
+    /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
+    pub footprint: f32,
+    /// Number of the sample, from 0.
+    pub index: u32,
+    /// Number of samples in the picture.
+    pub count: u32,
+    /// Low bits of the sequence's seed.
+    pub seed: u32,
+    /// std140 rounds a structure up to 16 bytes.
+    pub padding: [u32; 2],
 }
 
 /// The `Optics` block (std140).
@@ -206,13 +228,18 @@ pub struct QueryBlock {
     pub view: [f32; 4],
 }
 
+/// Bindings of what the geometry pass writes.
+pub fn geometry_bindings() -> impl Iterator<Item = u32> {
+    let footprints = binding::FOOTPRINTS..binding::FOOTPRINTS + MAX_LIGHTS as u32;
+    (binding::DIRECTIONS..binding::MORE_LIGHTS + MORE_LIGHTS).chain(footprints)
+}
+
 /// All bindings of the optics, for graphics and compute.
 pub fn optics_bindings() -> Vec<Binding> {
     use vk::DescriptorType as T;
     let stages =
         vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT | vk::ShaderStageFlags::COMPUTE;
-    let geometry = (binding::DIRECTIONS..binding::MORE_LIGHTS + MORE_LIGHTS)
-        .map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
+    let geometry = geometry_bindings().map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
     [
         (binding::FRAME, T::UNIFORM_BUFFER),
         (binding::OPTICS, T::UNIFORM_BUFFER),

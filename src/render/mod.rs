@@ -1,9 +1,11 @@
 //! Joins optics and Vulkan: the layers as a texture, the tables that the shaders read, passes, frames, targets. Only this
 //! floor knows both sides.
 
+pub mod accumulate;
 pub mod color_table;
 pub mod difference;
 pub mod evaluator;
+pub mod footprints;
 pub mod frame;
 pub mod interface;
 pub mod picture;
@@ -11,6 +13,7 @@ pub mod pigment;
 pub mod reference_picture;
 pub mod repeating;
 pub mod resources;
+pub mod sampling;
 pub mod shading;
 pub mod tables;
 pub mod target;

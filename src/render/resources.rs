@@ -4,8 +4,8 @@ mod shade_by;
 
 use super::color_table::{ColorTable, Filter, grid::LEVELS, pyramid::in_layers};
 use super::interface::{
-    CopiesBlock, FrameBlock, LinesBlock, MORE_LIGHTS, OpticsBlock, TableBlock, binding, optics_bindings,
-    specialization, table_specialization,
+    CopiesBlock, FrameBlock, LinesBlock, MORE_LIGHTS, OpticsBlock, TableBlock, binding, geometry_bindings,
+    optics_bindings, specialization, table_specialization,
 };
 use super::pigment::Pigment;
 use super::shading::Shading;
@@ -19,6 +19,7 @@ use crate::optics::sliding::Sliding;
 use crate::precompute::Layers;
 use crate::precompute::texels::Texels;
 use crate::precompute::thesis;
+use crate::scene::MAX_LIGHTS;
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::Descriptors;
 use crate::vk::device::Device;
@@ -186,7 +187,7 @@ impl Resources {
             descriptors.image(number, image, if number == binding::PIGMENT { &repeat } else { &edge });
         }
         // Until a geometry pass is there: some drivers touch every binding of a set, read by the shader or not.
-        for number in binding::DIRECTIONS..binding::MORE_LIGHTS + MORE_LIGHTS {
+        for number in geometry_bindings() {
             descriptors.image(number, &images[3], &edge);
         }
         for number in [binding::QUERIES, binding::ANSWERS] {
@@ -287,10 +288,9 @@ impl Resources {
         }
         descriptors.image(binding::COLOR_TABLE, &images[0], &levels);
         descriptors.image(binding::PIGMENT, &images[1], &repeat);
-        let geometry = binding::DIRECTIONS..binding::MORE_LIGHTS + MORE_LIGHTS;
         let of_layers = [binding::COEFFICIENTS, binding::LAYERS, binding::NODES];
         let of_lines = [binding::LINES, binding::LINE_WEIGHTS];
-        for number in of_layers.into_iter().chain(of_lines).chain(geometry) {
+        for number in of_layers.into_iter().chain(of_lines).chain(geometry_bindings()) {
             descriptors.image(number, &images[0], &edge);
         }
         descriptors.buffer(binding::LINES_BLOCK, &buffers[0]);
@@ -328,6 +328,10 @@ impl Resources {
         for place in 0..MORE_LIGHTS {
             let image = geometry.more_lights.get(place as usize).unwrap_or(there);
             self.descriptors.image(binding::MORE_LIGHTS + place, image, &self.edge);
+        }
+        for light in 0..MAX_LIGHTS {
+            let image = geometry.footprints.get(light).unwrap_or(there);
+            self.descriptors.image(binding::FOOTPRINTS + light as u32, image, &self.edge);
         }
     }
 }
