@@ -16,10 +16,11 @@ struct Pair {
     float reflectance;
 };
 
-// The parallelogram of (u, v) that a pixel covers: its edges along x and y. Zero for a point.
+// How (u, v) changes over a pixel: a Gaussian in the pixel becomes the Gaussian in (u, v) of covariance J J^T, J = [dx dy], times its variance.
+// Zero for a point.
 struct Footprint {
-    vec2 dx;
-    vec2 dy;
+    vec2 dx; // of (u, v), from a pixel to the one on its right
+    vec2 dy; // to the one below
 };
 
 const Footprint POINT = Footprint(vec2(0.0), vec2(0.0));

@@ -20,7 +20,9 @@ pub mod random;
 pub mod render;
 pub mod scene;
 pub mod setup;
+pub mod spectra;
 pub mod surface;
+pub mod table;
 pub mod units;
 pub mod viewer;
 #[allow(unsafe_code, reason = "calls Vulkan; every block says why it is sound")]

@@ -1,6 +1,7 @@
 //! One interface to the BRDF, however it is computed.
 
 mod direct;
+pub mod mean;
 mod transforms;
 
 pub use direct::DirectSum;

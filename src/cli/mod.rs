@@ -12,11 +12,13 @@ mod prepare;
 mod profile;
 mod range;
 mod render;
+mod scale;
 mod stage;
 mod surface;
 mod trade;
 pub mod untrusted;
 mod usage;
+mod verbosity;
 mod view;
 mod words;
 mod write;
@@ -25,6 +27,7 @@ use crate::error::{Error, Result};
 use clap::{Parser, Subcommand};
 use std::io::Write;
 use std::process::ExitCode;
+use verbosity::{Verbosity, say};
 
 /// Structural colour from a measured height field.
 #[derive(Parser, Debug)]
@@ -44,6 +47,8 @@ Lengths are written with their unit: 65um, 434.7nm. `diffract COMMAND --help` sa
     disable_help_subcommand = true
 )]
 struct Arguments {
+    #[command(flatten)]
+    verbosity: Verbosity,
     #[command(subcommand)]
     command: Command,
 }
@@ -76,13 +81,14 @@ pub fn main() -> ExitCode {
     match usage::parse(std::env::args_os()).and_then(|arguments| arguments.map_or(Ok(()), run)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            say(&error);
+            print(&error);
             ExitCode::from(error.exit_code())
         }
     }
 }
 
 fn run(arguments: Arguments) -> Result<()> {
+    arguments.verbosity.apply();
     match arguments.command {
         Command::View(arguments) => view::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
@@ -97,7 +103,7 @@ fn run(arguments: Arguments) -> Result<()> {
 }
 
 /// One line on stderr; where nobody listens there, that is no reason to fail.
-fn say(line: &dyn std::fmt::Display) {
+fn print(line: &dyn std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "diffract: {line}");
 }
 

@@ -62,7 +62,7 @@ pub struct SurfaceOptions {
     /// What to subtract from the heights: none, mean or plane
     #[arg(long, value_name = "LEVEL", value_parser = level, default_value = "none")]
     pub level: Level,
-    /// Which one of the many skins of one kind
+    /// Which one of the many skins of one kind, and where in a pixel `--samples` look
     #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1")]
     pub seed: u64,
 }

@@ -1,5 +1,6 @@
 //! What commands need before they can shade: a device, and a source, from the cache or made with a progress bar.
 
+use super::verbosity::quiet;
 use super::{check_validation, say, validation};
 use crate::brdf::Brdf;
 use crate::error::Result;
@@ -89,7 +90,7 @@ pub fn warn_of_coarse_samples(field: &HeightField, shortest: f64) {
 
 /// A progress bar on stderr, drawn on a terminal only.
 pub fn progress_bar(what: &'static str) -> ProgressBar {
-    let bar = ProgressBar::new(1);
+    let bar = if quiet() { ProgressBar::hidden() } else { ProgressBar::new(1) };
     if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {
         bar.set_style(style);
     }

@@ -114,7 +114,7 @@ impl PeriodicFactor {
 fn add(evaluator: &mut Evaluator, asked: &mut Vec<(Query, usize, DVec3)>, sums: &mut [DVec3]) -> Result<()> {
     for part in asked.chunks(AT_ONCE) {
         let single: Vec<Query> = part.iter().map(|(query, ..)| *query).collect();
-        for ((_, place, weight), f) in part.iter().zip(evaluator.cosine_weighted(&single)?) {
+        for ((_, place, weight), f) in part.iter().zip(evaluator.of_one_period(&single)?) {
             sums[*place] += *weight * f.x;
         }
     }

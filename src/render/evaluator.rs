@@ -80,13 +80,20 @@ impl Evaluator {
         Ok(Self { asker: Asker::new(device, &source)?, source })
     }
 
-    /// f·cos θ_i \[sr⁻¹\] of every query, in order: at a wavelength in the first component, as XYZ otherwise. Of a grating, a single
-    /// wavelength is that of one period; see [`super::device_brdf`].
+    /// f·cos θ_i \[sr⁻¹\] of every query, in order: at a wavelength in the first component, as XYZ otherwise.
     ///
     /// # Errors
     /// Where the device is lost, and where single wavelengths are asked of a source of colours.
     pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
         self.asker.ask(&self.source, queries)
+    }
+
+    /// The same of one period of a grating, without the periodic factor.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub(super) fn of_one_period(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
+        self.asker.submit(&self.source, queries)
     }
 }
 
@@ -129,6 +136,11 @@ impl Asker {
                 "report this as a bug of diffract",
             ));
         }
+        self.submit(source, queries)
+    }
+
+    /// As [`Asker::ask`], whatever is asked.
+    fn submit(&mut self, source: &BoundSource, queries: &[Query]) -> Result<Vec<DVec3>> {
         let mut all = Vec::with_capacity(queries.len());
         for part in queries.chunks(AT_ONCE) {
             let blocks: Vec<QueryBlock> = part.iter().map(block).collect();

@@ -30,6 +30,26 @@ pub struct FrameBlock {
     pub base_color: [f32; 4],
     /// x: number of lights.
     pub counts: [i32; 4],
+    /// Which sample of the picture the frame is.
+    pub sample: SampleBlock,
+}
+
+/// A sample of a picture, as [`super::sampling::Sample`] has it (std140).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct SampleBlock {
+    /// Place in the pixel, from its centre: x to the right, y downward \[pixels\].
+    pub jitter: [f32; 2],
+    /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
+    pub footprint: f32,
+    /// Number of the sample, from 0.
+    pub index: u32,
+    /// Number of samples in the picture.
+    pub count: u32,
+    /// Low bits of the sequence's seed.
+    pub seed: u32,
+    /// std140 rounds a structure up to 16 bytes.
+    pub padding: [u32; 2],
 }
 
 /// Images of the directions to lights beyond the first, two lights each.
@@ -47,6 +67,8 @@ pub mod binding {
     pub const ALBEDOS: u32 = 3;
     /// ω_i of every pixel for the second and the third light; the fourth follows.
     pub const MORE_LIGHTS: u32 = 4;
+    /// Footprints of every pixel for the first light; those of the others follow.
+    pub const FOOTPRINTS: u32 = 6;
 }
 
 /// The set and what it points to.
@@ -67,7 +89,7 @@ impl FrameSet {
     pub fn new(device: &Arc<Device>, pigment: &Pigment, geometry: &Geometry) -> Result<Self> {
         use vk::DescriptorType as T;
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        let images = (binding::PIGMENT..binding::MORE_LIGHTS + MORE_LIGHTS)
+        let images = (binding::PIGMENT..binding::FOOTPRINTS + MAX_LIGHTS as u32)
             .map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
         let bindings: Vec<Binding> = std::iter::once((binding::FRAME, T::UNIFORM_BUFFER))
             .chain(images)
@@ -98,6 +120,10 @@ impl FrameSet {
         for place in 0..MORE_LIGHTS {
             let image = geometry.more_lights.get(place as usize).unwrap_or(there);
             self.descriptors.image(binding::MORE_LIGHTS + place, image, &self.edge);
+        }
+        for light in 0..MAX_LIGHTS {
+            let image = geometry.footprints.get(light).unwrap_or(there);
+            self.descriptors.image(binding::FOOTPRINTS + light as u32, image, &self.edge);
         }
     }
 

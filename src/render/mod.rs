@@ -1,15 +1,18 @@
 //! Joins optics and Vulkan: the layers as a texture, the tables that the shaders read, passes, frames, targets. Only this
 //! floor knows both sides.
 
+pub mod accumulate;
 pub mod color_table;
 pub mod device_brdf;
 pub mod difference;
 pub mod evaluator;
+pub mod footprints;
 pub mod frame;
 pub mod frame_set;
 pub mod picture;
 pub mod pigment;
 pub mod reference_picture;
+pub mod sampling;
 pub mod shading;
 pub mod source;
 pub mod tables;

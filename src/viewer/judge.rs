@@ -37,7 +37,10 @@ pub fn thinned(directions: &[Directions], pixels: usize) -> Vec<Directions> {
     // An odd stride does not fall on the same columns of a picture of even width.
     let stride = (pixels / COUNTED).max(1) | 1;
     let some = |all: &[[f32; 4]]| all.iter().step_by(stride).copied().collect();
-    directions.iter().map(|d| Directions { light: some(&d.light), view: some(&d.view) }).collect()
+    directions
+        .iter()
+        .map(|d| Directions { light: some(&d.light), view: some(&d.view), ..Directions::default() })
+        .collect()
 }
 
 /// Random pixels of the picture of `view` that `painter` has just drawn, all of them where the mesh covers.
@@ -56,7 +59,7 @@ pub fn samples(painter: &mut Painter, view: &View) -> Result<Samples> {
             .collect(),
         directions: directions
             .iter()
-            .map(|d| Directions { light: some(&d.light), view: some(&d.view) })
+            .map(|d| Directions { light: some(&d.light), view: some(&d.view), ..Directions::default() })
             .collect(),
     })
 }

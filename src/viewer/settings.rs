@@ -159,6 +159,8 @@ impl Settings {
                 option("windows", format!("{n}x{m}"));
             }
         }
+        // As the viewer draws, until it sums samples.
+        option("samples", "1".to_owned());
         option("tolerance", format!("{:e}", self.optics.tolerance));
         if let Some(terms) = self.optics.terms.filter(|_| self.optics.method == Method::Spectral) {
             option("terms", terms.to_string());

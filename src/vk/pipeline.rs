@@ -174,6 +174,41 @@ impl Pipeline {
         sets: &[&Descriptors],
         push_bytes: u32,
     ) -> Result<Self> {
+        let replace = vk::PipelineColorBlendAttachmentState::default();
+        Self::blended(device, (vertex, fragment), drawing, sets, push_bytes, replace)
+    }
+
+    /// A graphics pipeline without push constants that adds what it draws to what its attachments hold.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn adding(
+        device: &Arc<Device>,
+        vertex: Code<'_>,
+        fragment: Code<'_>,
+        drawing: &Drawing<'_>,
+        sets: &[&Descriptors],
+    ) -> Result<Self> {
+        let one = vk::BlendFactor::ONE;
+        let add = vk::PipelineColorBlendAttachmentState::default()
+            .blend_enable(true)
+            .src_color_blend_factor(one)
+            .dst_color_blend_factor(one)
+            .color_blend_op(vk::BlendOp::ADD)
+            .src_alpha_blend_factor(one)
+            .dst_alpha_blend_factor(one)
+            .alpha_blend_op(vk::BlendOp::ADD);
+        Self::blended(device, (vertex, Some(fragment)), drawing, sets, 0, add)
+    }
+
+    fn blended(
+        device: &Arc<Device>,
+        (vertex, fragment): (Code<'_>, Option<Code<'_>>),
+        drawing: &Drawing<'_>,
+        sets: &[&Descriptors],
+        push_bytes: u32,
+        blend: vk::PipelineColorBlendAttachmentState,
+    ) -> Result<Self> {
         let mut own = Self::empty(device, sets, vk::PipelineBindPoint::GRAPHICS, push_bytes)?;
         let vertex_module = Module::new(device, vertex)?;
         let fragment_module = fragment.map(|code| Module::new(device, code)).transpose()?;
@@ -206,11 +241,7 @@ impl Pipeline {
             .depth_test_enable(drawing.depth.is_some())
             .depth_write_enable(depth_write)
             .depth_compare_op(compare);
-        let blends = vec![
-            vk::PipelineColorBlendAttachmentState::default()
-                .color_write_mask(vk::ColorComponentFlags::RGBA);
-            drawing.colors.len()
-        ];
+        let blends = vec![blend.color_write_mask(vk::ColorComponentFlags::RGBA); drawing.colors.len()];
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
         let states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
         let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&states);

@@ -4,7 +4,7 @@ use crate::device::with_device;
 use ash::vk;
 use bytemuck::Zeroable;
 use diffract::precompute::near::{FINER, OCTAVES};
-use diffract::render::frame_set::FrameBlock;
+use diffract::render::frame_set::{FrameBlock, SampleBlock};
 use diffract::render::source::spectra::SpectraBlock;
 use diffract::render::source::window::LinesBlock;
 use diffract::render::tables::UV_BINS;
@@ -39,7 +39,16 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
         }
         frame.base_color = vector();
         frame.counts = [3, 4, 5, 6];
+        frame.sample = SampleBlock {
+            jitter: [51.0, 52.0],
+            footprint: 53.0,
+            index: 54,
+            count: 55,
+            seed: 56,
+            padding: [0; 2],
+        };
         expected.extend([frame.base_color, frame.counts.map(|n| n as f32)]);
+        expected.extend([[51.0, 52.0, 53.0, 54.0], [55.0, 56.0, 0.0, 0.0]]);
         let optics = SpectraBlock {
             texture_size: [101.0, 102.0],
             origin: [103.0, 104.0],

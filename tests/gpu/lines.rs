@@ -159,7 +159,8 @@ fn nodes_on_lines_are_counted_as_the_rule_has_them() {
         let source = window(&layers);
         let cost = |u: f32, v: f32| {
             let light = [u, v, (1.0 - u * u - v * v).sqrt(), 1.0];
-            let seen = Directions { light: vec![light], view: vec![[0.0, 0.0, 1.0, 1.0]] };
+            let seen =
+                Directions { light: vec![light], view: vec![[0.0, 0.0, 1.0, 1.0]], ..Directions::default() };
             source.cost(&shading, &[seen], [1, 1])
         };
         // L is 2 sqrt(2 ln(1/(0.7 level))) sigma = 103 um, and the eye sees 1.2 per micron of wavenumbers; a node more at both ends.

@@ -25,6 +25,8 @@ pub struct BoundSource {
     /// Whether shading asks which pixels are covered, beyond the depth test: a sum over wavelengths may go on for any time on the lanes of a
     /// pixel beside the mesh, and averages look at neighbours.
     pub asks_what_is_covered: bool,
+    /// Whether shading averages over what a pixel covers.
+    pub reads_footprints: bool,
     /// Whether it answers single wavelengths.
     pub spectral: bool,
     stages: Stages,
@@ -54,6 +56,7 @@ impl BoundSource {
         Ok(Self {
             descriptors: Descriptors::new(device, name, &bindings)?,
             asks_what_is_covered: true,
+            reads_footprints: false,
             spectral: true,
             stages,
             constants,

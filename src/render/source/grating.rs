@@ -62,6 +62,8 @@ impl Grating {
         let kinds = [spectra::KINDS.as_slice(), &[Kind::UNIFORM_BUFFER]].concat();
         let constants = spectra::constants(&self.layers);
         let mut bound = BoundSource::new(device, "grating set", &kinds, stages!("grating"), constants)?;
+        // The periodic factor of single wavelengths is multiplied in f64.
+        bound.spectral = false;
         spectra::upload(device, &mut bound, &self.layers)?;
         self.set(device, &mut bound, shading)?;
         Ok(bound)

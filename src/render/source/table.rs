@@ -77,6 +77,7 @@ impl Table {
         let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), constants)?;
         bound.spectral = false;
         bound.asks_what_is_covered = self.filter == Filter::Pixel;
+        bound.reads_footprints = self.filter == Filter::Pixel;
         let grid = &self.table.grid;
         let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
         let (texels, layers) = grid.texture(self.filter);
