@@ -41,8 +41,8 @@ vec3 albedo_of(ivec2 pixel) {
     return frame.base_color.w > 0.0 ? texelFetch(albedos, pixel, 0).rgb : frame.base_color.rgb;
 }
 
-// Of light number `light`, where the geometry pass was asked for footprints. The part of the pixel filter that is to be averaged over has
-// the standard deviation `frame.at.footprint` [pixels].
+// Of light number `light`, where the geometry pass was asked for footprints: what the part of the pixel filter covers that shading averages
+// over.
 Footprint footprint_of(int light, ivec2 pixel) {
     vec4 change;
     switch (light) {
@@ -51,5 +51,6 @@ Footprint footprint_of(int light, ivec2 pixel) {
     case 2: change = texelFetch(footprints_2, pixel, 0); break;
     default: change = texelFetch(footprints_3, pixel, 0); break;
     }
+    change *= frame.at.footprint;
     return Footprint(change.xy, change.zw);
 }

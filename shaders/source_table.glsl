@@ -1,110 +1,97 @@
-// Reads a colour table: XYZ of q^2 |P|^2, summed over the spectrum, as cubics in |w| over -(u, v).
-// Its CPU twin is src/render/color_table.
+// Reads a colour table: the mean over coherence areas, summed over the spectrum, as cubics in |w| over -(u, v), in levels that average over
+// growing Gaussians of (u, v). Its CPU twin is src/table/read.rs; the Rust side is src/render/source/table.rs.
+#include "footprint.glsl"
 
-layout(constant_id = 10) const int MAX_TAPS = 1; // samples along a footprint; 0: the centre of the pixel alone
-
-// X, Y and Z of piece after piece of the range of |w|; RGBA: the coefficients of a cubic. Mip levels have layers for all of them;
-// where points are read, they stand beside each other, so that a direction reads from two places of the memory and not from six.
+// X, Y and Z of piece after piece of the range of |w|; RGBA: the coefficients of a cubic.
 layout(set = 1, binding = 1) uniform sampler2DArray color_table;
+
+// XYZ of the specular order over |w|, a band of wavelengths a row.
+layout(set = 1, binding = 2) uniform sampler2D specular;
+
+const int BANDS = 8;        // of wavelengths of the specular order
+const float LARGEST_W = 2.0;
 
 layout(set = 1, binding = 0, std140) uniform Table {
     float normal_reflectance; // R0 of Schlick
-    float sigma;           // of the window, or what stands for it [um]
-    float texture_per_uv;  // texture coordinate per unit of u
-    float texels_per_uv;   // of the finest level
-    float unit;            // what a stored 1 stands for
-    float finest;          // level that a footprint of one finest texel asks for: the samples' own width is taken off
-    float pieces;          // of the range of |w|
-    float near;            // |u| and |v| up to which the finer part is read, which a corner of the finest level holds
-    float near_texture_per_uv;
-    float near_centre;     // texture coordinate of u = v = 0 there
+    float texture_per_uv;     // texture coordinate per unit of u
+    float spacing;            // of the finest level's texels in u
+    float unit;               // what a stored 1 stands for [1/sr]
+    float finest;             // variance of u that the finest level averages over
+    float per_growth;         // 1 over the variance by which levels grow
+    float pieces;             // of 0 ... LARGEST_W
+    float last_level;
+    vec4 variances[BANDS / 4]; // of u in each band of the specular order
 } source;
 
-const float LEAST_RANGE = 1e-3; // of w^2, where only texels of the edge stand
+// The constants of src/table/read.rs.
+const float TAP_SPACING = 2.0; // standard deviations of a level's average between two taps
+const float TAP_REACH = 2.0;   // standard deviations of the longer axis that taps reach
+const float MOST_SIDES = 4.0;  // taps on either side
 
-// Where in w a direction reads.
 struct Piece {
-    float number;
-    vec4 polynomial; // Chebyshev's, at the place in the piece
+    float layer;
+    vec4 powers;
 };
 
-// `toward` allows |w| up to sqrt(4 - |toward|^2).
-Piece piece_of(vec2 toward, float w) {
-    float along = w * inversesqrt(max(4.0 - dot(toward, toward), LEAST_RANGE)) * source.pieces;
-    float number = clamp(floor(along), 0.0, source.pieces - 1.0);
-    float x = 2.0 * min(along - number, 1.0) - 1.0;
-    return Piece(number, vec4(1.0, x, 2.0 * x * x - 1.0, (4.0 * x * x - 3.0) * x));
+Piece piece_of(float w) {
+    float place = w * (source.pieces / LARGEST_W);
+    float number = min(floor(place), source.pieces - 1.0);
+    float t = 2.0 * (place - number) - 1.0;
+    return Piece(3.0 * number, vec4(1.0, t, t * t, t * t * t));
 }
 
 vec3 read_table(Piece piece, vec2 place, float level) {
-    float layer = 3.0 * piece.number;
-    return vec3(dot(textureLod(color_table, vec3(place, layer), level), piece.polynomial),
-                dot(textureLod(color_table, vec3(place, layer + 1.0), level), piece.polynomial),
-                dot(textureLod(color_table, vec3(place, layer + 2.0), level), piece.polynomial));
+    return vec3(dot(textureLod(color_table, vec3(place, piece.layer), level), piece.powers),
+                dot(textureLod(color_table, vec3(place, piece.layer + 1.0), level), piece.powers),
+                dot(textureLod(color_table, vec3(place, piece.layer + 2.0), level), piece.powers));
 }
 
-vec3 read_texel(vec4 polynomial, ivec3 at) {
-    return vec3(dot(texelFetch(color_table, at, 0), polynomial),
-                dot(texelFetch(color_table, at + ivec3(1, 0, 0), 0), polynomial),
-                dot(texelFetch(color_table, at + ivec3(2, 0, 0), 0), polynomial));
-}
-
-// Linear between texels whose channels stand beside each other. No direction reaches the edge.
-vec3 read_point(Piece piece, vec2 place) {
-    vec2 texel = place * (source.texels_per_uv / source.texture_per_uv) - 0.5;
-    vec2 whole = floor(texel);
-    vec2 t = texel - whole;
-    ivec3 at = ivec3(3 * int(whole.x), int(whole.y), int(piece.number));
-    ivec3 right = ivec3(3, 0, 0), up = ivec3(0, 1, 0);
-    vec3 lower = mix(read_texel(piece.polynomial, at), read_texel(piece.polynomial, at + right), t.x);
-    vec3 upper = mix(read_texel(piece.polynomial, at + up), read_texel(piece.polynomial, at + up + right), t.x);
-    return mix(lower, upper, t.y);
-}
-
-// XYZ of f cos(theta_i) [1/sr] where `toward` = -(u, v), from the finest level.
-vec3 table_xyz(Pair pair, vec2 toward) {
-    bool near = max(abs(toward.x), abs(toward.y)) < source.near;
-    vec2 place = toward * (near ? source.near_texture_per_uv : source.texture_per_uv) + (near ? source.near_centre : 0.5);
-    Piece piece = piece_of(toward, pair.w);
-    vec3 xyz = MAX_TAPS == 0 ? read_point(piece, place) : read_table(piece, place, 0.0);
-    return xyz * (pair.factor * source.sigma * source.sigma * source.unit);
-}
-
-// The same averaged over a footprint with the edges `dx` and `dy`: `MAX_TAPS` samples at most along its longer side, each of
-// a level as wide as the shorter side or as their distance. The sides are those of a rectangle with the parallelogram's moments.
-vec3 table_xyz(Pair pair, vec2 toward, vec2 dx, vec2 dy) {
-    float xx = dx.x * dx.x + dy.x * dy.x, yy = dx.y * dx.y + dy.y * dy.y, xy = dx.x * dx.y + dy.x * dy.y;
-    float mean = 0.5 * (xx + yy), half_difference = 0.5 * (xx - yy);
-    float spread = sqrt(half_difference * half_difference + xy * xy);
-    float longer = max(sqrt(mean + spread), 1e-9);
-    float shorter = sqrt(max(mean - spread, 0.0));
-    vec2 axis = half_difference > 0.0 ? vec2(spread + half_difference, xy) : vec2(xy, spread - half_difference);
-    // A circle has no longer side.
-    vec2 along = axis * (longer * inversesqrt(max(dot(axis, axis), 1e-30)));
-    // Finer than the finest texel there is nothing to resolve.
-    float least = 1.0 / source.texels_per_uv;
-    float taps = clamp(ceil(longer / max(shorter, least)), 1.0, float(MAX_TAPS));
-    float level = max(log2(max(shorter, longer / taps) * source.texels_per_uv) + source.finest, 0.0);
-    vec2 step = along * (source.texture_per_uv / taps);
-    vec2 place = toward * source.texture_per_uv + 0.5 - 0.5 * (taps - 1.0) * step;
-    Piece piece = piece_of(toward, pair.w);
+// The specular order: a Gaussian of (u, v) for each band of wavelengths.
+vec3 specular_xyz(Pair pair, vec3 c) {
+    // The widest lobe is nowhere else: exp(-0.5 * 40) of its peak.
+    const float NOWHERE = 40.0;
+    float widest = max(c.x, c.z) + source.variances[0].x;
+    int bands = dot(pair.toward, pair.toward) < NOWHERE * widest ? BANDS : 0;
+    float columns = float(textureSize(specular, 0).x);
+    float column = (pair.w / LARGEST_W * (columns - 1.0) + 0.5) / columns;
     vec3 sum = vec3(0.0);
-    for (int tap = 0; tap < int(taps); ++tap) {
-        sum += read_table(piece, place, level);
-        place += step;
+    for (int band = 0; band < bands; ++band) {
+        float variance = source.variances[band >> 2][band & 3];
+        vec3 weight = textureLod(specular, vec2(column, (float(band) + 0.5) / float(BANDS)), 0.0).rgb;
+        sum += weight * normal_density(c + vec3(variance, 0.0, variance), pair.toward);
     }
-    return sum * (pair.factor * source.sigma * source.sigma * source.unit / taps);
+    return sum;
 }
 
-const bool SOURCE_READS_FOOTPRINT = MAX_TAPS > 0;
+const bool SOURCE_READS_FOOTPRINT = true;
 
 vec3 source_xyz(Pair pair, Footprint footprint) {
-    // A point has no footprint to average over, whatever the table could.
-    bool averaged = SOURCE_READS_FOOTPRINT && (dot(footprint.dx, footprint.dx) + dot(footprint.dy, footprint.dy)) > 0.0;
-    if (averaged) {
-        return table_xyz(pair, pair.toward, footprint.dx, footprint.dy);
-    }
-    return table_xyz(pair, pair.toward);
+    vec3 c = covariance(footprint);
+    Ellipse ellipse = ellipse_of(c);
+    // A level stands for the shorter axis, or for what the taps along the longer one can bridge.
+    float bridged = ellipse.longer * ((TAP_REACH / (TAP_SPACING * MOST_SIDES)) * (TAP_REACH / (TAP_SPACING * MOST_SIDES)));
+    float own = max(max(ellipse.shorter, source.finest), bridged);
+    float left = sqrt(max(ellipse.longer - own, 0.0));
+    float level = min(level_of_ratio((own - source.finest) * source.per_growth + 1.0), source.last_level);
+    float tap = max(sqrt(own), 0.5 * source.spacing);
+    float sides = min(ceil(left * (TAP_REACH / TAP_SPACING) / tap), MOST_SIDES);
+    float distance = TAP_REACH * left / max(sides, 1.0);
+    float fall = 0.5 * distance * distance / max(left * left, 1e-30);
+    Piece piece = piece_of(pair.w);
+    vec2 step = ellipse.axis * (distance * source.texture_per_uv);
+    vec2 place = pair.toward * source.texture_per_uv + 0.5 - sides * step;
+    vec3 sum = vec3(0.0);
+    float norm = 0.0;
+    float k = -sides;
+    do {
+        float weight = exp(-fall * k * k);
+        sum += weight * read_table(piece, place, level);
+        norm += weight;
+        place += step;
+        k += 1.0;
+    } while (k <= sides);
+    vec3 diffracted = sum * (source.unit / norm * pair.w * pair.w);
+    return (diffracted + specular_xyz(pair, c)) * (pair.factor / (4.0 * PI));
 }
 
 // A table has no single wavelength; nobody asks.

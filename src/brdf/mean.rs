@@ -1,12 +1,13 @@
 //! The mean over coherence areas in f64: a direct sum over the samples for a few directions, and Fourier transforms at
 //! Chebyshev nodes in z for many. See [`crate::spectra::power`] for the formula.
 
+use super::{Brdf, without_cosine};
 use crate::error::Result;
 use crate::memory;
 use crate::optics::brdf::{cosine_weighted, schlick};
 use crate::optics::geometry::Pair;
 use crate::optics::quadrature::{Nodes, SPAN};
-use crate::optics::spectrum::{Illuminant, LONGEST, SHORTEST};
+use crate::optics::spectrum::{Illuminant, LONGEST};
 use crate::spectra::power::chebyshev::{coefficients_from_values, nodes, polynomials};
 use crate::spectra::power::{Beyond, Blur, OrderGrid, Transform};
 use crate::surface::HeightField;
@@ -49,6 +50,15 @@ impl Covariance {
             uv: s * (dx.x * dx.y + dy.x * dy.y),
             vv: s * (dx.y * dx.y + dy.y * dy.y),
         }
+    }
+}
+
+impl Covariance {
+    /// Variances along the longer and the shorter axis.
+    pub fn axes(&self) -> [f64; 2] {
+        let (mean, difference) = (0.5 * (self.uu + self.vv), 0.5 * (self.uu - self.vv));
+        let spread = difference.hypot(self.uv);
+        [mean + spread, (mean - spread).max(0.0)]
     }
 }
 
@@ -191,14 +201,6 @@ impl Mean<'_> {
         let reflectance = schlick(self.ior, pair.cos_half_angle());
         reflectance * cosine_weighted(pair, wavelength, 1.0, power) / pair.light.z
     }
-
-    /// Tabulates the powers of all orders for wavelengths from `shortest` \[µm\], for many directions.
-    ///
-    /// # Errors
-    /// Where memory does not suffice; what `progress` returns.
-    pub fn tabulate(&self, shortest: f64, progress: Progress<'_>) -> Result<TabulatedMean<'_>> {
-        TabulatedMean::new(*self, shortest, progress)
-    }
 }
 
 /// The mean with every order's power as a Chebyshev series in z.
@@ -214,7 +216,11 @@ pub struct TabulatedMean<'a> {
 }
 
 impl<'a> TabulatedMean<'a> {
-    fn new(mean: Mean<'a>, shortest: f64, progress: Progress<'_>) -> Result<Self> {
+    /// Tabulates the powers of all orders of `mean` for wavelengths from `shortest` \[µm\].
+    ///
+    /// # Errors
+    /// Where memory does not suffice; what `progress` returns.
+    pub fn new(mean: Mean<'a>, shortest: f64, progress: Progress<'_>) -> Result<Self> {
         let z_max = 4.0 * PI / shortest;
         let (low, high) = mean.field.range();
         let terms = (0.5 * z_max * (high - low)).ceil() as usize + MORE_NODES;
@@ -372,6 +378,67 @@ impl<'a> TabulatedMean<'a> {
     }
 }
 
+/// The mean as a [`Brdf`]: a direct sum for the first few single wavelengths, and the table of all orders once there are many, or for colours.
+pub struct MeanReference<'a> {
+    mean: Mean<'a>,
+    illuminant: &'a Illuminant,
+    shortest: f64,
+    answered: usize,
+    table: Option<TabulatedMean<'a>>,
+    too_large: bool,
+}
+
+/// Direct sums that take as long as the table of all orders.
+const WORTH_A_TABLE: usize = 24;
+
+impl<'a> MeanReference<'a> {
+    /// For wavelengths from `shortest` \[µm\], and colours under `illuminant`.
+    pub fn new(mean: Mean<'a>, illuminant: &'a Illuminant, shortest: f64) -> Self {
+        Self { mean, illuminant, shortest, answered: 0, table: None, too_large: false }
+    }
+
+    /// The table of all orders, made when it is first asked for.
+    fn table(&mut self) -> Result<&TabulatedMean<'a>> {
+        let table = match self.table.take() {
+            Some(table) => table,
+            None => TabulatedMean::new(self.mean, self.shortest, &|_, _| Ok(()))?,
+        };
+        Ok(self.table.insert(table))
+    }
+}
+
+impl Brdf for MeanReference<'_> {
+    fn spectral(&mut self, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>> {
+        self.answered += pairs.len();
+        if self.answered > WORTH_A_TABLE && !self.too_large {
+            match self.table() {
+                Ok(table) => {
+                    let none = Covariance::default();
+                    let one = |pair: &Pair| {
+                        let weighted = table.cosine_weighted(pair, wavelength, &none);
+                        without_cosine(pair, DVec3::splat(weighted)).x
+                    };
+                    return Ok(pairs.par_iter().map(one).collect());
+                }
+                // The direct sum needs no room.
+                Err(_) => self.too_large = true,
+            }
+        }
+        Ok(pairs.iter().map(|pair| self.mean.brdf(pair, wavelength)).collect())
+    }
+
+    fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>> {
+        let illuminant = self.illuminant;
+        let asked: Vec<_> = pairs.iter().map(|pair| (*pair, Covariance::default())).collect();
+        let weighted = self.table()?.xyz(illuminant, &asked, &|_, _| Ok(()))?;
+        Ok(pairs.iter().zip(weighted).map(|(pair, f)| without_cosine(pair, f)).collect())
+    }
+
+    fn batch(&self) -> usize {
+        if self.table.is_some() { 4096 } else { WORTH_A_TABLE }
+    }
+}
+
 /// Σ a b in eight partial sums, so that the loop runs on vector registers.
 fn dot(a: &[f32], b: &[f32]) -> f32 {
     let mut sums = [0f32; 8];
@@ -384,9 +451,6 @@ fn dot(a: &[f32], b: &[f32]) -> f32 {
     }
     sums.iter().sum::<f32>() + rest
 }
-
-/// The shortest wavelength of colours, for callers that ask for nothing else \[µm\].
-pub const COLOURS_FROM: f64 = SHORTEST;
 
 #[cfg(test)]
 mod tests {
@@ -419,7 +483,7 @@ mod tests {
         {
             for beyond in [Beyond::Copies, Beyond::Alike] {
                 let mean = Mean { field: &field, sigma: 2.0, beyond, ior: 1.5 };
-                let table = mean.tabulate(0.38, &|_, _| Ok(())).unwrap();
+                let table = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
                 for around in [Covariance::default(), Covariance { uu: 4e-4, uv: 1e-4, vv: 1e-3 }] {
                     for directions in DIRECTIONS {
                         for wavelength in [0.4, 0.55, 0.7] {

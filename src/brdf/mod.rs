@@ -5,6 +5,7 @@ pub mod mean;
 mod transforms;
 
 pub use direct::DirectSum;
+pub use mean::MeanReference;
 pub use transforms::Transforms;
 
 use crate::error::Result;

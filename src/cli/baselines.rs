@@ -67,7 +67,7 @@ fn of_thesis(stage: &Stage, own: &Arguments, references: &mut References) -> Res
     let source = Source::Thesis(Thesis { layers, half_range: (high - low) / 2.0 });
     let (mut painter, directions) = stage.painter(&source, &shading)?;
     let exact = references.of(stage, &shading, &directions)?;
-    let cost = source.cost(&shading, &directions, stage.size);
+    let cost = source.cost(&shading, &directions);
     Ok(Some(Row {
         flags: "the thesis' sum: 37 terms, 81 wavelengths, 3 x 3 reads, for comparison".to_owned(),
         series: THESIS.to_owned(),

@@ -5,7 +5,14 @@ use super::{check_validation, say, validation};
 use crate::brdf::Brdf;
 use crate::error::Result;
 use crate::optics::sampling::{self, Limit};
-use crate::render::source::Source;
+use crate::render::footprints::Distribution;
+use crate::render::frame::View;
+use crate::render::picture::Painter;
+use crate::render::pigment::Pigment;
+use crate::render::sampling::Sample;
+use crate::render::shading::Shading;
+use crate::render::source::{ClassicalGrating, Source};
+use crate::scene::Scene;
 use crate::setup::{self, InUse, Settings, Target};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
@@ -63,6 +70,30 @@ pub fn for_each_window(
     setup::for_each_window(field, settings, &open, &progress, &|note| say(&note), ask)?;
     bar.finish_and_clear();
     opened.get().map_or(Ok(()), |device| finish(device))
+}
+
+/// The least standard deviation of (u, v) that the finest level of a source has to resolve, for a picture of `size` pixels of `view`: that of
+/// the shorter axes of footprints, but for the smallest of them, which are few and are averaged with their longer axes.
+///
+/// # Errors
+/// Where the device is lost or has no room.
+pub fn least_footprint(
+    device: &Arc<Device>,
+    scene: &Scene,
+    view: &View,
+    size: [u32; 2],
+    sample: &Sample,
+) -> Result<f64> {
+    /// Share of the footprints whose shorter axis may be below.
+    const BELOW: f64 = 0.25;
+    let source = Source::ClassicalGrating(ClassicalGrating::default());
+    let (shading, pigment) = (Shading::default(), Pigment::white());
+    let lights = view.lights.len();
+    let mut painter = Painter::new(device, &source, &shading, &scene.mesh, &pigment, size, lights)?;
+    painter.ask_for_footprints()?;
+    let directions: Vec<_> =
+        (0..lights).map(|light| painter.directions_of(view, light, sample)).collect::<Result<_>>()?;
+    Ok(Distribution::of(&directions).minor(BELOW) * sample.footprint)
 }
 
 fn show(bar: &ProgressBar, what: &'static str, done: usize, of: usize) -> Result<()> {

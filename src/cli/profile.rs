@@ -1,8 +1,7 @@
 //! `diffract profile`: how long a frame takes, what it does in that time, and what the device could do.
 
 use super::options::{
-    ColourOptions, DeviceOptions, FilterOptions, OpticsOptions, SurfaceOptions, check_lights, real,
-    sample_pixels,
+    ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, check_lights, real, sample_pixels,
 };
 use super::stage::{Ready, Stage};
 use super::{choice, prepare, write};
@@ -53,8 +52,6 @@ pub struct Arguments {
     pub surface: SurfaceOptions,
     #[command(flatten)]
     pub optics: OpticsOptions,
-    #[command(flatten)]
-    pub filter: FilterOptions,
     #[command(flatten)]
     pub colour: ColourOptions,
     #[command(flatten)]
@@ -185,7 +182,7 @@ fn report(stage: &Stage, arguments: &Arguments, ready: Ready, times: &Times, rat
         driver: candidate.driver.clone(),
         size: stage.size,
         method: summary.method,
-        basis: summary.basis.name(),
+        basis: summary.basis.map_or("none", crate::expansion::Basis::name),
         tolerance: arguments.optics.tolerance(),
         terms: summary.terms,
         layers: summary.layers,

@@ -1,8 +1,7 @@
 //! `diffract render`: a scene into a file.
 
 use super::options::{
-    ColourOptions, DeviceOptions, FilterOptions, OpticsOptions, SurfaceOptions, ViewOptions, check_lights,
-    sample_pixels,
+    ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, check_lights, sample_pixels,
 };
 use super::{prepare, scale, write};
 use crate::error::{Error, Result};
@@ -16,7 +15,7 @@ use crate::render::sampling::{Sample, Sampling};
 use crate::render::shading::Shading;
 use crate::render::source::{ClassicalGrating, Source};
 use crate::scene::Scene;
-use crate::setup::{Method, Settings};
+use crate::setup::{self, Method, Settings};
 use crate::surface::HeightField;
 use crate::{output, units};
 use clap::Args;
@@ -53,8 +52,6 @@ pub struct Arguments {
     #[command(flatten)]
     optics: OpticsOptions,
     #[command(flatten)]
-    filter: FilterOptions,
-    #[command(flatten)]
     colour: ColourOptions,
     #[command(flatten)]
     device: DeviceOptions,
@@ -65,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let format = write::PictureFormat::of(&arguments.output)?;
     output::check(&arguments.output)?;
     check_lights(&arguments.view.light)?;
-    if arguments.sample_pixels.is_some() && arguments.optics.method() != Method::Reference {
+    if arguments.sample_pixels.is_some() && arguments.optics.picture_method() != Method::Reference {
         return Err(Error::usage(
             "--sample-pixels is for the reference picture only",
             "add --method reference, or leave it away",
@@ -75,12 +72,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut scene = Scene::open(&arguments.scene)?;
     arguments.view.apply(&mut scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
+    let shading = arguments.optics.beyond_of(&field, shading);
     let picture = draw(arguments, &scene, &field, &shading)?;
     write::picture(&arguments.output, format, &picture)
 }
 
 fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Shading) -> Result<Picture> {
-    let reference = arguments.optics.method() == Method::Reference;
+    let method = arguments.optics.picture_method();
+    let reference = method == Method::Reference;
     if reference && scene.pigment.is_some() {
         return Err(Error::usage(
             "--method reference knows no pigment texture",
@@ -91,13 +90,17 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
     let pigment = scene.pigment.as_deref().map(Pigment::read).transpose()?;
     let view = View { pigment: pigment.is_some(), ..View::of(scene, scene.lights.clone()) };
     let pigment = pigment.unwrap_or_else(Pigment::white);
-    let method = arguments.optics.method();
+    let sampling = Sampling { count: arguments.samples, seed: arguments.surface.seed };
     let source = if reference {
         // The frame's directions are all that the reference needs, and this source has no data.
         Source::ClassicalGrating(ClassicalGrating::default())
     } else {
-        let filter = arguments.filter.filter;
-        let settings = Settings { filter, ..Settings::new(method, shading.clone()) };
+        let mut settings = Settings::new(method, shading.clone());
+        if setup::averages_footprints(&settings) {
+            let sample = sampling.sample(0);
+            settings.least_footprint =
+                prepare::least_footprint(&device, scene, &view, arguments.size, &sample)?;
+        }
         prepare::source(field, &settings, &device)?
     };
     let (size, lights) = (arguments.size, view.lights.len());
@@ -106,7 +109,6 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
         source.check(shading, &directions_of(&mut painter, &view, &Sampling::ONE.sample(0))?)?;
     }
     scale::tell(&mut painter, &view, scene, shading.coherence)?;
-    let sampling = Sampling { count: arguments.samples, seed: arguments.surface.seed };
     let picture = if reference {
         let chosen = arguments.sample_pixels;
         let radiance = reference_radiance(&mut painter, &view, &sampling, field, shading, chosen)?;

@@ -6,15 +6,17 @@ use super::profile::Arguments;
 use crate::error::{Error, Result};
 use crate::measure::budget::Budget;
 use crate::measure::error::{self, PixelErrors};
+use crate::optics::coherence::Windows;
 use crate::render::frame::View;
 use crate::render::picture::{Directions, Painter, Picture};
 use crate::render::pigment::Pigment;
 use crate::render::reference_picture::{covered, displayed, reference_pixels};
+use crate::render::sampling::Sampling;
 use crate::render::shading::Shading;
 use crate::render::source::cost::Cost;
 use crate::render::source::{Source, Summary};
 use crate::scene::Scene;
-use crate::setup::{Method, Settings};
+use crate::setup::{self, Method, Settings};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use glam::DVec3;
@@ -40,7 +42,7 @@ pub struct Exact {
 /// The f64 pictures of one frame, by the windows that they average over; each is made once.
 #[derive(Default)]
 pub struct References {
-    pictures: Vec<([u32; 2], Exact)>,
+    pictures: Vec<(Windows, Exact)>,
 }
 
 impl References {
@@ -72,7 +74,7 @@ pub struct Ready {
 impl Stage {
     /// Opens what `arguments` name.
     pub fn set(arguments: &Arguments) -> Result<Self> {
-        let method = arguments.optics.method();
+        let method = arguments.optics.picture_method();
         if method == Method::Reference {
             return Err(Error::usage(
                 "--method reference has no frames to time",
@@ -104,21 +106,25 @@ impl Stage {
 
     /// What `arguments` ask for.
     pub fn prepare(&self, arguments: &Arguments, shading: &Shading) -> Result<Ready> {
-        let method = arguments.optics.method();
+        let method = arguments.optics.picture_method();
         if method == Method::Reference {
             return Err(Error::usage(
                 "--method reference has no frames to time",
                 "use --method spectral or --method table",
             ));
         }
-        let filter = arguments.filter.filter;
-        let settings = Settings { filter, ..Settings::new(method, shading.clone()) };
+        let mut settings = Settings::new(method, shading.clone());
+        if setup::averages_footprints(&settings) {
+            let sample = Sampling::ONE.sample(0);
+            settings.least_footprint =
+                prepare::least_footprint(&self.device, &self.scene, &self.view, self.size, &sample)?;
+        }
         let source = prepare::source(&self.field, &settings, &self.device)?;
         let (painter, directions) = self.painter(&source, shading)?;
         Ok(Ready {
             painter,
             summary: source.summary(shading),
-            cost: source.cost(shading, &directions, self.size),
+            cost: source.cost(shading, &directions),
             budget: Budget::of(&source, shading),
             directions,
         })

@@ -155,21 +155,23 @@ fn settings(quick: bool) -> Vec<String> {
         if quick { &["1e-1", "1e-2", "1e-3"] } else { &["2e-1", "1e-1", "3e-2", "1e-2", "3e-3", "1e-3"] };
     let bases: &[&str] = if quick { &["taylor", "optimal"] } else { &["taylor", "chebyshev", "optimal"] };
     for basis in bases {
-        all.extend(tolerances.iter().map(|e| format!("--basis {basis} --tolerance {e}")));
+        all.extend(tolerances.iter().map(|e| format!("--windows 1x1 --basis {basis} --tolerance {e}")));
     }
     let table: &[&str] = if quick { &["1e-1", "2e-2"] } else { &["1e-1", "5e-2", "2e-2", "1e-2"] };
     all.extend(table.iter().map(|e| format!("--method table --tolerance {e}")));
+    all.extend(tolerances.iter().map(|e| format!("--method spectral --tolerance {e}")));
     if quick {
         return all;
     }
-    all.push("--basis taylor --terms 37 --wavelengths 81".to_owned());
+    all.push("--windows 1x1 --basis taylor --terms 37 --wavelengths 81".to_owned());
     for terms in [4, 6, 8, 12, 16] {
-        all.extend(["taylor", "optimal"].map(|basis| format!("--basis {basis} --terms {terms}")));
+        all.extend(
+            ["taylor", "optimal"].map(|basis| format!("--windows 1x1 --basis {basis} --terms {terms}")),
+        );
     }
     for wavelengths in [16, 31, 41, 81, 161] {
-        all.push(format!("--basis optimal --wavelengths {wavelengths}"));
+        all.push(format!("--method spectral --wavelengths {wavelengths}"));
     }
-    all.push("--method table --tolerance 2e-2 --windows 2x2".to_owned());
     all
 }
 

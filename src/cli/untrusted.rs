@@ -8,7 +8,6 @@ use crate::error::{Error, Result};
 use crate::measure::trade;
 use crate::optics::spectrum::Illuminant;
 use crate::precompute::cache;
-use crate::render::color_table::{self, Filter};
 use crate::render::pigment::Pigment;
 use crate::scene::{Scene, obj};
 use crate::surface::image_file;
@@ -28,7 +27,7 @@ pub struct Reader {
 }
 
 /// All of them.
-pub const READERS: [Reader; 11] = [
+pub const READERS: [Reader; 10] = [
     Reader { name: "height_image", read: height_image },
     Reader { name: "pigment", read: |bytes| Pigment::from_bytes(bytes).map(drop) },
     Reader { name: "mesh", read: |bytes| obj::from_bytes(bytes).map(drop) },
@@ -36,7 +35,6 @@ pub const READERS: [Reader; 11] = [
     Reader { name: "queries", read: |bytes| eval::Table::parse(text(bytes)?).map(drop) },
     Reader { name: "illuminant", read: |bytes| Illuminant::from_text(text(bytes)?).map(drop) },
     Reader { name: "layers", read: layers },
-    Reader { name: "colours", read: colours },
     Reader { name: "sweep", read: sweep },
     Reader { name: "values", read: values },
     Reader { name: "command_line", read: command_line },
@@ -73,22 +71,6 @@ fn layers(bytes: &[u8]) -> Result<()> {
     let pairs = layers.pairs_at(layers.z_max);
     let texels = layers.size[0] * layers.size[1] * 4 * layers.count();
     assert!(pairs <= layers.pairs() && texels == layers.texels.len(), "layers that do not fit their numbers");
-    Ok(())
-}
-
-/// The same of a colour table; short ones are filled up with zeros.
-fn colours(bytes: &[u8]) -> Result<()> {
-    const MEMORY: u64 = 1 << 20;
-    let key = blake3::hash(b"colours");
-    let sealed = color_table::cache::sealed(&key, bytes, MEMORY);
-    let read =
-        |file: &[u8]| color_table::cache::read(&mut Cursor::new(file), file.len() as u64, &key, MEMORY);
-    let found = read(bytes).or_else(|| read(&sealed));
-    let Some(table) = found else { return Err(Error::failed("there is no colour table in it", "bake one")) };
-    // What textures are made of, and what shaders are specialised for.
-    let ([width, height], layers) = table.grid.texture(Filter::Point);
-    assert_eq!(table.levels[0].len(), width * height * layers * 4, "a table that does not fit its numbers");
-    assert!(table.grid.near().side <= table.grid.side && table.grid.near().extent().is_finite());
     Ok(())
 }
 

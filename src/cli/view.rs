@@ -1,13 +1,11 @@
 //! `diffract view`: a scene in a window.
 
-use super::options::{
-    ColourOptions, DeviceOptions, FilterOptions, OpticsOptions, SurfaceOptions, ViewOptions, real,
-};
+use super::options::{ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, real};
 use super::{check_validation, validation};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::scene::Scene;
-use crate::setup::Method;
+use crate::setup::{self, Method, Settings};
 use crate::surface::synth::Kind;
 use crate::units;
 use crate::viewer::{self, Start};
@@ -43,8 +41,6 @@ pub struct Arguments {
     #[command(flatten)]
     optics: OpticsOptions,
     #[command(flatten)]
-    filter: FilterOptions,
-    #[command(flatten)]
     colour: ColourOptions,
     #[command(flatten)]
     device: DeviceOptions,
@@ -68,7 +64,7 @@ fn fps(text: &str) -> Result<f64> {
 
 /// Opens the window.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let method = arguments.optics.method();
+    let method = arguments.optics.picture_method();
     if method == Method::Reference {
         return Err(Error::usage(
             "--method reference is too slow for a window",
@@ -79,12 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if matches!(shading.coherence, Coherence::Repeats(_)) {
         shading.check_wavelengths()?;
     }
-    if shading.windows != [1, 1] && method == Method::Spectral {
-        return Err(Error::usage(
-            "pictures by --method spectral do one window only",
-            "leave --windows away, or use --method table",
-        ));
-    }
+    setup::check(&Settings::new(method, shading.clone()))?;
     let plain = Scene::open(&arguments.scene)?;
     let mut scene = plain.clone();
     arguments.view.apply(&mut scene)?;
@@ -98,8 +89,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         plain,
         surface,
         method,
-        filter: arguments.filter.filter,
         windows: shading.windows,
+        beyond: shading.beyond,
         basis: shading.basis,
         tolerance: shading.tolerance,
         terms: shading.terms,

@@ -1,7 +1,7 @@
 //! Settings in words, for captions.
 
 use super::options::OpticsOptions;
-use crate::optics::coherence::Coherence;
+use crate::optics::coherence::{Coherence, Windows};
 use crate::scene::Light;
 use crate::setup::Method;
 use crate::surface::HeightField;
@@ -27,9 +27,10 @@ pub fn optics(options: &OpticsOptions) -> String {
             format!("method {name}{basis}, tolerance {}", options.tolerance())
         }
     };
-    let windows = match options.windows {
-        [1, 1] => String::new(),
-        [n, m] => format!(", {n}×{m} windows"),
+    let windows = match options.windows() {
+        Windows::All => ", mean over all windows".to_owned(),
+        Windows::Grid([1, 1]) => String::new(),
+        Windows::Grid([n, m]) => format!(", {n}×{m} windows"),
     };
     format!("{by}; coherence {}{windows}; refractive index {}", coherence(&options.coherence), options.ior)
 }

@@ -1,9 +1,10 @@
 //! Where the error of a setting comes from.
 
 use crate::precompute::Layers;
-use crate::render::color_table::{bake::COMB_SHARE, grid::GRID_SHARE, nodes::NODE_SHARE};
 use crate::render::shading::Shading;
-use crate::render::source::{Grating, Source, Window};
+use crate::render::source::{Grating, Mean, Source, Table, Window};
+use crate::setup::READING_SHARE;
+use crate::spectra::power::Header;
 use serde::Serialize;
 
 /// One part of the error.
@@ -33,7 +34,8 @@ impl Budget {
             Source::Window(Window { layers }) | Source::Grating(Grating { layers, .. }) => {
                 Self::of_layers(layers, shading)
             }
-            Source::Table(_) => Self::of_table(shading),
+            Source::Mean(Mean { spectra }) => Self::of_spectra(&spectra.header, shading),
+            Source::Table(Table { table }) => Self::of_table(table.header.cubic_error, shading),
             Source::Thesis(_) | Source::ClassicalGrating(_) => Self::default(),
         }
     }
@@ -65,25 +67,43 @@ impl Budget {
         }
     }
 
-    /// The parts of a colour table for `shading`: relative L2 errors of colours at points.
-    pub fn of_table(shading: &Shading) -> Self {
-        let part = |what, share: f64, known: &str| {
-            let error = share * shading.tolerance;
-            Part { what, error, known: known.to_owned() }
-        };
+    /// The parts of power spectra under `shading`.
+    fn of_spectra(spectra: &Header, shading: &Shading) -> Self {
+        let part = |what, error, known: &str| Part { what, error, known: known.to_owned() };
+        Self {
+            parts: vec![
+                part(
+                    "terms in z",
+                    spectra.series_error / shading.gain(),
+                    "measured on the surface's own orders",
+                ),
+                part(
+                    "reading between texels",
+                    spectra.reading_error / shading.gain(),
+                    "by the kernel's transform",
+                ),
+                part("wavelengths of a colour", shading.quadrature(), "by the rule for the nodes"),
+            ],
+            tolerance: shading.tolerance,
+        }
+    }
+
+    /// The parts of a colour table under `shading` whose cubics err by `cubics`.
+    fn of_table(cubics: f64, shading: &Shading) -> Self {
+        let part = |what, error, known: &str| Part { what, error, known: known.to_owned() };
         Self {
             parts: vec![
                 part(
                     "reading between texels",
-                    GRID_SHARE,
-                    "by the window's autocorrelation, which sets their distance",
+                    READING_SHARE * shading.tolerance,
+                    "by the blur of the finest level",
                 ),
-                part("cubics in w", NODE_SHARE, "at most; judged on the layers"),
                 part(
-                    "wavelengths of a colour",
-                    shading.quadrature() / shading.tolerance * COMB_SHARE,
-                    "by the rule for the nodes",
+                    "cubics in w",
+                    cubics,
+                    "measured at directions spread evenly, each relative to its own value",
                 ),
+                part("wavelengths of a colour", shading.quadrature(), "by the rule for the nodes"),
             ],
             tolerance: shading.tolerance,
         }

@@ -17,6 +17,13 @@ pub struct Table<const N: usize> {
     values: Vec<[f64; N]>,
 }
 
+impl<const N: usize> serde::Serialize for Table<N> {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
+        let rows = self.wavelengths.iter().zip(&self.values);
+        to.collect_seq(rows.map(|(wavelength, values)| (*wavelength, values.to_vec())))
+    }
+}
+
 impl<const N: usize> Table<N> {
     /// Reads CSV with a header line and rows `wavelength,value…` \[nm\].
     ///
@@ -82,7 +89,7 @@ pub fn observer(wavelength: f64) -> DVec3 {
 }
 
 /// The spectral power of the light, up to a factor.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, serde::Serialize)]
 pub enum Illuminant {
     /// CIE D65, daylight, tabulated.
     #[default]

@@ -2,7 +2,6 @@
 //! floor knows both sides.
 
 pub mod accumulate;
-pub mod color_table;
 pub mod device_brdf;
 pub mod difference;
 pub mod evaluator;

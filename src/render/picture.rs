@@ -9,6 +9,7 @@ use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
 use super::source::{BoundSource, Source};
 use super::target::{self, Geometry, GeometrySettings, Target};
+use crate::brdf::mean::Covariance;
 use crate::error::{Error, Result};
 use crate::scene::{MAX_LIGHTS, Mesh};
 use crate::vk::access::Access;
@@ -16,7 +17,7 @@ use crate::vk::commands::{Commands, FAR, Recorder};
 use crate::vk::device::Device;
 use crate::vk::image::Image;
 use crate::vk::queries::Timestamps;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -89,6 +90,17 @@ pub struct Directions {
     /// du/dx, dv/dx, du/dy, dv/dy per pixel, as [`Geometry::footprints`] has them; zero where nothing is covered. Empty where the
     /// painter was not asked for footprints.
     pub footprints: Vec<[f32; 4]>,
+    /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
+    pub filter: f64,
+}
+
+impl Directions {
+    /// What shading averages over at pixel number `i`; nothing where the painter was not asked for footprints.
+    pub fn covariance(&self, i: usize) -> Covariance {
+        let Some(&footprint) = self.footprints.get(i) else { return Covariance::default() };
+        let [a, b, c, d] = footprint.map(f64::from);
+        Covariance::of_footprint(DVec2::new(a, b), DVec2::new(c, d), self.filter)
+    }
 }
 
 impl Painter {
@@ -467,6 +479,7 @@ impl Painter {
             light: lights.into_iter().zip(&covered).map(of).collect(),
             view: first.iter().map(|stored| [stored[0], stored[1]]).zip(&covered).map(of).collect(),
             footprints: footprints.into_iter().zip(&covered).map(kept).collect(),
+            filter: sample.footprint,
         })
     }
 

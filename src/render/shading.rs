@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::expansion::taylor::{F32_ROUNDOFF, rounding_bound};
 use crate::expansion::{Basis, HeightScale};
-use crate::optics::coherence::Coherence;
+use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::quadrature::{Rule, SPAN};
 use crate::optics::sliding::Sliding;
 use crate::optics::spectrum::{Illuminant, SHORTEST};
@@ -50,8 +50,10 @@ struct Shares {
 pub struct Shading {
     /// What surrounds the patch.
     pub coherence: Coherence,
-    /// Window centres to average over.
-    pub windows: [u32; 2],
+    /// Positions of the window to average over.
+    pub windows: Windows,
+    /// How the surface goes on beyond the patch, for the mean over all windows.
+    pub beyond: Beyond,
     /// Refractive index of the surface.
     pub ior: f64,
     /// The light's spectrum.
@@ -146,7 +148,8 @@ impl Default for Shading {
     fn default() -> Self {
         Self {
             coherence: Coherence::SUNLIGHT,
-            windows: [1, 1],
+            windows: Windows::All,
+            beyond: Beyond::Copies,
             ior: 1.5,
             illuminant: Illuminant::D65,
             tolerance: 1e-2,
@@ -200,10 +203,10 @@ impl Shading {
     /// # Errors
     /// For what layers cannot do.
     pub fn windowed_settings(&self, sigma: f64, shortest: f64, device: &Candidate) -> Result<Settings> {
-        if self.windows != [1, 1] {
+        if self.windows != Windows::ONE {
             return Err(Error::usage(
-                "pictures by --method spectral do one window only",
-                "leave --windows away, or use --method table or --method reference",
+                "spectra through a window are of one window",
+                "use --windows all or --windows 1x1, or --method reference",
             ));
         }
         Ok(Settings {

@@ -1,8 +1,10 @@
 //! The BRDF of a height field by the method that is asked for.
 
-use super::{InUse, Method, Progress, Settings, Target, source};
-use crate::brdf::{Brdf, DirectSum};
+use super::{InUse, Method, Progress, Settings, Target, check, source};
+use crate::brdf::mean::Mean;
+use crate::brdf::{Brdf, DirectSum, MeanReference};
 use crate::error::Result;
+use crate::optics::coherence::Windows;
 use crate::optics::reference::Reference;
 use crate::render::device_brdf::DeviceBrdf;
 use crate::render::shading::Shading;
@@ -27,16 +29,23 @@ pub fn for_each_window(
     mut ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
 ) -> Result<()> {
     let shading = &settings.shading;
+    check(settings)?;
     if settings.method == Method::Reference {
-        let reference = Reference::new(field, shading.coherence, shading.windows, shading.ior);
+        let illuminant = &shading.illuminant;
+        let Windows::Grid(windows) = shading.windows else {
+            let sigma = settings.power_sigma()?;
+            let mean = Mean { field, sigma, beyond: shading.beyond, ior: shading.ior };
+            return ask(&mut MeanReference::new(mean, illuminant, settings.shortest), 1.0);
+        };
+        let reference = Reference::new(field, shading.coherence, windows, shading.ior);
         return ask(&mut DirectSum { reference, illuminant: &shading.illuminant }, 1.0);
     }
     let device = device()?;
-    // A colour table averages by itself.
-    let [n, m] = if settings.method == Method::Spectral { shading.windows } else { [1, 1] };
-    let one = match settings.method {
-        Method::Spectral => Shading { windows: [1, 1], ..shading.clone() },
-        _ => shading.clone(),
+    // Spectra of the mean and colour tables average by themselves.
+    let [n, m] = shading.windows.grid().unwrap_or([1, 1]);
+    let one = match shading.windows {
+        Windows::Grid(_) => Shading { windows: Windows::ONE, ..shading.clone() },
+        Windows::All => shading.clone(),
     };
     let patch = field.patch_size();
     for (i, j) in (0..m).flat_map(|j| (0..n).map(move |i| (i, j))) {

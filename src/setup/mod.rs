@@ -5,14 +5,15 @@ mod brdf;
 pub use brdf::for_each_window;
 
 use crate::error::{Error, Result};
-use crate::optics::coherence::Coherence;
+use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::orders::Repeats;
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::{self, Layers, compute_at};
-use crate::render::color_table::{self, ColorTable, Filter};
 use crate::render::shading::Shading;
-use crate::render::source::{Grating, Source, Table};
-use crate::surface::HeightField;
+use crate::render::source::{Grating, Mean, Source, Table};
+use crate::spectra::power::{PowerSettings, PowerSpectra, power_spectra};
+use crate::surface::{HeightField, tiling};
+use crate::table::{ColorTable, TableSettings, bake};
 use crate::vk::device::Device;
 use crate::vk::selection::Candidate;
 use std::sync::{Arc, Weak};
@@ -45,8 +46,6 @@ impl Method {
 pub struct Settings {
     /// By which method.
     pub method: Method,
-    /// What a pixel shows of a colour table.
-    pub filter: Filter,
     /// The optics.
     pub shading: Shading,
     /// Shortest wavelength that will be asked for \[µm\].
@@ -55,13 +54,14 @@ pub struct Settings {
     pub shift: [f64; 2],
     /// Whether the result is worth a place in the cache on disk.
     pub cached: bool,
+    /// Least standard deviation of (u, v) that a pixel averages over; 0 where single directions are asked for.
+    pub least_footprint: f64,
 }
 
 impl Settings {
     /// A window in the middle, for colours.
     pub fn new(method: Method, shading: Shading) -> Self {
-        let filter = Filter::default();
-        Self { method, filter, shading, shortest: SHORTEST, shift: [0.0; 2], cached: true }
+        Self { method, shading, shortest: SHORTEST, shift: [0.0; 2], cached: true, least_footprint: 0.0 }
     }
 }
 
@@ -95,6 +95,7 @@ pub struct Made {
 #[derive(Default)]
 pub struct InUse {
     layers: Vec<(blake3::Hash, Weak<Layers>)>,
+    powers: Vec<(blake3::Hash, Weak<PowerSpectra>)>,
     tables: Vec<(blake3::Hash, Weak<ColorTable>)>,
 }
 
@@ -110,17 +111,19 @@ pub fn source(
     progress: &Progress<'_>,
 ) -> Result<Made> {
     let shading = &settings.shading;
+    check(settings)?;
     match (settings.method, shading.coherence) {
         (Method::Reference, _) => Err(Error::usage(
             "--method reference has no device to shade on",
             "use --method spectral or --method table",
         )),
         (Method::Table, _) => {
-            let device = target.device.ok_or_else(|| {
-                Error::failed("a colour table needs an open device", "report this as a bug of diffract")
-            })?;
-            let (table, note) = table(field, shading, device, in_use, progress)?;
-            Ok(Made { source: Source::Table(Table { table, filter: settings.filter }), note })
+            let (table, note) = table(field, settings, target, in_use, progress)?;
+            Ok(Made { source: Source::Table(Table { table }), note })
+        }
+        (Method::Spectral, _) if shading.windows == Windows::All => {
+            let (spectra, note) = powers(field, settings, target, in_use, progress)?;
+            Ok(Made { source: Source::Mean(Mean { spectra }), note })
         }
         (Method::Spectral, Coherence::Gaussian { length }) => {
             let (layers, note) = layers(field, settings, length / 4.0, target, in_use, progress)?;
@@ -163,22 +166,146 @@ fn layers(
     Ok((layers, not_kept.map(|e| format!("the spectra are not kept for next time: {e}"))))
 }
 
+/// The power spectra of the mean.
+fn powers(
+    field: &HeightField,
+    settings: &Settings,
+    target: Target<'_>,
+    in_use: &mut InUse,
+    progress: &Progress<'_>,
+) -> Result<(Arc<PowerSpectra>, Option<String>)> {
+    let own = settings.power_settings(target.limits)?;
+    let key = key(field, &own)?;
+    if let Some(known) = find(&mut in_use.powers, &key) {
+        return Ok((known, None));
+    }
+    let made = Arc::new(power_spectra(field, &own, &|done, of| progress("spectra", done, of))?);
+    in_use.powers.push((key, Arc::downgrade(&made)));
+    Ok((made, None))
+}
+
+/// The colour table of the mean.
 fn table(
     field: &HeightField,
-    shading: &Shading,
-    device: &Arc<Device>,
+    settings: &Settings,
+    target: Target<'_>,
     in_use: &mut InUse,
     progress: &Progress<'_>,
 ) -> Result<(Arc<ColorTable>, Option<String>)> {
-    let key = color_table::key(field, shading, device.candidate())?;
+    let own = settings.table_settings(target.limits);
+    let key = key(field, &(settings.power_settings(target.limits)?, &own))?;
     if let Some(known) = find(&mut in_use.tables, &key) {
         return Ok((known, None));
     }
-    let (table, not_kept) = color_table::obtain(device, field, shading, progress)?;
-    let table = Arc::new(table);
-    in_use.tables.push((key, Arc::downgrade(&table)));
-    Ok((table, not_kept.map(|e| format!("the colour table is not kept for next time: {e}"))))
+    let (spectra, _) = powers(field, settings, target, in_use, progress)?;
+    let made = Arc::new(bake(&spectra, &own, &|done, of| progress("colours", done, of))?);
+    in_use.tables.push((key, Arc::downgrade(&made)));
+    Ok((made, None))
 }
+
+/// A name for what follows from `field` and `settings`.
+fn key(field: &HeightField, settings: &impl serde::Serialize) -> Result<blake3::Hash> {
+    let text = serde_json::to_string(settings).map_err(|e| {
+        Error::failed(format!("settings cannot be named: {e}"), "report this as a bug of diffract")
+    })?;
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(text.as_bytes());
+    hasher.update(bytemuck::cast_slice(&[field.columns() as f64, field.rows() as f64]));
+    hasher.update(bytemuck::cast_slice(&field.pixel_size()));
+    hasher.update(bytemuck::cast_slice(field.heights()));
+    Ok(hasher.finalize())
+}
+
+/// How the surface goes on beyond a patch like `field`, unless the user says: copies where they join without visible steps.
+pub fn beyond_of(field: &HeightField) -> Beyond {
+    match tiling::tiles(field).verdict {
+        tiling::Verdict::Tiles => Beyond::Copies,
+        _ => Beyond::Alike,
+    }
+}
+
+/// Whether the source of `settings` averages over the footprints of pixels.
+pub fn averages_footprints(settings: &Settings) -> bool {
+    settings.method != Method::Reference && settings.shading.windows == Windows::All
+}
+
+/// Fails for combinations that cannot be.
+///
+/// # Errors
+/// With what to change.
+pub fn check(settings: &Settings) -> Result<()> {
+    let shading = &settings.shading;
+    let gaussian = shading.coherence.sigma().is_some();
+    match (settings.method, shading.windows) {
+        (_, Windows::All) if !gaussian => Err(Error::usage(
+            "a finite grating stands at one place, and a mean over all windows is of Gaussian coherence",
+            "use --windows 1x1, or --coherence gaussian:LENGTH",
+        )),
+        (Method::Table, Windows::Grid(_)) => Err(Error::usage(
+            "a colour table holds the mean over all windows",
+            "use --windows all, or --method spectral",
+        )),
+        (_, Windows::All) if shading.terms.is_some() => Err(Error::usage(
+            "--terms are those of the expansion for one window",
+            "add --windows 1x1, or leave --terms away",
+        )),
+        _ => Ok(()),
+    }
+}
+
+impl Settings {
+    /// Share of the device's memory that a source may take; pictures and the rest need some.
+    const DEVICE_SHARE: f64 = 0.75;
+
+    fn memory_limit(limits: &Candidate) -> usize {
+        (limits.memory as f64 * Self::DEVICE_SHARE) as usize
+    }
+
+    /// Standard deviation of the coherence window that the mean is of \[µm\].
+    fn power_sigma(&self) -> Result<f64> {
+        self.shading.coherence.sigma().ok_or_else(|| {
+            Error::usage(
+                "the mean over all windows is of Gaussian coherence",
+                "use --coherence gaussian:LENGTH",
+            )
+        })
+    }
+
+    /// What power spectra are made for.
+    fn power_settings(&self, limits: &Candidate) -> Result<PowerSettings> {
+        let sigma = self.power_sigma()?;
+        let budget = self.shading.budget();
+        Ok(PowerSettings {
+            sigma,
+            beyond: self.shading.beyond,
+            shortest: self.shortest,
+            series_error: budget.expansion,
+            reading_error: budget.interpolation,
+            least_footprint: self.least_footprint,
+            side_limit: limits.max_side as usize,
+            memory_limit: Self::memory_limit(limits),
+        })
+    }
+
+    /// What a colour table is made for.
+    fn table_settings(&self, limits: &Candidate) -> TableSettings {
+        let tolerance = self.shading.tolerance;
+        TableSettings {
+            illuminant: self.shading.illuminant.clone(),
+            wavelengths: self.shading.wavelengths,
+            quadrature_error: self.shading.quadrature(),
+            reading_error: READING_SHARE * tolerance,
+            cubic_error: CUBIC_SHARE * tolerance,
+            finest: self.least_footprint,
+            side_limit: limits.max_side as usize,
+            memory_limit: Self::memory_limit(limits),
+        }
+    }
+}
+
+/// Shares of a table's tolerance for reading between texels, and for the cubics in |w|.
+pub const READING_SHARE: f64 = 0.7;
+const CUBIC_SHARE: f64 = 1.0;
 
 /// What is known by `key`; forgets what nobody uses any more.
 fn find<T>(known: &mut Vec<(blake3::Hash, Weak<T>)>, key: &blake3::Hash) -> Option<Arc<T>> {

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// What a table is made for.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct TableSettings {
     /// The light's spectrum.
     pub illuminant: Illuminant,

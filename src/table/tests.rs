@@ -1,8 +1,7 @@
 //! Power spectra and colour tables against the f64 mean.
 
 use super::*;
-use crate::brdf::mean::{Covariance, Mean};
-use crate::optics::brdf::schlick;
+use crate::brdf::mean::{Covariance, Mean, TabulatedMean};
 use crate::optics::geometry::{Pair, direction};
 use crate::optics::spectrum::Illuminant;
 use crate::random::Random;
@@ -74,7 +73,7 @@ fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
     let field = synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(Kind::Elaphe) }).unwrap();
     let (sigma, tolerance) = (3.0, 2e-2);
     let mean = Mean { field: &field, sigma, beyond: Beyond::Copies, ior: IOR };
-    let exact = mean.tabulate(0.38, &|_, _| Ok(())).unwrap();
+    let exact = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
     let spectra = spectra(&field, sigma, tolerance, 0.0);
     let table = table(&spectra, tolerance, 0.0);
     let reader = TableReader::new(&table);
@@ -92,7 +91,6 @@ fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
         eprintln!("{around:?}: L2 {l2:.1e}, own {own:.1e}");
         assert!(l2 <= tolerance, "{around:?}: {l2}");
     }
-    let _ = schlick;
 }
 
 #[test]
@@ -103,7 +101,7 @@ fn costs_of_the_default_surface() {
     eprintln!("surface {:.2} s", start.elapsed().as_secs_f64());
     let mean = Mean { field: &field, sigma: 65.0 / 4.0, beyond: Beyond::Copies, ior: IOR };
     let start = std::time::Instant::now();
-    let exact = mean.tabulate(0.38, &|_, _| Ok(())).unwrap();
+    let exact = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
     eprintln!("reference {:.2} s", start.elapsed().as_secs_f64());
     for finest in [0.0, 0.005, 0.01] {
         let start = std::time::Instant::now();

@@ -2,7 +2,6 @@
 
 use super::settings::Optics;
 use crate::expansion::Basis;
-use crate::render::color_table::Filter;
 use crate::setup::Method;
 
 /// What the picture is compared with, and how.
@@ -38,12 +37,12 @@ impl Compare {
 
 /// The setting to compare with until the user names another: ten times as strict, by the basis that can be.
 pub fn strict(own: &Optics) -> Optics {
-    optimal((own.tolerance / 10.0).max(1e-4))
+    optimal(own, (own.tolerance / 10.0).max(1e-4))
 }
 
 /// What is drawn while something moves: ten times as loose.
 pub fn coarse(own: &Optics) -> Optics {
-    optimal(loose(own))
+    optimal(own, loose(own))
 }
 
 /// By how much looser the sum over wavelengths is while something moves, before layers go too; `None` where it is loose enough.
@@ -55,11 +54,10 @@ fn loose(own: &Optics) -> f64 {
     (own.tolerance * 10.0).clamp(1e-1, 3e-1)
 }
 
-fn optimal(tolerance: f64) -> Optics {
+fn optimal(own: &Optics, tolerance: f64) -> Optics {
     Optics {
         method: Method::Spectral,
-        filter: Filter::Point,
-        windows: [1, 1],
+        windows: own.windows,
         basis: Basis::Optimal,
         tolerance,
         terms: None,

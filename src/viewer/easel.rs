@@ -221,7 +221,7 @@ impl Easel {
             Source::Table(_) => directions,
             _ => judge::thinned(&directions, pixels),
         };
-        let cost = shaded_from.cost(shading, &judged, wish.size);
+        let cost = shaded_from.cost(shading, &judged);
         let seen = judged.first().map_or(1, |d| d.view.len()).max(1);
         let counted = Counted {
             covered: cost.covered as f64 / seen as f64,

@@ -29,8 +29,7 @@ mod worker;
 
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
-use crate::optics::coherence::Coherence;
-use crate::render::color_table::Filter;
+use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::render::pigment::Pigment;
 use crate::scene::Scene;
 use crate::setup::Method;
@@ -57,9 +56,10 @@ pub struct Start {
     /// By which method.
     pub method: Method,
     /// What a pixel of a colour table shows.
-    pub filter: Filter,
     /// Window centres that a colour table averages over.
-    pub windows: [u32; 2],
+    pub windows: Windows,
+    /// How the surface goes on beyond the patch.
+    pub beyond: Beyond,
     /// The basis.
     pub basis: Basis,
     /// Relative error that the user accepts.
@@ -122,7 +122,6 @@ impl Start {
             surface: self.surface.clone(),
             optics: Optics {
                 method: self.method,
-                filter: self.filter,
                 windows: self.windows,
                 basis: self.basis,
                 tolerance: self.tolerance,
@@ -130,6 +129,7 @@ impl Start {
                 wavelengths: self.wavelengths,
             },
             coherence: self.coherence,
+            beyond: self.beyond,
             ior: self.ior,
             illuminant: self.illuminant.clone(),
             lights: self.scene.lights.clone(),

@@ -2,9 +2,8 @@
 
 use crate::error::Result;
 use crate::expansion::Basis;
-use crate::optics::coherence::Coherence;
+use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::spectrum::Illuminant;
-use crate::render::color_table::Filter;
 use crate::render::shading::{Purpose, Shading};
 use crate::scene::{Camera, Light, Scene};
 use crate::setup::Method;
@@ -16,10 +15,8 @@ use glam::Vec3;
 pub struct Optics {
     /// By which method.
     pub method: Method,
-    /// What a pixel of a colour table shows.
-    pub filter: Filter,
     /// Window centres that a colour table averages over.
-    pub windows: [u32; 2],
+    pub windows: Windows,
     /// Which expansion.
     pub basis: Basis,
     /// Relative error that the user accepts.
@@ -41,6 +38,8 @@ pub struct Settings {
     pub optics: Optics,
     /// What surrounds the patch.
     pub coherence: Coherence,
+    /// How the surface goes on beyond the patch.
+    pub beyond: Beyond,
     /// Refractive index.
     pub ior: f64,
     /// The light's spectrum: a name or a file.
@@ -73,8 +72,9 @@ pub enum Needs {
 impl Settings {
     /// What has to be done to show `self` where `shown` is shown.
     pub fn needs(&self, shown: &Self) -> Needs {
-        let optics =
-            |s: &Self| (s.surface.clone(), s.optics.clone(), s.coherence, s.ior, s.illuminant.clone());
+        let optics = |s: &Self| {
+            (s.surface.clone(), s.optics.clone(), s.coherence, s.beyond, s.ior, s.illuminant.clone())
+        };
         if self.scene != shown.scene {
             Needs::Mesh
         } else if optics(self) != optics(shown) {
@@ -100,13 +100,24 @@ impl Settings {
             ior: self.ior,
             illuminant: Illuminant::from_name_or_file(&self.illuminant)?,
             tolerance: optics.tolerance,
-            windows: if optics.method == Method::Table { optics.windows } else { [1, 1] },
+            windows: self.windows(optics),
+            beyond: self.beyond,
             basis: optics.basis,
-            terms: optics.terms.filter(|_| optics.method == Method::Spectral),
+            terms: optics.terms.filter(|_| self.windows(optics) != Windows::All),
             wavelengths: self.wavelengths(optics),
             purpose: Purpose::Picture,
             looser_colours: 1.0,
         })
+    }
+
+    /// Positions of the window: a finite grating stands at one place.
+    pub fn windows(&self, optics: &Optics) -> Windows {
+        if self.repeats() { Windows::ONE } else { optics.windows }
+    }
+
+    /// By which method `optics` are computed: a table is of the mean.
+    pub fn method(&self, optics: &Optics) -> Method {
+        if self.windows(optics) == Windows::All { optics.method } else { Method::Spectral }
     }
 
     /// The wavelengths that are named in `optics`: through repeats they stand where the orders do.
@@ -150,19 +161,17 @@ impl Settings {
         if s.seed != 1 {
             option("seed", s.seed.to_string());
         }
-        match self.optics.method {
-            Method::Spectral | Method::Reference => option("basis", self.optics.basis.name().to_owned()),
-            Method::Table => {
-                option("method", Method::Table.name().to_owned());
-                option("filter", self.optics.filter.name().to_owned());
-                let [n, m] = self.optics.windows;
-                option("windows", format!("{n}x{m}"));
-            }
+        option("method", self.method(&self.optics).name().to_owned());
+        option("windows", self.windows(&self.optics).to_string());
+        if self.windows(&self.optics) == Windows::All {
+            option("beyond", self.beyond.name().to_owned());
+        } else {
+            option("basis", self.optics.basis.name().to_owned());
         }
         // As the viewer draws, until it sums samples.
         option("samples", "1".to_owned());
         option("tolerance", format!("{:e}", self.optics.tolerance));
-        if let Some(terms) = self.optics.terms.filter(|_| self.optics.method == Method::Spectral) {
+        if let Some(terms) = self.optics.terms.filter(|_| self.windows(&self.optics) != Windows::All) {
             option("terms", terms.to_string());
         }
         if let Some(wavelengths) = self.wavelengths(&self.optics) {
@@ -170,7 +179,7 @@ impl Settings {
         }
         let coherence = match self.coherence {
             Coherence::Gaussian { length } => format!("gaussian:{length}um"),
-            Coherence::Repeats([n, m]) => format!("repeats:{n}x{m}"),
+            Coherence::Repeats([n, m]) => format!("grating:{n}x{m}"),
         };
         option("coherence", coherence);
         option("ior", self.ior.to_string());

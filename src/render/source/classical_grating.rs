@@ -3,7 +3,6 @@
 use super::bound::{BoundSource, Kind, uniform};
 use super::{Summary, stages};
 use crate::error::Result;
-use crate::expansion::Basis;
 use crate::optics::brdf::schlick;
 use crate::render::shading::Shading;
 use crate::vk::device::Device;
@@ -56,6 +55,6 @@ impl ClassicalGrating {
 
     pub(super) fn summary(&self) -> Summary {
         let (method, kernel) = ("classical grating", "none".to_owned());
-        Summary { method, basis: Basis::Taylor, terms: 0, layers: 0, kernel }
+        Summary { method, basis: None, terms: 0, layers: 0, kernel }
     }
 }

@@ -87,7 +87,7 @@ impl Grating {
     pub(super) fn summary(&self, shading: &Shading) -> Summary {
         Summary {
             method: "spectral",
-            basis: shading.basis,
+            basis: Some(shading.basis),
             terms: self.layers.terms,
             layers: self.layers.pairs(),
             kernel: format!("{} kernel", self.layers.interpolation.name()),

@@ -8,6 +8,7 @@ mod bound;
 pub mod classical_grating;
 pub mod cost;
 pub mod grating;
+pub mod mean;
 pub mod spectra;
 pub mod table;
 pub mod thesis;
@@ -16,6 +17,7 @@ pub mod window;
 pub use bound::BoundSource;
 pub use classical_grating::ClassicalGrating;
 pub use grating::Grating;
+pub use mean::Mean;
 pub use table::Table;
 pub use thesis::Thesis;
 pub use window::Window;
@@ -32,6 +34,8 @@ use std::sync::Arc;
 /// What a pixel is shaded from: data on the host, cheap to clone.
 #[derive(Clone)]
 pub enum Source {
+    /// Power spectra of the mean over all windows, summed over wavelengths.
+    Mean(Mean),
     /// Spectra through one Gaussian window, summed over wavelengths.
     Window(Window),
     /// Spectra of one period, repeated n × m times.
@@ -61,7 +65,7 @@ pub struct Summary {
     /// `--method` of it.
     pub method: &'static str,
     /// The expansion, where there is one.
-    pub basis: Basis,
+    pub basis: Option<Basis>,
     /// Terms of the expansion.
     pub terms: usize,
     /// Layers that one wavelength or one direction reads.
@@ -82,6 +86,7 @@ impl Source {
     /// Where the device has no room.
     pub fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
         match self {
+            Self::Mean(source) => source.bind(device, shading),
             Self::Window(source) => source.bind(device, shading),
             Self::Grating(source) => source.bind(device, shading),
             Self::Table(source) => source.bind(device, shading),
@@ -97,6 +102,7 @@ impl Source {
     /// Where the device has no room.
     pub fn rebind(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
         match self {
+            Self::Mean(source) => source.set(device, bound, shading),
             Self::Window(source) => source.set(device, bound, shading),
             Self::Grating(source) => source.set(device, bound, shading),
             Self::Table(source) => source.set(device, bound, shading),
@@ -110,7 +116,8 @@ impl Source {
         match (self, other) {
             (Self::Window(a), Self::Window(b)) => Arc::ptr_eq(&a.layers, &b.layers),
             (Self::Grating(a), Self::Grating(b)) => Arc::ptr_eq(&a.layers, &b.layers),
-            (Self::Table(a), Self::Table(b)) => Arc::ptr_eq(&a.table, &b.table) && a.filter == b.filter,
+            (Self::Table(a), Self::Table(b)) => Arc::ptr_eq(&a.table, &b.table),
+            (Self::Mean(a), Self::Mean(b)) => Arc::ptr_eq(&a.spectra, &b.spectra),
             _ => false,
         }
     }
@@ -121,6 +128,7 @@ impl Source {
             Self::Window(Window { layers })
             | Self::Grating(Grating { layers, .. })
             | Self::Thesis(Thesis { layers, .. }) => spectra::extent(layers),
+            Self::Mean(source) => source.extent(),
             Self::Table(source) => source.extent(),
             Self::ClassicalGrating(_) => Extent::default(),
         }
@@ -132,13 +140,14 @@ impl Source {
             Self::Window(Window { layers })
             | Self::Grating(Grating { layers, .. })
             | Self::Thesis(Thesis { layers, .. }) => Some(layers.terms),
-            Self::Table(_) | Self::ClassicalGrating(_) => None,
+            Self::Mean(_) | Self::Table(_) | Self::ClassicalGrating(_) => None,
         }
     }
 
     /// What reports say of it, drawn under `shading`.
     pub fn summary(&self, shading: &Shading) -> Summary {
         match self {
+            Self::Mean(source) => source.summary(),
             Self::Window(source) => source.summary(shading),
             Self::Grating(source) => source.summary(shading),
             Self::Table(source) => source.summary(),
@@ -147,12 +156,13 @@ impl Source {
         }
     }
 
-    /// What a frame of `size` pixels does that shades `directions` (one entry per light) under `shading`.
-    pub fn cost(&self, shading: &Shading, directions: &[Directions], size: [u32; 2]) -> Cost {
+    /// What a frame does that shades `directions` (one entry per light) under `shading`.
+    pub fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
         match self {
+            Self::Mean(source) => source.cost(shading, directions),
             Self::Window(source) => source.cost(shading, directions),
             Self::Grating(source) => source.cost(shading, directions),
-            Self::Table(source) => source.cost(directions, size),
+            Self::Table(source) => source.cost(directions),
             Self::Thesis(source) => source.cost(directions),
             Self::ClassicalGrating(_) => Cost::counted(directions, |_| (0, 0)),
         }

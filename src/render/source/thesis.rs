@@ -86,7 +86,7 @@ impl Thesis {
 
     pub(super) fn summary(&self) -> Summary {
         let (terms, kernel) = (self.layers.terms, "3 x 3 bins".to_owned());
-        Summary { method: "thesis", basis: Basis::Taylor, terms, layers: terms, kernel }
+        Summary { method: "thesis", basis: Some(Basis::Taylor), terms, layers: terms, kernel }
     }
 
     pub(super) fn cost(&self, directions: &[Directions]) -> Cost {

@@ -109,7 +109,7 @@ impl Window {
             Some(lines) => format!("{} along lines", lines.kernel.name()),
             None => format!("{} kernel", layers.interpolation.name()),
         };
-        let (terms, basis) = (layers.terms, shading.basis);
+        let (terms, basis) = (layers.terms, Some(shading.basis));
         Summary { method: "spectral", basis, terms, layers: layers.pairs(), kernel }
     }
 

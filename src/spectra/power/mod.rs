@@ -17,21 +17,11 @@ mod orders;
 pub mod read;
 pub mod texture;
 
+pub use crate::optics::coherence::Beyond;
 pub use make::{Header, PowerSettings, PowerSpectra, power_spectra};
 pub use orders::{OrderGrid, OrderPowers, Transform};
 
 use std::f64::consts::PI;
-
-/// How the surface goes on beyond the measured patch.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub enum Beyond {
-    /// The patch repeats without end. Its orders are those of the tiling.
-    #[default]
-    Copies,
-    /// The surface goes on with the same statistics: the patch is tapered by a Hann window in each axis, and a Gaussian lag window
-    /// multiplies its autocorrelation (Blackman and Tukey, *The Measurement of Power Spectra*, 1958).
-    Alike,
-}
 
 /// Standard deviation of the lag window of [`Beyond::Alike`] over the side of the patch. The autocorrelation of the taper falls to a
 /// few percent at half a side; beyond it the patch says nothing about the surface.

@@ -5,7 +5,7 @@ use crate::render::frame::View;
 use crate::setup::{self, Method};
 use crate::viewer::compare::{self, Compare};
 use crate::viewer::pace::Rung;
-use crate::viewer::settings::{Needs, Optics, Settings};
+use crate::viewer::settings::{Needs, Settings};
 use crate::viewer::studio::Wish;
 use crate::viewer::worker::{Prepared, Request, Role};
 use std::sync::Arc;
@@ -47,8 +47,8 @@ impl Live {
                     shading.wavelengths = None;
                 }
                 let surface = settings.surface.clone();
-                let Optics { method, filter, .. } = settings.optics;
-                let settings = setup::Settings { filter, ..setup::Settings::new(method, shading) };
+                let method = settings.method(&settings.optics);
+                let settings = setup::Settings::new(method, shading);
                 self.worker.ask(Request { role, number: self.number, surface, settings });
                 self.model.progress[role as usize] = Some((0, 1));
                 self.window.request_redraw();

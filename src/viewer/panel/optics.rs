@@ -2,8 +2,7 @@
 
 use super::{choice, heading, number, row, rows};
 use crate::expansion::Basis;
-use crate::optics::coherence::Coherence;
-use crate::render::color_table::Filter;
+use crate::optics::coherence::{Coherence, Windows};
 use crate::setup::Method;
 use crate::viewer::model::Model;
 use crate::viewer::settings::Optics;
@@ -28,28 +27,25 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 
 /// Method, tolerance and what else the method knows of one setting.
 pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics, coherence: Coherence) {
-    row(ui, "method", |ui| {
-        for method in [Method::Spectral, Method::Table] {
-            ui.selectable_value(&mut optics.method, method, method.name());
-        }
-    });
-    match optics.method {
-        Method::Spectral | Method::Reference => row(ui, "basis", |ui| {
+    let finite = matches!(coherence, Coherence::Repeats(_));
+    if !finite {
+        row(ui, "windows", |ui| {
+            ui.selectable_value(&mut optics.windows, Windows::All, "mean");
+            ui.selectable_value(&mut optics.windows, Windows::ONE, "one");
+        });
+    }
+    if !finite && optics.windows == Windows::All {
+        row(ui, "method", |ui| {
+            for method in [Method::Table, Method::Spectral] {
+                ui.selectable_value(&mut optics.method, method, method.name());
+            }
+        });
+    } else {
+        row(ui, "basis", |ui| {
             let all = Basis::ALL.map(|b| (b, b.name()));
             let shown = optics.basis.name();
             choice(ui, &format!("{id} basis"), &mut optics.basis, &all, shown);
-        }),
-        Method::Table => {
-            row(ui, "a pixel is", |ui| {
-                ui.selectable_value(&mut optics.filter, Filter::Point, "its centre");
-                ui.selectable_value(&mut optics.filter, Filter::Pixel, "all it sees");
-            });
-            row(ui, "windows", |ui| {
-                for n in &mut optics.windows {
-                    ui.add(number(n).speed(0.1).range(1..=16));
-                }
-            });
-        }
+        });
     }
     row(ui, "tolerance", |ui| {
         let all = [1e-1, 5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 1e-4].map(|t| (t, percent(t)));
@@ -57,7 +53,7 @@ pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics, coherence: Coherence)
         let shown = percent(optics.tolerance);
         choice(ui, &format!("{id} tolerance"), &mut optics.tolerance, &all, &shown);
     });
-    if optics.method == Method::Spectral {
+    if finite || optics.windows != Windows::All {
         named(ui, "terms", &mut optics.terms, 10, 1..=64);
     }
     match coherence {
