@@ -1,5 +1,6 @@
 //! What commands need before they can shade: a device, and a source, from the cache or made with a progress bar.
 
+use super::verbosity::detail;
 use super::verbosity::quiet;
 use super::{check_validation, say, validation};
 use crate::brdf::Brdf;
@@ -21,6 +22,7 @@ use crate::vk::selection::Wish;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::cell::OnceCell;
 use std::sync::{Arc, Once};
+use std::time::Instant;
 
 /// Opens the device that `wish` means.
 pub fn device(wish: &Wish) -> Result<Arc<Device>> {
@@ -35,10 +37,22 @@ pub fn finish(device: &Device) -> Result<()> {
 /// The source of `field` under `settings` on `device`, from the cache or made with a progress bar.
 pub fn source(field: &HeightField, settings: &Settings, device: &Arc<Device>) -> Result<Source> {
     warn_of_coarse_samples(field, settings.shortest);
+    let start = Instant::now();
     let bar = progress_bar("spectra");
     let progress = |what, done, of| show(&bar, what, done, of);
     let made = setup::source(field, settings, Target::from(device), &mut InUse::default(), &progress)?;
     bar.finish_and_clear();
+    let (extent, summary) = (made.source.extent(), made.source.summary(&settings.shading));
+    const MIB: f64 = 1024.0 * 1024.0;
+    detail(&format_args!(
+        "{}: {} layers of {} x {} texels, {:.1} MiB, made in {:.2} s",
+        summary.method,
+        extent.layers,
+        extent.size[0],
+        extent.size[1],
+        extent.bytes as f64 / MIB,
+        start.elapsed().as_secs_f64()
+    ));
     if let Some(note) = made.note {
         say(&note);
     }
@@ -85,7 +99,7 @@ pub fn least_footprint(
     sample: &Sample,
 ) -> Result<f64> {
     /// Share of the footprints whose shorter axis may be below.
-    const BELOW: f64 = 0.25;
+    const BELOW: f64 = 0.5;
     let source = Source::ClassicalGrating(ClassicalGrating::default());
     let (shading, pigment) = (Shading::default(), Pigment::white());
     let lights = view.lights.len();
@@ -93,7 +107,18 @@ pub fn least_footprint(
     painter.ask_for_footprints()?;
     let directions: Vec<_> =
         (0..lights).map(|light| painter.directions_of(view, light, sample)).collect::<Result<_>>()?;
-    Ok(Distribution::of(&directions).minor(BELOW) * sample.footprint)
+    let distribution = Distribution::of(&directions);
+    let least = distribution.minor(BELOW) * sample.footprint;
+    detail(&format_args!(
+        "pixels average over standard deviations of (u, v) from {:.1e} to {:.1e} (5 % and 95 % of the shorter axes: {:.1e}, {:.1e}; median of the \
+         longer axis {:.1e}); the finest level resolves {least:.1e}",
+        distribution.minor(0.0) * sample.footprint,
+        distribution.major(1.0) * sample.footprint,
+        distribution.minor(0.05) * sample.footprint,
+        distribution.minor(0.95) * sample.footprint,
+        distribution.major(0.5) * sample.footprint,
+    ));
+    Ok(least)
 }
 
 fn show(bar: &ProgressBar, what: &'static str, done: usize, of: usize) -> Result<()> {

@@ -294,7 +294,7 @@ impl Settings {
             illuminant: self.shading.illuminant.clone(),
             wavelengths: self.shading.wavelengths,
             quadrature_error: self.shading.quadrature(),
-            reading_error: READING_SHARE * tolerance,
+            reading_error: READING_SHARE * self.shading.gain() * tolerance,
             cubic_error: CUBIC_SHARE * tolerance,
             finest: self.least_footprint,
             side_limit: limits.max_side as usize,
