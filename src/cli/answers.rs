@@ -12,7 +12,7 @@ use crate::render::evaluator::{Evaluator, Query};
 use crate::render::shading::Shading;
 use crate::surface::HeightField;
 use crate::vk::device::Device;
-use crate::vk::selection::Wish;
+use crate::vk::selection::DeviceChoice;
 use glam::DVec3;
 use indicatif::ProgressBar;
 use std::sync::Arc;
@@ -47,7 +47,7 @@ impl<'a> Answers<'a> {
     /// Where there is no device or it has no room, and for settings that the method cannot do.
     pub fn prepare(
         method: Method,
-        wish: &Wish,
+        wish: &DeviceChoice,
         field: &'a HeightField,
         shading: &'a Shading,
         shortest: f64,
@@ -58,7 +58,7 @@ impl<'a> Answers<'a> {
     /// The same; layers are those of `window`.
     fn prepare_at(
         method: Method,
-        wish: &Wish,
+        wish: &DeviceChoice,
         field: &'a HeightField,
         shading: &'a Shading,
         window: Window,
@@ -153,7 +153,7 @@ impl<'a> Answers<'a> {
 /// # Errors
 /// As [`Answers::prepare`], and what `ask` returns.
 pub fn over_windows(
-    (method, wish): (Method, &Wish),
+    (method, wish): (Method, &DeviceChoice),
     field: &HeightField,
     shading: &Shading,
     (shortest, count): (f64, usize),

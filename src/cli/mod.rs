@@ -1,9 +1,10 @@
 //! The command line: one file per command; raw arguments in, validated settings with units out.
 
 mod answers;
-mod baselines;
+mod autotune;
+mod benchmark;
 mod brdf;
-mod choice;
+mod captions;
 mod devices;
 mod eval;
 mod options;
@@ -14,13 +15,11 @@ mod range;
 mod render;
 mod repeated;
 mod spectral;
-mod stage;
 mod surface;
 mod trade;
 pub mod untrusted;
 mod usage;
 mod view;
-mod words;
 mod write;
 
 use crate::error::{Error, Result};

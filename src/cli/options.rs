@@ -9,7 +9,7 @@ use crate::render::shading::Shading;
 use crate::scene::{Camera, Light, MAX_LIGHTS, Scene};
 use crate::surface::{HeightField, Level, Source};
 use crate::units;
-use crate::vk::selection::Wish;
+use crate::vk::selection::DeviceChoice;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 
@@ -207,13 +207,13 @@ impl ColourOptions {
 #[command(next_help_heading = "Device")]
 pub struct DeviceOptions {
     /// Vulkan device: a part of its name, its number in `diffract devices`, or cpu for a software one
-    #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = Wish::parse)]
-    pub device: Option<Wish>,
+    #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = DeviceChoice::parse)]
+    pub device: Option<DeviceChoice>,
 }
 
 impl DeviceOptions {
     /// What the user wishes for.
-    pub fn wish(&self) -> Wish {
+    pub fn wish(&self) -> DeviceChoice {
         self.device.clone().unwrap_or_default()
     }
 }

@@ -10,12 +10,12 @@ use crate::render::shading::Shading;
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
-use crate::vk::selection::Wish;
+use crate::vk::selection::DeviceChoice;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::{Arc, Once};
 
 /// Opens the device that `wish` means.
-pub fn device(wish: &Wish) -> Result<Arc<Device>> {
+pub fn device(wish: &DeviceChoice) -> Result<Arc<Device>> {
     Device::open(Arc::new(Instance::new(validation())?), wish)
 }
 

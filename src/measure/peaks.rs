@@ -74,7 +74,7 @@ fn sine(angle: f64) -> f64 {
 
 /// What the periods of many wavelengths say together.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Statistics {
+pub struct PeriodStatistics {
     /// Wavelengths with a period.
     pub count: usize,
     /// Wavelengths whose maximum lies inside the sweep.
@@ -85,7 +85,7 @@ pub struct Statistics {
     pub deviation: Option<f64>,
 }
 
-impl Statistics {
+impl PeriodStatistics {
     /// Over every peak that has a period, clear or not.
     pub fn of(peaks: &[Peak]) -> Self {
         let periods: Vec<f64> = peaks.iter().filter_map(|p| p.period).collect();
@@ -138,15 +138,15 @@ mod tests {
         assert_eq!((mirror.angle, mirror.period), (Some(-30.0), None));
         let dark = Peak::find(0.5, 30.0, 1, &angles, &[0.0; 3]);
         assert_eq!((dark.angle, dark.period, dark.response, dark.clear), (None, None, 0.0, false));
-        assert_eq!(Statistics::of(&[mirror, dark]).mean, None);
+        assert_eq!(PeriodStatistics::of(&[mirror, dark]).mean, None);
     }
 
     #[test]
     fn statistics_are_those_of_the_periods() {
         let peak = |period, clear| Peak { wavelength: 0.5, angle: Some(1.0), period, response: 1.0, clear };
         let all = [peak(Some(1.0), true), peak(Some(2.0), false), peak(Some(3.0), true), peak(None, true)];
-        let s = Statistics::of(&all);
+        let s = PeriodStatistics::of(&all);
         assert_eq!((s.count, s.clear, s.mean, s.deviation), (3, 3, Some(2.0), Some(1.0)));
-        assert_eq!(Statistics::of(&all[..1]).deviation, None);
+        assert_eq!(PeriodStatistics::of(&all[..1]).deviation, None);
     }
 }

@@ -6,8 +6,8 @@ use super::shading::Shading;
 use crate::error::Result;
 use crate::optics::brdf::schlick;
 use crate::optics::color::{self, xyz_to_linear_srgb};
-use crate::optics::fine::{self, Progress};
 use crate::optics::geometry::Pair;
+use crate::optics::nufft::{self, Progress};
 use crate::optics::reference::Reference;
 use crate::surface::HeightField;
 use glam::DVec3;
@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 /// texture does not count.
 ///
 /// # Errors
-/// As [`fine::cosine_weighted_xyz`].
+/// As [`nufft::cosine_weighted_xyz`].
 pub fn reference_picture(
     field: &HeightField,
     shading: &Shading,
@@ -37,7 +37,7 @@ pub fn reference_picture(
 /// Linear sRGB of the pixels number `pixels` of a frame, as [`reference_picture`] has them.
 ///
 /// # Errors
-/// As [`fine::cosine_weighted_xyz`].
+/// As [`nufft::cosine_weighted_xyz`].
 pub fn reference_pixels(
     field: &HeightField,
     shading: &Shading,
@@ -51,7 +51,7 @@ pub fn reference_pixels(
         .iter()
         .flat_map(|seen| pixels.iter().map(|&i| Pair::new(unit(seen.light[i]), unit(seen.view[i]))))
         .collect();
-    let diffracted = fine::cosine_weighted_xyz(&reference, &shading.illuminant, &pairs, progress)?;
+    let diffracted = nufft::cosine_weighted_xyz(&reference, &shading.illuminant, &pairs, progress)?;
     let mut colors = vec![DVec3::ZERO; pixels.len()];
     let lit = pairs.chunks(pixels.len().max(1)).zip(diffracted.chunks(pixels.len().max(1)));
     for (light, (pairs, diffracted)) in view.lights.iter().zip(lit) {

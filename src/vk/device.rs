@@ -2,7 +2,7 @@
 
 use super::failure;
 use super::instance::Instance;
-use super::selection::{self, Candidate, Wish};
+use super::selection::{self, Candidate, DeviceChoice};
 use super::surface::Surface;
 use crate::error::{Error, Result};
 use ash::{ext, khr, vk};
@@ -42,7 +42,7 @@ impl Device {
     ///
     /// # Errors
     /// As [`selection::choose`], and where the driver refuses.
-    pub fn open(instance: Arc<Instance>, wish: &Wish) -> Result<Arc<Self>> {
+    pub fn open(instance: Arc<Instance>, wish: &DeviceChoice) -> Result<Arc<Self>> {
         let candidates = selection::candidates(&instance)?;
         Self::open_one_of(candidates, instance, wish, &[])
     }
@@ -51,7 +51,7 @@ impl Device {
     ///
     /// # Errors
     /// As [`Device::open`].
-    pub fn open_for(surface: &Surface, wish: &Wish) -> Result<Arc<Self>> {
+    pub fn open_for(surface: &Surface, wish: &DeviceChoice) -> Result<Arc<Self>> {
         let instance = surface.instance().clone();
         let mut candidates = selection::candidates(&instance)?;
         for candidate in &mut candidates {
@@ -65,7 +65,7 @@ impl Device {
     fn open_one_of(
         mut candidates: Vec<Candidate>,
         instance: Arc<Instance>,
-        wish: &Wish,
+        wish: &DeviceChoice,
         extensions: &[*const c_char],
     ) -> Result<Arc<Self>> {
         let (index, reason) = selection::choose(&candidates, wish)?;

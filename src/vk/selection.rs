@@ -35,7 +35,7 @@ pub struct Candidate {
 
 /// How the user names a device.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum Wish {
+pub enum DeviceChoice {
     /// The fastest usable one.
     #[default]
     Any,
@@ -47,7 +47,7 @@ pub enum Wish {
     Name(String),
 }
 
-impl Wish {
+impl DeviceChoice {
     /// `cpu`, a number, or a part of a name.
     pub fn parse(text: &str) -> Result<Self> {
         match text.trim() {
@@ -181,7 +181,7 @@ pub fn kind_name(kind: vk::PhysicalDeviceType) -> &'static str {
 ///
 /// # Errors
 /// No device at all, none that fits the wish, or none that can do what is needed.
-pub fn choose(candidates: &[Candidate], wish: &Wish) -> Result<(usize, String)> {
+pub fn choose(candidates: &[Candidate], wish: &DeviceChoice) -> Result<(usize, String)> {
     if candidates.is_empty() {
         return Err(Error::failed("Vulkan finds no device on this machine", INSTALL));
     }
@@ -199,21 +199,21 @@ pub fn choose(candidates: &[Candidate], wish: &Wish) -> Result<(usize, String)> 
         ))
     };
     match wish {
-        Wish::Index(i) if *i < candidates.len() => named(*i),
-        Wish::Index(i) => Err(no_such(&i.to_string())),
-        Wish::Name(name) => {
+        DeviceChoice::Index(i) if *i < candidates.len() => named(*i),
+        DeviceChoice::Index(i) => Err(no_such(&i.to_string())),
+        DeviceChoice::Name(name) => {
             let wanted = name.to_lowercase();
             let found = candidates.iter().position(|c| c.name.to_lowercase().contains(&wanted));
             found.map_or_else(|| Err(no_such(name)), named)
         }
-        Wish::Cpu => {
+        DeviceChoice::Cpu => {
             let mut software =
                 (0..candidates.len()).filter(|&i| candidates[i].kind == vk::PhysicalDeviceType::CPU);
             best(&mut software)
                 .map(|i| (i, "a software device, as asked".to_owned()))
                 .ok_or_else(|| Error::failed("there is no usable software device", INSTALL))
         }
-        Wish::Any => best(&mut (0..candidates.len()))
+        DeviceChoice::Any => best(&mut (0..candidates.len()))
             .map(|i| {
                 let usable = (0..candidates.len()).filter(|i| usable(i)).count();
                 let kind = kind_name(candidates[i].kind);
@@ -261,8 +261,9 @@ mod tests {
             candidate("Big One", vk::PhysicalDeviceType::DISCRETE_GPU, vec![]),
             candidate("old", vk::PhysicalDeviceType::DISCRETE_GPU, vec!["Vulkan 1.3"]),
         ];
-        let chosen = |text: &str| Wish::parse(text).and_then(|wish| choose(&list, &wish)).map(|c| c.0);
-        assert_eq!(choose(&list, &Wish::Any).unwrap().0, 1);
+        let chosen =
+            |text: &str| DeviceChoice::parse(text).and_then(|wish| choose(&list, &wish)).map(|c| c.0);
+        assert_eq!(choose(&list, &DeviceChoice::Any).unwrap().0, 1);
         assert_eq!(chosen("cpu").unwrap(), 0);
         assert_eq!(chosen("1").unwrap(), 1);
         assert_eq!(chosen("big").unwrap(), 1);
@@ -270,7 +271,7 @@ mod tests {
         assert!(
             chosen("7").is_err() && chosen("nothing").is_err() && chosen("99999999999999999999999").is_err()
         );
-        assert!(choose(&[], &Wish::Any).is_err());
-        assert!(choose(&list[2..], &Wish::Any).is_err());
+        assert!(choose(&[], &DeviceChoice::Any).is_err());
+        assert!(choose(&list[2..], &DeviceChoice::Any).is_err());
     }
 }

@@ -32,7 +32,7 @@ fn pairs(count: usize, seed: u64) -> Vec<Pair> {
 /// The largest error of single wavelengths relative to each one's own value, over those that are not speckle's zeros.
 fn worst(field: &HeightField, coherence: Coherence, windows: [u32; 2], seed: u64) -> (f64, f64) {
     let reference = Reference::new(field, coherence, windows, 1.5);
-    let basis = Basis::new(field, 4.0 * PI / SHORTEST);
+    let basis = HeightBasis::new(field, 4.0 * PI / SHORTEST);
     let pairs = pairs(60, seed);
     let [n, m] = windows;
     let patch = field.patch_size();

@@ -1,12 +1,12 @@
 //! One axis of the transforms: the samples that a window sees, laid out around the window's centre.
 
-use super::kernel::Kernel;
+use super::kernel::GriddingKernel;
 use crate::optics::coherence::{self, Coherence, GAUSSIAN_CUT, periodic_factor};
 use std::f64::consts::PI;
 
 /// What a window lets through along one axis, ready for a transform.
 #[derive(Debug)]
-pub struct Axis {
+pub struct TransformAxis {
     /// Length of the transform in samples.
     pub samples: usize,
     /// The same in micrometres: bins are 1/length apart.
@@ -45,9 +45,9 @@ const PATCH_RATIO: f64 = 2.5;
 /// β/w of the kernel for copies of a patch.
 pub const PATCH_SHAPE: f64 = 2.49;
 
-impl Axis {
+impl TransformAxis {
     /// Lays out what `coherence` sees of the axis `look`.
-    pub fn new(look: &Look, coherence: &Coherence, kernel: &Kernel) -> Self {
+    pub fn new(look: &Look, coherence: &Coherence, kernel: &GriddingKernel) -> Self {
         let patch = look.samples as i64;
         // Sample g of the endless surface stands at (g − (N − 1)/2)·spacing and is sample g mod N of the patch. The
         // first sample, their number, and the window's centre in samples:

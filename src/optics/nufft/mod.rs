@@ -12,7 +12,7 @@ use super::quadrature::{Ladder, Nodes};
 use super::reference::Reference;
 use super::spectrum::{Illuminant, SHORTEST};
 use crate::error::Result;
-use basis::Basis;
+use basis::HeightBasis;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use spectra::Spectra;
@@ -43,7 +43,7 @@ pub fn cosine_weighted_xyz(
     if is_little(reference, &counts) {
         return one_by_one(reference, illuminant, pairs, progress);
     }
-    let basis = Basis::new(reference.field(), z_max);
+    let basis = HeightBasis::new(reference.field(), z_max);
     let combs: BTreeMap<usize, Nodes> = counts
         .iter()
         .copied()
