@@ -81,7 +81,7 @@ const FLOORS: [(&str, &[&str]); 17] = [
 const SMALL: &[&str] = &["error", "input", "memory", "output", "random", "units"];
 
 /// Folders whose files still form a ring. Only to be shortened.
-const RINGS_LEFT: [&str; 4] = ["precompute", "render", "render/color_table", "render/resources"];
+const RINGS_LEFT: [&str; 3] = ["precompute", "render", "render/color_table"];
 
 /// Files of `src/`, relative to it.
 fn sources() -> Vec<PathBuf> {
