@@ -59,7 +59,7 @@ pub(super) fn panel(svg: &mut Svg, panel: &Panel, area: Area) -> Result<()> {
     }
 }
 
-/// Title and legend; the y below them.
+/// Draws title and legend; returns the y below them.
 fn heading(svg: &mut Svg, panel: &Panel, area: Area) -> f64 {
     let mut y = area.at[1];
     if !panel.title.is_empty() {
@@ -83,7 +83,7 @@ fn heading(svg: &mut Svg, panel: &Panel, area: Area) -> f64 {
     y + if any { TICK + 1.5 * GAP } else { 0.0 }
 }
 
-/// What of `room` is left when ticks, labels and a colour bar have theirs.
+/// The part of `room` that ticks, labels and colour bar leave for the plot.
 fn inside_of_labels(panel: &Panel, room: Area) -> Area {
     let widest = widest_tick(&panel.y, room.size[1]);
     let left = widest + LONG + 0.5 * GAP + if panel.y.label.is_empty() { 0.0 } else { LABEL + GAP };
@@ -112,7 +112,7 @@ fn bar_room(panel: &Panel) -> f64 {
 }
 
 fn picture(svg: &mut Svg, raster: &Raster, plot: Area) -> Result<()> {
-    // Larger than its place, it has to be averaged; smaller, its pixels are what there is to see.
+    // Smooth when reduced; when enlarged, the pixels stay sharp.
     let smooth = raster.size[0] as f64 > plot.size[0] || raster.size[1] as f64 > plot.size[1];
     svg.image(plot.at, plot.size, &raster.png()?, smooth);
     Ok(())
@@ -188,7 +188,7 @@ fn hemisphere(svg: &mut Svg, panel: &Panel, plot: Area) {
     }
 }
 
-/// A length in the lower left corner: within a box, beside the rim of a hemisphere.
+/// Draws the scale bar in the lower left corner.
 fn scale_bar(svg: &mut Svg, panel: &Panel, plot: Area) {
     let Some((length, label)) = &panel.scale_bar else { return };
     let long = length / (panel.x.high - panel.x.low).abs() * plot.size[0];

@@ -20,7 +20,7 @@ const THINNEST: f64 = 1e-6;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Vertex {
-    /// Position in model space; which axis is up is the model's own affair.
+    /// Position in model space; any axis may be up.
     pub position: [f32; 3],
     /// Unit normal N.
     pub normal: [f32; 3],
@@ -82,7 +82,7 @@ impl Mesh {
         })))
     }
 
-    /// A mesh whose frames are known already. The caller vouches for what [`Mesh`] promises.
+    /// A mesh with known frames. The caller guarantees the invariants of [`Mesh`].
     pub(super) fn from_parts(vertices: Vec<Vertex>, indices: Vec<u32>) -> Self {
         Self { vertices, indices }
     }
@@ -123,7 +123,7 @@ impl Mesh {
     }
 }
 
-/// Refuses coordinates that cannot be computed with.
+/// Rejects coordinates that are not finite or too large.
 fn check(corner: &Corner) -> Result<()> {
     let sane = |values: &[f32]| values.iter().all(|v| v.abs() <= MAX_COORDINATE);
     let wrong = |what: &str, values: &[f32]| {
@@ -151,7 +151,7 @@ fn has_area(triangle: &[Corner; 3]) -> bool {
     (b - a).cross(c - a).length() > THINNEST * longest
 }
 
-/// Shares equal vertices.
+/// Merges equal vertices.
 fn weld(corners: impl Iterator<Item = Vertex>) -> Mesh {
     let mut known: HashMap<[u32; 12], u32> = HashMap::new();
     let mut mesh = Mesh { vertices: Vec::new(), indices: Vec::new() };

@@ -1,4 +1,4 @@
-//! What is looked at: meshes with tangent frames, camera, lights, the scene file.
+//! The scene: meshes with tangent frames, camera, lights, scene files.
 
 pub mod camera;
 pub mod corner;

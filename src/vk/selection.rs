@@ -1,4 +1,4 @@
-//! Which of the machine's Vulkan devices to use, and why.
+//! Chooses one of the Vulkan devices of the machine.
 
 use super::failure;
 use super::instance::{API_VERSION, INSTALL, Instance};
@@ -6,14 +6,14 @@ use super::mask::Mask;
 use crate::error::{Error, Result};
 use ash::vk;
 
-/// A Vulkan device of this machine, as far as choosing needs it.
+/// What choosing needs to know about a Vulkan device.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// The handle.
     pub raw: vk::PhysicalDevice,
-    /// The name that the driver gives.
+    /// Name given by the driver.
     pub name: String,
-    /// Driver and its version, as the driver says it.
+    /// Name and version of the driver.
     pub driver: String,
     /// Discrete, integrated, virtual, CPU.
     pub kind: vk::PhysicalDeviceType,
@@ -29,26 +29,26 @@ pub struct Candidate {
     pub max_layers: u32,
     /// Nanoseconds of one tick of its clock.
     pub timestamp_period: f64,
-    /// What is missing, if anything.
+    /// Required capabilities that are missing.
     pub missing: Vec<&'static str>,
 }
 
-/// How the user names a device.
+/// How a device is chosen.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum DeviceChoice {
     /// The fastest usable one.
     #[default]
     Any,
-    /// A software one.
+    /// A software device.
     Cpu,
-    /// By its number in the list.
+    /// The device with this number in the list.
     Index(usize),
-    /// By a part of its name.
+    /// The first device whose name contains this.
     Name(String),
 }
 
 impl DeviceChoice {
-    /// `cpu`, a number, or a part of a name.
+    /// Parses `cpu`, a number, or part of a name.
     pub fn parse(text: &str) -> Result<Self> {
         match text.trim() {
             "" => Err(Error::usage(
@@ -121,7 +121,7 @@ fn describe(instance: &Instance, raw: vk::PhysicalDevice) -> Candidate {
     }
 }
 
-/// What `device` lacks of what the renderer needs.
+/// The capabilities of the renderer that `device` lacks.
 fn missing(
     instance: &ash::Instance,
     mask: &Mask,
@@ -161,7 +161,7 @@ fn missing(
     missing
 }
 
-/// How much a kind of device promises; the reason that the choice gives.
+/// Preference of a kind of device, the smallest first, and its name.
 fn rank(kind: vk::PhysicalDeviceType) -> (u8, &'static str) {
     match kind {
         vk::PhysicalDeviceType::DISCRETE_GPU => (0, "a discrete GPU"),
@@ -172,15 +172,15 @@ fn rank(kind: vk::PhysicalDeviceType) -> (u8, &'static str) {
     }
 }
 
-/// What kind of device this is, in words.
+/// The kind of a device, in words.
 pub fn kind_name(kind: vk::PhysicalDeviceType) -> &'static str {
     rank(kind).1
 }
 
-/// The candidate that `wish` means, with the reason in words.
+/// The candidate of choice `wish`, and the reason in words.
 ///
 /// # Errors
-/// No device at all, none that fits the wish, or none that can do what is needed.
+/// No device, no matching one, or none with the required capabilities.
 pub fn choose(candidates: &[Candidate], wish: &DeviceChoice) -> Result<(usize, String)> {
     if candidates.is_empty() {
         return Err(Error::failed("Vulkan finds no device on this machine", INSTALL));

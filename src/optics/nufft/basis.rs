@@ -1,12 +1,12 @@
-//! Few functions of the height that carry e^{izh} to nine digits of what is scattered: its singular functions on the
-//! heights and the z at hand, as Chebyshev series that hold for every height in range.
+//! A low-rank expansion of e^{izh} with nine digits: its singular functions over the heights and the range of z, as Chebyshev
+//! series valid for every height in range.
 
 use crate::surface::HeightField;
 use nalgebra::DMatrix;
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// What may be left out, relative to the amplitude that is scattered at the same z.
+/// Truncation error, relative to the scattered amplitude at the same z.
 const ACCURACY: f64 = 2e-10;
 /// Bins of the histogram of heights over the range, at least; two for each radian of phase on top.
 const BINS: usize = 256;
@@ -74,7 +74,7 @@ impl HeightBasis {
         basis
     }
 
-    /// Number of functions.
+    /// Number of terms.
     pub fn terms(&self) -> usize {
         self.series.len()
     }

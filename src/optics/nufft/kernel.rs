@@ -3,9 +3,9 @@
 
 use std::f64::consts::PI;
 
-/// Bins that one value is read from along an axis.
+/// Width of the kernel in bins.
 pub const TAPS: usize = 10;
-/// Degree of the polynomials that stand for φ between two bins: the error is below 1e-11 of its peak.
+/// Degree of the polynomials that approximate φ between two bins with an error below 1e-11 of its peak.
 const DEGREE: usize = 14;
 
 /// φ for one shape parameter.

@@ -14,7 +14,7 @@ use rustfft::{Fft, FftPlanner};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Bins that a kernel reaches beyond the place that is asked for.
+/// Bins that the kernel reaches beyond a frequency.
 const GUARD: usize = TAPS / 2;
 
 /// The spectra of one surface under one window.
@@ -28,7 +28,7 @@ pub struct Spectra<'a> {
     texels: Vec<f64>,
     /// Numbers of a texel: two for each term, of which there is an even number.
     stride: usize,
-    /// Largest frequencies that the samples hold \[µm⁻¹\].
+    /// Band limit of the samples along x and y \[µm⁻¹\].
     band: [f64; 2],
 }
 
@@ -37,7 +37,7 @@ impl<'a> Spectra<'a> {
     /// up to `reach` \[µm⁻¹\].
     ///
     /// # Errors
-    /// Where memory does not suffice.
+    /// Too little memory.
     pub fn new(
         field: &HeightField,
         coherence: &Coherence,
