@@ -3,20 +3,20 @@
 // Integrates the spectrum for places of a colour table: for (u, v) and for -(u, v), at every node of w. The layers are read
 // once per wavelength and serve all nodes. Pair p of them is the polynomial T_p in k|w| (src/expansion/phase.rs), so that a
 // recurrence stands in for a table of coefficients: those of every node would cost more to read than the layers.
-#include "interface.glsl"
-#include "spectrum.glsl"
+#include "brdf.glsl"
+#include "spectra.glsl"
 #include "orders.glsl"
 
 layout(local_size_x = 64) in;
 
-layout(constant_id = 7) const int NODES = 8; // of w
-layout(constant_id = 8) const bool REPEATS = false; // layers of one period, wavelengths at the orders
+layout(constant_id = 0) const int NODES = 8; // of w
+layout(constant_id = 1) const bool REPEATS = false; // layers of one period, wavelengths at the orders
 
 // -(u, v) of the places to bake, with u <= 0.
-layout(set = 0, binding = 7, std430) readonly buffer Places { vec2 places[]; };
+layout(set = 0, binding = 0, std430) readonly buffer Places { vec2 places[]; };
 
 // XYZ at each place, [sign][node][channel][place].
-layout(set = 0, binding = 8, std430) writeonly buffer Sums { float sums[]; };
+layout(set = 0, binding = 1, std430) writeonly buffer Sums { float sums[]; };
 
 layout(push_constant) uniform Tile {
     uint first;       // of `places`
@@ -28,7 +28,6 @@ layout(push_constant) uniform Tile {
     Copies copies;    // where there are repeats
 } tile;
 
-const float PI = 3.14159265358979;
 const float LEAST_RANGE = 1e-3; // of w^2, as in table.glsl
 
 void main() {
@@ -67,7 +66,7 @@ void main() {
             weight = node.xyz;
         }
         vec2 frequency = toward * wavenumber;
-        if (any(greaterThan(abs(frequency), optics.band))) {
+        if (any(greaterThan(abs(frequency), source.band))) {
             break; // wavenumbers grow
         }
         Read read = read_at(frequency);

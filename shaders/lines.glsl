@@ -1,10 +1,39 @@
 // Colours from spectra on the lines of a grid: the nodes of the integral over the spectrum stand where the ray -(u, v)/lambda
 // crosses a line, so that a node is read from neighbours along that line. Its twin is src/precompute/lines.rs.
 
-layout(constant_id = 9) const bool LINES = false;       // whether there are any
-layout(constant_id = 10) const int GROUPED = 1;          // pairs of terms beside each other
-layout(constant_id = 11) const bool CUBIC_LINES = false; // cubic B-spline along a line, else linear
-layout(constant_id = 12) const bool PACKED = false;      // two pairs to a texel, one behind the last being 0
+const int OCTAVES = 20;  // of rays near the mirror direction, with finer lines each
+const float FINER = 4.0; // points of those lines to one of the others
+
+layout(set = 1, binding = 5, std140) uniform Lines {
+    vec2 across;                    // L across the lines of constant f_x and of constant f_y [um]: they stand at m/L
+    vec2 along;                     // L along them [um]
+    vec2 origin;                    // number of the point and of the line of f = 0
+    float from;                     // max(|u|, |v|) from which on lines are read
+    float unit;                     // intensities on lines over those of the plane
+    float first_column;             // wavenumber of the first column of the weights [1/um]
+    float columns_per_wavenumber;   // [um]
+    float first_row;                // log2 of the first row's distance of nodes [1/um]
+    float rows_per_octave;
+    float last_column;
+    float nearest;                  // max(|u|, |v|) that rays nearer to the mirror direction are taken for
+    vec4 near[OCTAVES];             // xy: number of the point and of the line of f = 0, for each octave of rays below `from`
+} lines_at;
+
+// Spectra on lines: layer (pair / GROUPED) Z_BANDS + band, those of constant f_y behind all of constant f_x; row by line,
+// column by point and, side by side, by pair of a group. RGBA as in `layers`.
+layout(set = 1, binding = 6) uniform sampler2DArray lines;
+
+// The same where numbers have 16 bits and an even number of pairs stands side by side: two pairs to a texel, half as many reads.
+layout(set = 1, binding = 7) uniform usampler2DArray packed_lines;
+
+// Weights of nodes that stand where a ray crosses lines: XYZ times the squared wavenumber, per distance of the nodes. W of the
+// first two texels of a row: the wavenumbers between which the eye sees enough [1/um].
+layout(set = 1, binding = 8) uniform sampler2D line_weights;
+
+layout(constant_id = 20) const bool LINES = false;       // whether there are any
+layout(constant_id = 21) const int GROUPED = 1;          // pairs of terms beside each other
+layout(constant_id = 22) const bool CUBIC_LINES = false; // cubic B-spline along a line, else linear
+layout(constant_id = 23) const bool PACKED = false;      // two pairs to a texel, one behind the last being 0
 
 // Two pairs of terms.
 struct TwoPairs {
@@ -114,10 +143,10 @@ vec2 sum_at(Node node, float z, Coefficients c) {
 }
 
 // XYZ of q^2 |P|^2, summed over the lines that a ray crosses up to the wavenumber `largest`; nothing where that is 0.
-vec3 sum_over_lines(Pair pair, float largest) {
-    bool second = abs(pair.toward.y) > abs(pair.toward.x);
-    vec2 ray = second ? pair.toward.yx : pair.toward; // across the lines, along them
-    float conjugate = pair.conjugate;
+vec3 sum_over_lines(Ray toward, float largest) {
+    bool second = abs(toward.toward.y) > abs(toward.toward.x);
+    vec2 ray = second ? toward.toward.yx : toward.toward; // across the lines, along them
+    float conjugate = toward.conjugate;
     if (HALF_PLANE && ray.x < 0.0) {
         ray = -ray;
         conjugate = -conjugate;
@@ -140,7 +169,7 @@ vec3 sum_over_lines(Pair pair, float largest) {
     float points_per_line = ray.y * step * (far ? 1.0 : FINER) * (second ? lines_at.along.y : lines_at.along.x);
     int side = ray.x < 0.0 ? -1 : 1;
     int behind = second ? (PAIRS + GROUPED - 1) / GROUPED * Z_BANDS : 0;
-    float bands_per_line = 2.0 * PI * pair.w * optics.bands_per_z * step;
+    float bands_per_line = 2.0 * PI * toward.w * source.bands_per_z * step;
     float column_per_line = step * lines_at.columns_per_wavenumber;
     float first_column = -lines_at.first_column * lines_at.columns_per_wavenumber;
     vec3 xyz = vec3(0.0);
@@ -160,7 +189,7 @@ vec3 sum_over_lines(Pair pair, float largest) {
         node.layer = behind;
         node.band = min(int(place), Z_BANDS - 1);
         Coefficients c = coefficients_from(min(place - float(node.band), 1.0), conjugate);
-        vec2 p = sum_at(node, place / optics.bands_per_z, c);
+        vec2 p = sum_at(node, place / source.bands_per_z, c);
         float weight = clamp(number * column_per_line + first_column, 0.0, lines_at.last_column);
         xyz += texelFetch(line_weights, ivec2(int(weight), row), 0).xyz * dot(p, p);
         ++line;

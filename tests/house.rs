@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// What each module at the top of `src/` may import: the table of floors in `docs/ARCHITECTURE.md`.
-const FLOORS: [(&str, &[&str]); 17] = [
+const FLOORS: [(&str, &[&str]); 21] = [
     ("error", &[]),
     ("units", &["error"]),
     ("input", &["error"]),
@@ -18,10 +18,16 @@ const FLOORS: [(&str, &[&str]); 17] = [
     ("optics", &["surface", "error", "input", "memory", "output", "random", "units"]),
     ("scene", &["optics", "surface", "error", "input", "memory", "output", "random", "units"]),
     ("precompute", &["expansion", "surface", "error", "input", "memory", "output", "random", "units"]),
+    ("spectra", &["precompute", "optics", "surface", "error", "memory"]),
+    ("brdf", &["spectra", "optics", "surface", "error", "memory"]),
+    ("table", &["spectra", "brdf", "optics", "error", "memory"]),
     (
         "render",
         &[
             "vk",
+            "table",
+            "brdf",
+            "spectra",
             "precompute",
             "expansion",
             "scene",
@@ -36,8 +42,13 @@ const FLOORS: [(&str, &[&str]); 17] = [
     ),
     ("measure", &["render", "precompute", "optics", "error", "input", "memory", "output", "random", "units"]),
     (
+        "setup",
+        &["measure", "render", "vk", "table", "spectra", "brdf", "precompute", "optics", "surface", "error"],
+    ),
+    (
         "viewer",
         &[
+            "setup",
             "measure",
             "render",
             "vk",
@@ -58,10 +69,14 @@ const FLOORS: [(&str, &[&str]); 17] = [
         "cli",
         &[
             "viewer",
+            "setup",
             "measure",
             "figure",
             "render",
             "vk",
+            "table",
+            "spectra",
+            "brdf",
             "precompute",
             "expansion",
             "scene",

@@ -1,11 +1,11 @@
 //! Autotuning: the most accurate setting that keeps a frame rate, found by timing each candidate.
 
 use super::benchmark::{BenchmarkOptions, BenchmarkScene};
-use super::options::Method;
 use super::say;
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::measure::profile::measure;
+use crate::setup::Method;
 
 /// The candidates without --tolerance, the most accurate first. Tables of smaller tolerances do not fit usual devices.
 const CANDIDATES: [(Method, f64); 6] = [

@@ -1,25 +1,23 @@
 //! The benchmark scene that `profile` and `trade` measure: a frame on a device, and the f64 reference of the same directions.
 
 use super::options::{
-    ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions, lights_of, real,
+    ColourOptions, DeviceOptions, FilterOptions, OpticsOptions, SurfaceOptions, lights_of, real,
 };
 use super::prepare;
-use super::spectral::Spectral;
 use crate::error::{Error, Result};
-use crate::expansion::Basis;
 use crate::measure::budget::ErrorBudget;
-use crate::measure::cost::Cost;
 use crate::measure::error::{self, PixelErrors};
 use crate::measure::profile::measure;
 use crate::measure::trade::Measurement;
-use crate::render::color_table::Filter;
 use crate::render::frame::View;
 use crate::render::picture::{Directions, Painter, Picture};
 use crate::render::pigment::Pigment;
 use crate::render::reference_picture::{covered, displayed, reference_pixels};
-use crate::render::resources::Optics;
 use crate::render::shading::Shading;
+use crate::render::source::cost::Cost;
+use crate::render::source::{Source, Summary};
 use crate::scene::{Light, Scene};
+use crate::setup::{Method, Settings};
 use crate::surface::HeightField;
 use crate::units;
 use crate::vk::device::Device;
@@ -75,9 +73,11 @@ pub struct Benchmark {
     /// What it is shaded with.
     pub shading: Shading,
     /// What it is shaded from.
-    pub setting: Setting,
+    pub summary: Summary,
     /// Samples and wavelengths of the frame.
     pub cost: Cost,
+    /// Where its error comes from.
+    pub budget: ErrorBudget,
     /// The directions of each pixel, one entry per light.
     pub directions: Vec<Directions>,
 }
@@ -139,17 +139,6 @@ impl References {
     }
 }
 
-/// What a setting is shaded from.
-pub struct Setting {
-    pub method: &'static str,
-    pub terms: usize,
-    pub layers: usize,
-    pub kernel: String,
-    /// The expansion of the layers, or the one that the table was baked from.
-    pub basis: Basis,
-    pub budget: ErrorBudget,
-}
-
 impl BenchmarkScene {
     /// Opens scene, surface and device of `options`.
     ///
@@ -177,70 +166,32 @@ impl BenchmarkScene {
     pub fn prepare(&self, options: &BenchmarkOptions) -> Result<Benchmark> {
         check_method(options)?;
         let shading = options.optics.for_pictures(&options.colour)?;
-        if options.optics.method() == Method::Table {
-            self.prepare_table(shading, options.filter.filter)
-        } else {
-            self.prepare_spectral(shading)
-        }
+        let filter = options.filter.filter;
+        let settings = Settings { filter, ..Settings::new(options.optics.method(), shading.clone()) };
+        let source = prepare::source(&self.field, &settings, &self.device)?;
+        let (painter, directions) = self.painter(&source, &shading)?;
+        Ok(Benchmark {
+            painter,
+            summary: source.summary(&shading),
+            cost: source.cost(&shading, &directions, self.size),
+            budget: ErrorBudget::of(&source, &shading),
+            shading,
+            directions,
+        })
     }
 
-    fn prepare_table(&self, shading: Shading, filter: Filter) -> Result<Benchmark> {
-        let table = prepare::color_table(&self.field, &shading, &self.device)?;
-        let mut painter = self.painter(Optics::Table(&table, filter), &shading)?;
-        let directions = self.directions(&mut painter)?;
-        let cost = Cost::of_table(&table.grid, filter, &directions, self.size);
-        let kernel = match filter {
-            Filter::Pixel => "trilinear, over pixels",
-            Filter::Point => "bilinear, at points",
-        };
-        let setting = Setting {
-            method: "table",
-            basis: Basis::Phase,
-            terms: table.grid.values(),
-            layers: table.grid.layers(),
-            kernel: kernel.to_owned(),
-            budget: ErrorBudget::of_table(&shading),
-        };
-        Ok(Benchmark { painter, shading, setting, cost, directions })
-    }
-
-    fn prepare_spectral(&self, shading: Shading) -> Result<Benchmark> {
-        let spectral = Spectral::prepare(&self.field, &shading, &self.device)?;
-        let layers = &spectral.layers;
-        let mut painter = self.painter(spectral.optics(), &shading)?;
-        let directions = self.directions(&mut painter)?;
-        spectral.check(&directions)?;
-        let cost = spectral.cost(&painter, &directions);
-        let kernel = match &layers.lines {
-            Some(lines) => format!("{} along lines", lines.kernel.name()),
-            None => format!("{} kernel", layers.interpolation.name()),
-        };
-        let setting = Setting {
-            method: "spectral",
-            basis: shading.basis,
-            terms: layers.terms,
-            layers: layers.pairs(),
-            kernel,
-            budget: ErrorBudget::of_layers(layers, &shading),
-        };
-        Ok(Benchmark { painter, shading, setting, cost, directions })
-    }
-
-    /// A painter of this frame.
+    /// A painter of this frame from `source`, and the directions of each pixel, one entry per light.
     ///
     /// # Errors
-    /// When it does not fit on the device.
-    pub fn painter(&self, optics: Optics<'_>, shading: &Shading) -> Result<Painter> {
+    /// When it does not fit on the device, or `source` cannot shade these directions.
+    pub fn painter(&self, source: &Source, shading: &Shading) -> Result<(Painter, Vec<Directions>)> {
         let (mesh, lights) = (&self.scene.mesh, self.view.lights.len());
-        Painter::new(&self.device, optics, shading, mesh, &Pigment::white(), self.size, lights)
-    }
-
-    /// The directions of each pixel, one entry per light.
-    ///
-    /// # Errors
-    /// When the device is lost.
-    pub fn directions(&self, painter: &mut Painter) -> Result<Vec<Directions>> {
-        (0..self.view.lights.len()).map(|light| painter.directions(&self.view, light)).collect()
+        let mut painter =
+            Painter::new(&self.device, source, shading, mesh, &Pigment::white(), self.size, lights)?;
+        let directions =
+            (0..lights).map(|light| painter.directions(&self.view, light)).collect::<Result<Vec<_>>>()?;
+        source.check(shading, &directions)?;
+        Ok((painter, directions))
     }
 
     /// Draws the picture of `painter`.

@@ -1,8 +1,9 @@
 //! Settings as text for the captions of figures.
 
-use super::options::{Method, OpticsOptions};
+use super::options::OpticsOptions;
 use crate::optics::coherence::Coherence;
 use crate::scene::Light;
+use crate::setup::Method;
 use crate::surface::HeightField;
 
 /// The coherence.

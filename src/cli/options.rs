@@ -7,9 +7,11 @@ use crate::optics::spectrum::Illuminant;
 use crate::render::color_table::Filter;
 use crate::render::shading::Shading;
 use crate::scene::{Camera, Light, MAX_LIGHTS, Scene};
+use crate::setup::Method;
 use crate::surface::{HeightField, Level, Source};
 use crate::units;
 use crate::vk::selection::DeviceChoice;
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 
@@ -29,16 +31,19 @@ const MAX_SAMPLED: usize = 1 << 28;
 const MAX_REPEATS: u32 = 10_000;
 const MAX_WINDOWS: u32 = 64;
 
-/// How the optics is computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Method {
-    /// Vulkan: sums wavelengths over precomputed spectra
-    #[default]
-    Spectral,
-    /// Vulkan: reads a colour table that the spectrum was summed into once
-    Table,
-    /// The direct sum in 64-bit floats, on the CPU
-    Reference,
+impl ValueEnum for Method {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::Spectral, Self::Table, Self::Reference]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self {
+            Self::Spectral => "Vulkan: sums wavelengths over precomputed spectra",
+            Self::Table => "Vulkan: reads a colour table that the spectrum was summed into once",
+            Self::Reference => "The direct sum in 64-bit floats, on the CPU",
+        };
+        Some(PossibleValue::new(self.name()).help(help))
+    }
 }
 
 /// The height field.
@@ -57,7 +62,7 @@ pub struct SurfaceOptions {
     /// What to subtract from the heights: none, mean or plane
     #[arg(long, value_name = "LEVEL", value_parser = level, default_value = "none")]
     pub level: Level,
-    /// Which one of the many skins of one kind
+    /// Which one of the many skins of one kind, and where in a pixel `--samples` look
     #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1")]
     pub seed: u64,
 }

@@ -23,7 +23,7 @@ use std::path::Path;
 pub struct Reader {
     /// What it reads; the name of its fuzz target and of its folder in `tests/regressions`.
     pub name: &'static str,
-    /// Reads all of the bytes. Panics only where a reader let something through that it must not.
+    /// Method all of the bytes. Panics only where a reader let something through that it must not.
     pub read: fn(&[u8]) -> Result<()>,
 }
 

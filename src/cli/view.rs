@@ -1,13 +1,13 @@
 //! `diffract view`: a scene in a window.
 
 use super::options::{
-    ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions, real,
+    ColourOptions, DeviceOptions, FilterOptions, OpticsOptions, SurfaceOptions, ViewOptions, real,
 };
 use super::{check_validation, validation};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
-use crate::render::resources::Reads;
 use crate::scene::Scene;
+use crate::setup::Method;
 use crate::surface::synth::Kind;
 use crate::units;
 use crate::viewer::{self, Start};
@@ -68,21 +68,18 @@ fn fps(text: &str) -> Result<f64> {
 
 /// Opens the window.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let method = match arguments.optics.method() {
-        Method::Spectral => Reads::Layers,
-        Method::Table => Reads::Table,
-        Method::Reference => {
-            return Err(Error::usage(
-                "--method reference is too slow for a window",
-                "use --method spectral or --method table; E in the window measures the error against the reference",
-            ));
-        }
-    };
+    let method = arguments.optics.method();
+    if method == Method::Reference {
+        return Err(Error::usage(
+            "--method reference is too slow for a window",
+            "use --method spectral or --method table; E in the window measures the error against the reference",
+        ));
+    }
     let shading = arguments.optics.for_pictures(&arguments.colour)?;
     if matches!(shading.coherence, Coherence::Repeats(_)) {
         shading.check_wavelengths()?;
     }
-    if shading.windows != [1, 1] && method == Reads::Layers {
+    if shading.windows != [1, 1] && method == Method::Spectral {
         return Err(Error::usage(
             "pictures by --method spectral do one window only",
             "leave --windows away, or use --method table",

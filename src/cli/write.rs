@@ -10,9 +10,9 @@ use std::path::Path;
 /// A picture file's format, by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// 8-bit sRGB, as displayed.
+    /// 8-bit sRGB, as displayed over the background; alpha is the coverage.
     Png,
-    /// Linear radiance, signed 32-bit float RGBA, before exposure.
+    /// Linear radiance, signed 32-bit float RGBA, before exposure; alpha is the coverage, and colours are premultiplied by it.
     Exr,
 }
 
@@ -35,15 +35,12 @@ pub fn picture(path: &Path, format: PictureFormat, picture: &Picture) -> Result<
     let [width, height] = picture.size;
     output::write_atomically(path, |file| {
         let encoded = match format {
-            PictureFormat::Png => {
-                let rgb: Vec<u8> = picture.display.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
-                image::codecs::png::PngEncoder::new(&mut *file).write_image(
-                    &rgb,
-                    width,
-                    height,
-                    ExtendedColorType::Rgb8,
-                )
-            }
+            PictureFormat::Png => image::codecs::png::PngEncoder::new(&mut *file).write_image(
+                &codes(picture),
+                width,
+                height,
+                ExtendedColorType::Rgba8,
+            ),
             PictureFormat::Exr => image::codecs::openexr::OpenExrEncoder::new(&mut *file).write_image(
                 bytemuck::cast_slice(&picture.radiance),
                 width,
@@ -57,6 +54,13 @@ pub fn picture(path: &Path, format: PictureFormat, picture: &Picture) -> Result<
             Ok(()) => output::write_failed(path, &std::io::Error::other(e)),
         })
     })
+}
+
+/// RGBA of a PNG: what is displayed, over the background, and in alpha how much of each pixel the mesh covers. A program that drops alpha
+/// shows the whole picture with smooth edges.
+fn codes(picture: &Picture) -> Vec<u8> {
+    let pixels = picture.display.iter().zip(&picture.radiance);
+    pixels.flat_map(|(&[r, g, b, _], radiance)| [r, g, b, (radiance[3] * 255.0).round() as u8]).collect()
 }
 
 /// Writes a result to stdout. A closed pipe is not an error: the reader has what it wanted.

@@ -3,6 +3,7 @@
 use crate::precompute::Layers;
 use crate::render::color_table::{bake::COMB_SHARE, grid::GRID_SHARE, nodes::NODE_SHARE};
 use crate::render::shading::Shading;
+use crate::render::source::{Grating, Source, Window};
 use serde::Serialize;
 
 /// One contribution to the error.
@@ -26,6 +27,17 @@ pub struct ErrorBudget {
 }
 
 impl ErrorBudget {
+    /// The budget of what is shaded from `source` with `shading`; empty for a baseline.
+    pub fn of(source: &Source, shading: &Shading) -> Self {
+        match source {
+            Source::Window(Window { layers }) | Source::Grating(Grating { layers, .. }) => {
+                Self::of_layers(layers, shading)
+            }
+            Source::Table(_) => Self::of_table(shading),
+            Source::Thesis(_) | Source::ClassicalGrating(_) => Self::default(),
+        }
+    }
+
     /// The budget of `layers` for `shading`.
     pub fn of_layers(layers: &Layers, shading: &Shading) -> Self {
         let known_by_rule = "from the quadrature rule";

@@ -6,7 +6,7 @@
 //! copies remain as the error.
 
 /// How the shader reads between texels along one axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Kernel {
     /// The hardware's own linear interpolation; transform sinc².
     Linear,

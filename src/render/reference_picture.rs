@@ -2,6 +2,7 @@
 
 use super::frame::View;
 use super::picture::Directions;
+use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
 use crate::error::Result;
 use crate::optics::brdf::schlick;
@@ -10,7 +11,7 @@ use crate::optics::geometry::Pair;
 use crate::optics::nufft::{self, Progress};
 use crate::optics::reference::Reference;
 use crate::surface::HeightField;
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 use std::f64::consts::PI;
 
 /// Shades `directions` (one entry per light of `view`) in f64. RGBA as [`super::picture::Picture::radiance`]. A pigment
@@ -73,17 +74,50 @@ pub fn covered(directions: &[Directions]) -> Vec<usize> {
     (0..pixels).filter(|&i| directions.iter().any(|seen| seen.view[i][3] != 0.0)).collect()
 }
 
-/// What a display shows of `radiance`, by the f64 twin of the display pass.
+/// What a display shows of `radiance`, whose colours are premultiplied by their alpha, by the f64 twin of the display pass.
 pub fn displayed(radiance: &[[f32; 4]], exposure: f64, background: DVec3) -> Vec<[u8; 4]> {
-    let shown = |&[r, g, b, a]: &[f32; 4]| {
-        let [r, g, b] = if a > 0.0 {
-            color::display(DVec3::new(r.into(), g.into(), b.into()), exposure)
+    let shown = |pixel: &[f32; 4]| {
+        let [r, g, b, coverage] = pixel.map(f64::from);
+        let [r, g, b] = if coverage > 0.0 {
+            color::display_over(DVec3::new(r, g, b) / coverage, exposure, coverage, background)
         } else {
             color::display(background, 0.0)
         };
         [r, g, b, 255]
     };
     radiance.iter().map(shown).collect()
+}
+
+/// The mean of `sampling`'s samples, each shaded in f64, for the pixels that are `chosen` by their number; the others stay empty.
+/// `directions` gives those of a sample, one entry per light of `view`. RGBA as [`super::picture::Picture::radiance`]. Each sample shows what
+/// is seen in one direction: the part of the pixel filter that is the samples' footprint is not averaged over.
+///
+/// # Errors
+/// As [`nufft::cosine_weighted_xyz`], and what `directions` returns.
+pub fn reference_mean(
+    field: &HeightField,
+    shading: &Shading,
+    view: &View,
+    sampling: &Sampling,
+    directions: &mut dyn FnMut(&Sample) -> Result<Vec<Directions>>,
+    chosen: &dyn Fn(usize) -> bool,
+    progress: Progress<'_>,
+) -> Result<Vec<[f32; 4]>> {
+    let count = sampling.count.max(1);
+    let mut sum: Vec<DVec4> = Vec::new();
+    for index in 0..count {
+        let seen = directions(&sampling.sample(index))?;
+        sum.resize(seen.first().map_or(0, |seen| seen.view.len()), DVec4::ZERO);
+        let mut pixels = covered(&seen);
+        pixels.retain(|&pixel| chosen(pixel));
+        let colors = reference_pixels(field, shading, view, &seen, &pixels, &|done, of| {
+            progress(index as usize * of + done, count as usize * of)
+        })?;
+        for (pixel, color) in pixels.into_iter().zip(colors) {
+            sum[pixel] += color.extend(1.0);
+        }
+    }
+    Ok(sum.into_iter().map(|pixel| (pixel / f64::from(count)).as_vec4().to_array()).collect())
 }
 
 /// A direction of the frame, in f64 and of unit length to its last bit.

@@ -1,12 +1,14 @@
 //! The small tables that the shaders read beside the layers, computed in f64.
 
-use super::interface::UV_BINS;
 use super::shading::Shading;
 use crate::optics::orders::Colours;
 use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
 use crate::optics::sliding::Sliding;
 use crate::optics::spectrum::Illuminant;
 use crate::precompute::Layers;
+
+/// Bins of |(u, v)| over 0 … 2 for which a wavelength comb is chosen; `UV_BINS` of `shaders/source_window.glsl`.
+pub const UV_BINS: usize = 256;
 
 /// A table of four floats an entry, row by row: a texture.
 #[derive(Clone, Debug)]

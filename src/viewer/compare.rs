@@ -3,7 +3,7 @@
 use super::settings::OpticsSettings;
 use crate::expansion::Basis;
 use crate::render::color_table::Filter;
-use crate::render::resources::Reads;
+use crate::setup::Method;
 
 /// How the picture is compared with another setting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,7 +57,7 @@ fn loose(own: &OpticsSettings) -> f64 {
 
 fn optimal(tolerance: f64) -> OpticsSettings {
     OpticsSettings {
-        method: Reads::Layers,
+        method: Method::Spectral,
         filter: Filter::Point,
         windows: [1, 1],
         basis: Basis::Optimal,

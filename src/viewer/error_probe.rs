@@ -37,7 +37,10 @@ pub fn thinned(directions: &[Directions], pixels: usize) -> Vec<Directions> {
     // With an odd stride the samples of a picture of even width are not confined to a few columns.
     let stride = (pixels / COUNTED).max(1) | 1;
     let some = |all: &[[f32; 4]]| all.iter().step_by(stride).copied().collect();
-    directions.iter().map(|d| Directions { light: some(&d.light), view: some(&d.view) }).collect()
+    directions
+        .iter()
+        .map(|d| Directions { light: some(&d.light), view: some(&d.view), ..Directions::default() })
+        .collect()
 }
 
 /// Random covered pixels of the picture of `view` that `painter` drew last.
@@ -56,7 +59,7 @@ pub fn samples(painter: &mut Painter, view: &View) -> Result<ProbeSamples> {
             .collect(),
         directions: directions
             .iter()
-            .map(|d| Directions { light: some(&d.light), view: some(&d.view) })
+            .map(|d| Directions { light: some(&d.light), view: some(&d.view), ..Directions::default() })
             .collect(),
     })
 }

@@ -8,7 +8,7 @@ use super::quality::Quality;
 use super::settings::OpticsSettings;
 use super::style;
 use crate::render::difference;
-use crate::render::resources::Reads;
+use crate::setup::Method;
 use egui::{Align2, Color32, FontId, Grid, Mesh, Painter, Rect, RichText, Stroke, Ui, pos2, vec2};
 
 /// Distance to the edge [points].
@@ -75,11 +75,11 @@ fn state(painter: &Painter, rect: Rect, model: &Model) {
 
 fn named(optics: &OpticsSettings) -> String {
     let by = match optics.method {
-        Reads::Layers => optics.basis.name(),
-        Reads::Table => "table",
+        Method::Spectral => optics.basis.name(),
+        Method::Table | Method::Reference => optics.method.name(),
     };
     let mut text = format!("{by}, {} %", (optics.tolerance * 1e6).round() / 1e4);
-    let terms = optics.terms.filter(|_| optics.method == Reads::Layers);
+    let terms = optics.terms.filter(|_| optics.method == Method::Spectral);
     for (number, name) in [(terms, "terms"), (optics.wavelengths, "wavelengths")] {
         if let Some(n) = number {
             text += &format!(", {n} {name}");

@@ -5,13 +5,13 @@ use super::error_probe::{self, Probe};
 use super::frame::{FrameRequest, LoadedScene, PictureCost, RenderedFrame};
 use super::inset::{self, Inset};
 use super::job_queue::{Job, JobQueue, RenderReply, Task};
-use super::prepared::{Made, Prepared};
+use super::prepared::Prepared;
 use super::quality::{Detail, Quality};
 use crate::error::{Error, Result};
-use crate::measure::cost::Cost;
 use crate::render::difference::DifferencePass;
 use crate::render::frame::View;
 use crate::render::picture::Painter;
+use crate::render::source::Source;
 use crate::vk::device::Device;
 use crate::vk::image::Image;
 use std::sync::Arc;
@@ -36,14 +36,15 @@ struct Displayed {
 impl Slot {
     /// Whether the textures of `prepared` and the scene of `request` are on the device already.
     fn serves(&self, prepared: &Prepared, request: &FrameRequest) -> bool {
-        Arc::ptr_eq(&self.loaded, &request.loaded) && self.prepared.made.shares_all_with(&prepared.made)
+        Arc::ptr_eq(&self.loaded, &request.loaded)
+            && self.prepared.shaded_from.shares_data_with(&prepared.shaded_from)
     }
 
     /// Shades with `prepared` from now on. The textures on the device stay; what depends on other settings is rebuilt.
-    fn take_over(&mut self, prepared: &Arc<Prepared>, lights: usize) -> Result<()> {
+    fn take_over(&mut self, prepared: &Arc<Prepared>) -> Result<()> {
         if self.prepared.number != prepared.number {
             self.displayed = None;
-            self.painter.shade_by(&prepared.made, &prepared.shading, lights)?;
+            self.painter.shade_by(&prepared.shaded_from, &prepared.shading)?;
             self.prepared = prepared.clone();
         }
         Ok(())
@@ -227,14 +228,13 @@ impl Renderer {
         let Some(slot) = &mut self.own else { return Ok(None) };
         let pixels = size[0] as usize * size[1] as usize;
         let directions = error_probe::directions(&mut slot.painter, &request.view)?;
-        let some = error_probe::thinned(&directions, pixels);
-        let cost = match &request.own.made {
-            Made::Layers(layers) => Cost::of(layers, slot.painter.combs(), &some),
-            Made::Repeats(layers, repeating) => Cost::of_repeats(layers, repeating, &some),
-            // Its mip level depends on the distance between neighbouring pixels, so it needs all of them.
-            Made::Table(table, filter) => Cost::of_table(&table.grid, *filter, &directions, size),
+        let Prepared { shaded_from, shading, .. } = &*request.own;
+        let counted = match shaded_from {
+            // The mip level of a table depends on the distance between neighbouring pixels, so it needs all of them.
+            Source::Table(_) => directions,
+            _ => error_probe::thinned(&directions, pixels),
         };
-        let counted = if matches!(request.own.made, Made::Table(..)) { &directions } else { &some };
+        let cost = shaded_from.cost(shading, &counted, size);
         let seen = counted.first().map_or(1, |d| d.view.len()).max(1);
         let cost = PictureCost {
             covered: cost.covered as f64 / seen as f64,
@@ -290,10 +290,9 @@ fn paint(
             return Ok(Some(FrameTime::default()));
         }
     }
-    if let Made::Repeats(_, repeating) = &prepared.made
-        && repeating.has_limits()
-    {
-        repeating.check(&error_probe::directions(&mut slot.painter, view)?)?;
+    if prepared.shaded_from.has_limits(&prepared.shading) {
+        let directions = error_probe::directions(&mut slot.painter, view)?;
+        prepared.shaded_from.check(&prepared.shading, &directions)?;
     }
     slot.displayed = None;
     let start = Instant::now();
@@ -316,13 +315,14 @@ fn serving<'a>(
     let ready = match slot.take().filter(|slot| slot.serves(prepared, request)) {
         Some(mut ready) => {
             ready.painter.resize(request.size, lights)?;
-            ready.take_over(prepared, lights)?;
+            ready.take_over(prepared)?;
             ready
         }
         None => {
             let LoadedScene { scene, pigment } = &*request.loaded;
-            let Prepared { made, shading, .. } = &**prepared;
-            let painter = Painter::new(device, made, shading, &scene.mesh, pigment, request.size, lights)?;
+            let Prepared { shaded_from, shading, .. } = &**prepared;
+            let painter =
+                Painter::new(device, shaded_from, shading, &scene.mesh, pigment, request.size, lights)?;
             let (prepared, loaded) = (prepared.clone(), request.loaded.clone());
             Slot { painter, prepared, loaded, displayed: None }
         }

@@ -5,9 +5,9 @@ use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
 use crate::render::color_table::Filter;
-use crate::render::resources::Reads;
 use crate::render::shading::{Purpose, Shading};
 use crate::scene::{Camera, Light, Scene};
+use crate::setup::Method;
 use crate::surface::{Level, Source};
 use glam::Vec3;
 
@@ -15,7 +15,7 @@ use glam::Vec3;
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpticsSettings {
     /// The method.
-    pub method: Reads,
+    pub method: Method,
     /// Whether a pixel of a colour table is a point sample or an average over the pixel.
     pub filter: Filter,
     /// Window positions along x and y that a colour table averages over.
@@ -100,9 +100,9 @@ impl ViewSettings {
             ior: self.ior,
             illuminant: Illuminant::from_name_or_file(&self.illuminant)?,
             tolerance: optics.tolerance,
-            windows: if optics.method == Reads::Table { optics.windows } else { [1, 1] },
+            windows: if optics.method == Method::Table { optics.windows } else { [1, 1] },
             basis: optics.basis,
-            terms: optics.terms.filter(|_| optics.method == Reads::Layers),
+            terms: optics.terms.filter(|_| optics.method == Method::Spectral),
             wavelengths: self.wavelengths(optics),
             purpose: Purpose::Picture,
             looser_colours: 1.0,
@@ -151,16 +151,18 @@ impl ViewSettings {
             option("seed", s.seed.to_string());
         }
         match self.optics.method {
-            Reads::Layers => option("basis", self.optics.basis.name().to_owned()),
-            Reads::Table => {
-                option("method", Reads::Table.method().to_owned());
+            Method::Spectral | Method::Reference => option("basis", self.optics.basis.name().to_owned()),
+            Method::Table => {
+                option("method", Method::Table.name().to_owned());
                 option("filter", self.optics.filter.name().to_owned());
                 let [n, m] = self.optics.windows;
                 option("windows", format!("{n}x{m}"));
             }
         }
+        // As the viewer draws, until it sums samples.
+        option("samples", "1".to_owned());
         option("tolerance", format!("{:e}", self.optics.tolerance));
-        if let Some(terms) = self.optics.terms.filter(|_| self.optics.method == Reads::Layers) {
+        if let Some(terms) = self.optics.terms.filter(|_| self.optics.method == Method::Spectral) {
             option("terms", terms.to_string());
         }
         if let Some(wavelengths) = self.wavelengths(&self.optics) {
@@ -220,7 +222,7 @@ mod tests {
             seed: 1,
         };
         let optics = OpticsSettings {
-            method: Reads::Layers,
+            method: Method::Spectral,
             filter: Filter::Point,
             windows: [1, 1],
             basis: Basis::Taylor,
@@ -270,7 +272,7 @@ mod tests {
         assert!(plain.ends_with("--size 64x48 -o a.png"), "{plain}");
         assert!(!plain.contains("--eye") && !plain.contains("--surface") && !plain.contains("--seed"));
         let by_table =
-            OpticsSettings { method: Reads::Table, terms: Some(9), windows: [2, 3], ..s.optics.clone() };
+            OpticsSettings { method: Method::Table, terms: Some(9), windows: [2, 3], ..s.optics.clone() };
         let table = ViewSettings { optics: by_table, ..s.clone() }.command(&scene, [64, 48], "a.png");
         let expected = "--method table --filter point --windows 2x3 --tolerance 1e-2";
         assert!(table.contains(expected) && !table.contains("--terms"), "{table}");

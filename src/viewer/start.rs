@@ -4,8 +4,8 @@ use super::settings::{OpticsSettings, ViewSettings};
 use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::render::color_table::Filter;
-use crate::render::resources::Reads;
 use crate::scene::Scene;
+use crate::setup::Method;
 use crate::surface::Source;
 use crate::vk::selection::DeviceChoice;
 use ash::vk;
@@ -25,7 +25,7 @@ pub struct Start {
     /// The height field.
     pub surface: Source,
     /// The method.
-    pub method: Reads,
+    pub method: Method,
     /// Whether a pixel of a colour table is a point sample or an average over the pixel.
     pub filter: Filter,
     /// Window centres that a colour table averages over.

@@ -16,10 +16,9 @@ use super::render_thread::RenderThread;
 use super::settings::ViewSettings;
 use super::start::{RENDER, Start};
 use super::text_dump::TextDump;
-use super::worker::{Bake, Worker};
+use super::worker::Worker;
 use super::{input, overlay, panel, style};
 use crate::error::{Error, Result};
-use crate::render::color_table;
 use crate::render::window::Place;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
@@ -331,13 +330,11 @@ impl ViewerWindow {
 impl Threads {
     /// Starts the render thread and the worker, which answer by events.
     fn start(device: &Arc<Device>, proxy: &EventLoopProxy<Event>) -> Result<Self> {
-        let baking = device.clone();
-        let bake: Bake = Box::new(move |field, shading, progress| {
-            color_table::obtain(&baking, field, shading, &|_, done, of| progress(done, of))
-        });
         // Events that are sent after the end of the event loop are dropped.
         let send = proxy.clone();
-        let worker = Worker::new(device.candidate(), bake, move |r| drop(send.send_event(Event::Worker(r))))?;
+        let worker = Worker::new(device.candidate(), Some(device.clone()), move |r| {
+            drop(send.send_event(Event::Worker(r)));
+        })?;
         let send = proxy.clone();
         let render = RenderThread::new(device, move |r| drop(send.send_event(Event::Render(r))))?;
         Ok(Self { probe: None, render, worker })

@@ -1,27 +1,16 @@
-//! The thread that prepares layers and colour tables. Requests of one role replace each other; the user's own goes first.
+//! The thread that prepares sources. Requests of one role replace each other; the user's own goes first.
 
-use super::prepared::{Made, Prepared, ROLES, Role};
+use super::prepared::{Prepared, ROLES, Role};
 use crate::error::{Error, Result};
-use crate::optics::spectrum::SHORTEST;
-use crate::precompute::{Layers, Settings, cache};
-use crate::render::color_table::{ColorTable, Filter};
-use crate::render::repeating::Repeating;
-use crate::render::resources::Reads;
-use crate::render::shading::Shading;
-use crate::surface::{HeightField, Source};
+use crate::setup::{self, InUse, Target};
+use crate::surface::{HeightField, Source as Surface};
+use crate::vk::device::Device;
 use crate::vk::selection::Candidate;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-/// Called with the steps done and in total; an error from it ends the work.
-pub type Progress<'a> = &'a dyn Fn(usize, usize) -> Result<()>;
-
-/// Bakes the colour table of a surface; the second result says why it could not be cached.
-pub type Bake =
-    Box<dyn Fn(&HeightField, &Shading, Progress<'_>) -> Result<(ColorTable, Option<Error>)> + Send>;
-
-/// A setting to prepare.
+/// What to prepare.
 #[derive(Clone)]
 pub struct Request {
     /// What it is for.
@@ -29,13 +18,9 @@ pub struct Request {
     /// A number larger than that of any request before.
     pub number: u64,
     /// The height field.
-    pub source: Source,
+    pub surface: Surface,
     /// The settings.
-    pub shading: Shading,
-    /// The method.
-    pub method: Reads,
-    /// How a colour table is read.
-    pub filter: Filter,
+    pub settings: setup::Settings,
 }
 
 /// What the worker reports.
@@ -99,14 +84,18 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// Starts a thread that prepares layers for `device`, bakes tables with `bake` and sends its replies to `reply`.
+    /// Starts a thread that prepares sources for a device of these `limits`, bakes tables on `device`, and sends its replies to `reply`.
     ///
     /// # Errors
     /// When the system refuses a thread.
-    pub fn new(device: &Candidate, bake: Bake, reply: impl Fn(WorkerReply) + Send + 'static) -> Result<Self> {
+    pub fn new(
+        limits: &Candidate,
+        device: Option<Arc<Device>>,
+        reply: impl Fn(WorkerReply) + Send + 'static,
+    ) -> Result<Self> {
         let queue = Arc::<RequestQueue>::default();
         let requests = queue.clone();
-        let mut preparer = Preparer { device: device.clone(), bake, recent: RecentResults::default() };
+        let mut preparer = Preparer { limits: limits.clone(), device, field: None, in_use: InUse::default() };
         let work = move || preparer.run(&requests, &reply);
         let thread = std::thread::Builder::new().name("layers".to_owned()).spawn(work).map_err(|e| {
             Error::failed(format!("the system refuses a thread ({e})"), "close other programs")
@@ -134,43 +123,20 @@ impl Drop for Worker {
     }
 }
 
-/// Layers with the surface and the settings that they were made from.
-struct RecentLayers {
-    field: Arc<HeightField>,
-    settings: Settings,
-    layers: Arc<Layers>,
-}
-
-/// A colour table with the surface and the settings that it was baked from.
-struct RecentTable {
-    field: Arc<HeightField>,
-    shading: Shading,
-    table: Arc<ColorTable>,
-}
-
-/// The last result of each role, for requests that share it.
-#[derive(Default)]
-struct RecentResults {
-    field: Option<(Source, Arc<HeightField>)>,
-    layers: [Option<RecentLayers>; ROLES],
-    tables: [Option<RecentTable>; ROLES],
-}
-
 /// What the worker thread owns.
 struct Preparer {
-    device: Candidate,
-    bake: Bake,
-    recent: RecentResults,
+    limits: Candidate,
+    device: Option<Arc<Device>>,
+    // The last height field, for requests that share it.
+    field: Option<(Surface, Arc<HeightField>)>,
+    in_use: InUse,
 }
-
-/// What is shaded from, with a note for the user if the cache could not keep it.
-type MadeWithNote = (Made, Option<String>);
 
 impl Preparer {
     fn run(&mut self, queue: &RequestQueue, reply: &dyn Fn(WorkerReply)) {
         while let Some(request) = queue.next() {
             let role = request.role;
-            let progress = |done: usize, of: usize| {
+            let progress = |_: &'static str, done: usize, of: usize| {
                 if queue.interrupts(role) {
                     return Err(Error::failed("a more urgent request waits", "wait for it"));
                 }
@@ -189,89 +155,34 @@ impl Preparer {
         }
     }
 
+    /// The source of `request`, with a note for the user if the cache could not keep it.
     fn prepare(
         &mut self,
         request: &Request,
-        progress: Progress<'_>,
+        progress: &setup::Progress<'_>,
     ) -> Result<(Arc<Prepared>, Option<String>)> {
-        let field = self.field(&request.source)?;
-        let (made, note) = match request.method {
-            Reads::Table => self.table(request, &field, progress)?,
-            Reads::Layers => self.layers(request, &field, progress)?,
-        };
-        let prepared = Prepared { number: request.number, field, made, shading: request.shading.clone() };
-        Ok((Arc::new(prepared), note))
+        let field = self.field(&request.surface)?;
+        let target = Target { limits: &self.limits, device: self.device.as_ref() };
+        let made = setup::source(&field, &request.settings, target, &mut self.in_use, progress)?;
+        let (shaded_from, shading) = (made.source, request.settings.shading.clone());
+        let prepared = Prepared { number: request.number, field, shaded_from, shading };
+        Ok((Arc::new(prepared), made.note))
     }
 
-    fn field(&mut self, source: &Source) -> Result<Arc<HeightField>> {
-        if let Some((_, field)) = self.recent.field.as_ref().filter(|(known, _)| known == source) {
+    fn field(&mut self, surface: &Surface) -> Result<Arc<HeightField>> {
+        if let Some((_, field)) = self.field.as_ref().filter(|(known, _)| known == surface) {
             return Ok(field.clone());
         }
-        let field = Arc::new(source.load()?);
-        self.recent.field = Some((source.clone(), field.clone()));
+        let field = Arc::new(surface.load()?);
+        self.field = Some((surface.clone(), field.clone()));
         Ok(field)
-    }
-
-    fn table(
-        &mut self,
-        request: &Request,
-        field: &Arc<HeightField>,
-        progress: Progress<'_>,
-    ) -> Result<MadeWithNote> {
-        // A table depends neither on the refractive index nor on the basis.
-        let (ior, basis) = (Shading::default().ior, Shading::default().basis);
-        let shading = Shading { ior, basis, ..request.shading.clone() };
-        let same = |known: &&RecentTable| Arc::ptr_eq(&known.field, field) && known.shading == shading;
-        let (table, note) = match self.recent.tables.iter().flatten().find(same) {
-            Some(known) => (known.table.clone(), None),
-            None => {
-                let (table, not_kept) = (self.bake)(field, &request.shading, progress)?;
-                let note = not_kept.map(|e| format!("the colour table could not be cached: {e}"));
-                (Arc::new(table), note)
-            }
-        };
-        let role = request.role as usize;
-        self.recent.layers[role] = None;
-        self.recent.tables[role] = Some(RecentTable { field: field.clone(), shading, table: table.clone() });
-        Ok((Made::Table(table, request.filter), note))
-    }
-
-    fn layers(
-        &mut self,
-        request: &Request,
-        field: &Arc<HeightField>,
-        progress: Progress<'_>,
-    ) -> Result<MadeWithNote> {
-        let shading = &request.shading;
-        let repeating = Repeating::of(field, shading);
-        let settings = match &repeating {
-            None => shading.layer_settings(SHORTEST, &self.device)?,
-            Some(_) => shading.windowed_settings(f64::INFINITY, SHORTEST, &self.device)?,
-        };
-        let same = |known: &&RecentLayers| Arc::ptr_eq(&known.field, field) && known.settings == settings;
-        let (layers, note) = match self.recent.layers.iter().flatten().find(same) {
-            Some(known) => (known.layers.clone(), None),
-            None => {
-                let (layers, not_kept) = cache::obtain(field, &settings, progress)?;
-                let note = not_kept.map(|e| format!("the spectra could not be cached: {e}"));
-                (Arc::new(layers), note)
-            }
-        };
-        let role = request.role as usize;
-        self.recent.tables[role] = None;
-        self.recent.layers[role] =
-            Some(RecentLayers { field: field.clone(), settings, layers: layers.clone() });
-        let made = match repeating {
-            None => Made::Layers(layers),
-            Some(repeating) => Made::Repeats(layers, Arc::new(repeating)),
-        };
-        Ok((made, note))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::shading::Shading;
     use crate::surface::Level;
     use crate::vk::instance::API_VERSION;
     use ash::vk;
@@ -295,16 +206,15 @@ mod tests {
 
     fn request(role: Role, number: u64, name: &str, tolerance: f64) -> Request {
         let level = Level::None;
-        let source = Source { name: name.to_owned(), pixel_size: None, height: None, level, seed: 1 };
+        let surface = Surface { name: name.to_owned(), pixel_size: None, height: None, level, seed: 1 };
         let shading = Shading { tolerance, ..Shading::default() };
-        Request { role, number, source, shading, method: Reads::Layers, filter: Filter::Point }
+        Request { role, number, surface, settings: setup::Settings::new(setup::Method::Spectral, shading) }
     }
 
     #[test]
     fn the_newest_request_wins_and_the_others_get_their_turn() {
         let (sender, reports) = mpsc::channel();
-        let bake: Bake = Box::new(|_, _, _| Err(Error::failed("no tables here", "ask for layers")));
-        let worker = Worker::new(&device(), bake, move |report| {
+        let worker = Worker::new(&device(), None, move |report| {
             if !matches!(report, WorkerReply::Progress { .. }) {
                 let _ = sender.send(report);
             }

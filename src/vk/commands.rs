@@ -246,10 +246,10 @@ impl Recorder<'_> {
         unsafe { self.device.cmd_copy_image_to_buffer(self.raw, from.raw(), layout, to.raw(), &regions) };
     }
 
-    /// Binds a pipeline and its resources.
-    pub fn bind(&self, pipeline: &Pipeline, descriptors: &Descriptors) {
-        let sets = [descriptors.set()];
-        // SAFETY: recording is open; the set was made for this pipeline's layout and all it points to is live.
+    /// Binds a pipeline and its descriptor sets, set 0 first.
+    pub fn bind(&self, pipeline: &Pipeline, sets: &[&Descriptors]) {
+        let sets: Vec<_> = sets.iter().map(|set| set.set()).collect();
+        // SAFETY: recording is open; the sets were made for this pipeline's layout and all they point to is live.
         unsafe {
             self.device.cmd_bind_pipeline(self.raw, pipeline.bind_point(), pipeline.raw());
             self.device.cmd_bind_descriptor_sets(
@@ -285,7 +285,7 @@ impl Recorder<'_> {
         depth: Option<&Image>,
         draw: impl FnOnce(&Self),
     ) {
-        self.rendering(colors, depth.map(|image| (image, vk::AttachmentLoadOp::CLEAR)), draw);
+        self.rendering(&cleared(colors), depth.map(|image| (image, vk::AttachmentLoadOp::CLEAR)), draw);
     }
 
     /// The same with a `depth` that was drawn before.
@@ -295,12 +295,18 @@ impl Recorder<'_> {
         depth: &Image,
         draw: impl FnOnce(&Self),
     ) {
-        self.rendering(colors, Some((depth, vk::AttachmentLoadOp::LOAD)), draw);
+        self.rendering(&cleared(colors), Some((depth, vk::AttachmentLoadOp::LOAD)), draw);
+    }
+
+    /// Draws into `color`, which keeps what is not drawn over, with a `depth` that was drawn before.
+    pub fn render_onto(&self, color: &Image, depth: &Image, draw: impl FnOnce(&Self)) {
+        let load = vk::AttachmentLoadOp::LOAD;
+        self.rendering(&[(color, load, [0.0; 4])], Some((depth, load)), draw);
     }
 
     fn rendering(
         &self,
-        colors: &[(&Image, Option<[f32; 4]>)],
+        colors: &[(&Image, vk::AttachmentLoadOp, [f32; 4])],
         depth: Option<(&Image, vk::AttachmentLoadOp)>,
         draw: impl FnOnce(&Self),
     ) {
@@ -315,9 +321,7 @@ impl Recorder<'_> {
         };
         let attachments: Vec<_> = colors
             .iter()
-            .map(|(image, clear)| {
-                let load = clear.map_or(vk::AttachmentLoadOp::DONT_CARE, |_| vk::AttachmentLoadOp::CLEAR);
-                let float32 = clear.unwrap_or_default();
+            .map(|&(image, load, float32)| {
                 let clear = vk::ClearValue { color: vk::ClearColorValue { float32 } };
                 attachment(image, Access::ColorAttachment, load, clear)
             })
@@ -366,6 +370,15 @@ impl Recorder<'_> {
         // SAFETY: rendering is open with a bound pipeline that takes no vertex buffer.
         unsafe { self.device.cmd_draw(self.raw, count, 1, 0, 0) };
     }
+}
+
+/// Colour attachments with what happens to them first: they are cleared where they come with a value, else they hold anything.
+fn cleared<'a>(colors: &[(&'a Image, Option<[f32; 4]>)]) -> Vec<(&'a Image, vk::AttachmentLoadOp, [f32; 4])> {
+    let load = |clear: &Option<[f32; 4]>| match clear {
+        Some(_) => vk::AttachmentLoadOp::CLEAR,
+        None => vk::AttachmentLoadOp::DONT_CARE,
+    };
+    colors.iter().map(|(image, clear)| (*image, load(clear), clear.unwrap_or_default())).collect()
 }
 
 /// Rows of one layer of an image, against tightly packed texels in a buffer.

@@ -33,6 +33,9 @@ pub struct Candidate {
     pub missing: Vec<&'static str>,
 }
 
+/// Images that a pass draws into at once, at the most. Devices of Vulkan 1.3 draw into 8 at least, but for a few of phones.
+pub const ATTACHMENTS: u32 = 8;
+
 /// How a device is chosen.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum DeviceChoice {
@@ -115,6 +118,7 @@ fn describe(instance: &Instance, raw: vk::PhysicalDevice) -> Candidate {
             mask,
             raw,
             p.api_version,
+            p.limits.max_color_attachments.min(p.limits.max_fragment_output_attachments),
             queue_family.filter(|&i| families[i as usize].timestamp_valid_bits > 0),
         ),
         driver: format!("{} {}", text(&driver.driver_name), text(&driver.driver_info)),
@@ -127,6 +131,7 @@ fn missing(
     mask: &Mask,
     device: vk::PhysicalDevice,
     version: u32,
+    attachments: u32,
     queue_family: Option<u32>,
 ) -> Vec<&'static str> {
     let mut missing = Vec::new();
@@ -142,8 +147,10 @@ fn missing(
         instance.get_physical_device_features2(device, &mut features);
         instance.get_physical_device_format_properties(device, vk::Format::R32G32B32A32_SFLOAT)
     };
-    let wanted =
-        vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR | vk::FormatFeatureFlags::COLOR_ATTACHMENT;
+    // Blending, because samples of a picture are summed that way.
+    let wanted = vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR
+        | vk::FormatFeatureFlags::COLOR_ATTACHMENT
+        | vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND;
     for (there, name) in [
         (queue_family.is_some(), "a queue with graphics, compute and timestamps"),
         (v13.dynamic_rendering == vk::TRUE, "dynamic rendering"),
@@ -151,8 +158,9 @@ fn missing(
         (v13.maintenance4 == vk::TRUE, "maintenance4"),
         (
             float.optimal_tiling_features.contains(wanted),
-            "linear filtering and drawing of 32-bit float images",
+            "linear filtering, drawing and blending of 32-bit float images",
         ),
+        (attachments >= ATTACHMENTS, "drawing into eight images at once"),
     ] {
         if !there || mask.hides(name) {
             missing.push(name);

@@ -5,11 +5,14 @@ use crate::measure::per_direction;
 use diffract::expansion::Basis;
 use diffract::optics::coherence::Coherence;
 use diffract::optics::geometry::{Pair, direction};
+use diffract::optics::orders::Repeats;
 use diffract::optics::reference::Reference;
 use diffract::precompute::{Layers, Settings, compute};
 use diffract::random::Random;
+use diffract::render::color_table::{ColorTable, Filter};
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::shading::Shading;
+use diffract::render::source::{Grating, Source, Table};
 use diffract::surface::HeightField;
 use diffract::surface::synth::{Kind, Spec, generate};
 use diffract::vk::device::Device;
@@ -51,6 +54,22 @@ pub fn shading(length: f64, tolerance: f64) -> Shading {
     Shading { coherence: Coherence::Gaussian { length }, tolerance, ..Shading::default() }
 }
 
+/// What is shaded from `layers` of a window.
+pub fn window(layers: &Layers) -> Source {
+    Source::window(layers.clone())
+}
+
+/// What is shaded from `layers` of one period of `field`, repeated.
+pub fn grating(layers: &Layers, copies: [u32; 2], field: &HeightField) -> Source {
+    let repeats = Repeats { copies, period: field.patch_size() };
+    Source::Grating(Grating { layers: Arc::new(layers.clone()), repeats })
+}
+
+/// What is shaded from `table`.
+pub fn tabled(table: &ColorTable, filter: Filter) -> Source {
+    Source::Table(Table { table: Arc::new(table.clone()), filter })
+}
+
 pub fn layers(field: &HeightField, shading: &Shading) -> Layers {
     let settings = Settings {
         sigma: shading.coherence.sigma().unwrap(),
@@ -68,7 +87,7 @@ pub fn layers(field: &HeightField, shading: &Shading) -> Layers {
 
 /// f cos θ_i of every query on the device.
 fn on_device(device: &Arc<Device>, field: &HeightField, shading: &Shading, queries: &[Query]) -> Vec<f64> {
-    let mut evaluator = Evaluator::new(device, &layers(field, shading), shading).unwrap();
+    let mut evaluator = Evaluator::new(device, &Source::window(layers(field, shading)), shading).unwrap();
     evaluator.cosine_weighted(queries).unwrap().iter().map(|v| v.x).collect()
 }
 
@@ -207,7 +226,8 @@ fn colours_of_single_directions_meet_the_tolerance() {
         for tolerance in [1e-1, 1e-2, 1e-3] {
             let shading = shading(24.0, tolerance);
             let reference = Reference::new(&field, shading.coherence, [1, 1], shading.ior);
-            let mut evaluator = Evaluator::new(device, &layers(&field, &shading), &shading).unwrap();
+            let mut evaluator =
+                Evaluator::new(device, &Source::window(layers(&field, &shading)), &shading).unwrap();
             let found = evaluator.cosine_weighted(&queries).unwrap();
             let relative: Vec<f64> = queries
                 .iter()

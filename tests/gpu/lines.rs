@@ -1,10 +1,9 @@
 //! Colours that are read along the lines of a grid, against the direct f64 sum.
 
 use crate::device::with_device;
-use crate::evaluation::{patch, shading};
+use crate::evaluation::{patch, shading, window};
 use crate::table::{by_reference, colours, errors};
 use diffract::expansion::Basis;
-use diffract::measure::cost::Cost;
 use diffract::optics::geometry::Pair;
 use diffract::optics::quadrature::Rule;
 use diffract::precompute::{Layers, Settings, compute};
@@ -12,7 +11,6 @@ use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::picture::Directions;
 use diffract::render::shading::Shading;
-use diffract::render::tables::Combs;
 use diffract::surface::HeightField;
 use diffract::surface::synth::Kind;
 use diffract::vk::device::Device;
@@ -38,7 +36,10 @@ fn meet_their_tolerance(kind: Kind, side: f64, length: f64, seed: u64, bases: &[
         for &(basis, tolerance) in bases {
             let shading = Shading { basis, ..shading(length, tolerance) }.for_pictures();
             let layers = layers(device, &field, &shading);
-            let found = Evaluator::new(device, &layers, &shading).unwrap().cosine_weighted(&queries).unwrap();
+            let found = Evaluator::new(device, &window(&layers), &shading)
+                .unwrap()
+                .cosine_weighted(&queries)
+                .unwrap();
             let [whole, median, p99] = errors(&found, &exact);
             eprintln!(
                 "{} by {}, {} terms in {} bands, {}-bit, at {tolerance:e}: {whole:.2e}, median {median:.2e}, p99 {p99:.2e}",
@@ -59,7 +60,8 @@ fn meet_their_tolerance(kind: Kind, side: f64, length: f64, seed: u64, bases: &[
             let higher =
                 HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights).unwrap();
             let other = self::layers(device, &higher, &shading);
-            let wrong = Evaluator::new(device, &other, &shading).unwrap().cosine_weighted(&queries).unwrap();
+            let wrong =
+                Evaluator::new(device, &window(&other), &shading).unwrap().cosine_weighted(&queries).unwrap();
             assert!(errors(&wrong, &exact)[1] > 2.0 * median.max(tolerance / 4.0));
         }
     });
@@ -92,7 +94,10 @@ fn colours_along_lines_meet_their_tolerance_where_samples_and_sides_are_not_squa
             let shading = Shading { terms, ..light.clone() }.for_pictures();
             let layers = layers(device, &field, &shading);
             assert_eq!(layers.half_plane, terms.is_some());
-            let found = Evaluator::new(device, &layers, &shading).unwrap().cosine_weighted(&queries).unwrap();
+            let found = Evaluator::new(device, &window(&layers), &shading)
+                .unwrap()
+                .cosine_weighted(&queries)
+                .unwrap();
             let [whole, median, p99] = errors(&found, &exact);
             eprintln!("terms {terms:?}: {whole:.2e}, median {median:.2e}, p99 {p99:.2e}");
             assert!(
@@ -129,7 +134,7 @@ fn rays_toward_the_mirror_direction_meet_the_tolerance_octave_by_octave() {
                 let shading = Shading { basis, terms, tolerance, ..light.clone() }.for_pictures();
                 let layers = layers(device, &field, &shading);
                 assert_eq!(layers.half_plane, terms.is_some());
-                let mut evaluator = Evaluator::new(device, &layers, &shading).unwrap();
+                let mut evaluator = Evaluator::new(device, &window(&layers), &shading).unwrap();
                 let found = evaluator.cosine_weighted(&queries).unwrap();
                 for (octave, (found, exact)) in found.chunks(EACH).zip(exact.chunks(EACH)).enumerate() {
                     let wrong: f64 = found.iter().zip(exact).map(|(f, e)| (*f - *e).length_squared()).sum();
@@ -151,11 +156,12 @@ fn nodes_on_lines_are_counted_as_the_rule_has_them() {
     let shading = Shading { basis: Basis::Optimal, ..shading(65.0, 1e-2) }.for_pictures();
     with_device(|device| {
         let layers = layers(device, &field, &shading);
-        let combs = Combs::of(&layers, &shading);
+        let source = window(&layers);
         let cost = |u: f32, v: f32| {
             let light = [u, v, (1.0 - u * u - v * v).sqrt(), 1.0];
-            let seen = Directions { light: vec![light], view: vec![[0.0, 0.0, 1.0, 1.0]] };
-            Cost::of(&layers, &combs, &[seen])
+            let seen =
+                Directions { light: vec![light], view: vec![[0.0, 0.0, 1.0, 1.0]], ..Directions::default() };
+            source.cost(&shading, &[seen], [1, 1])
         };
         // L is 2 sqrt(2 ln(1/(0.7 level))) sigma = 103 um, and the eye sees 1.2 per micron of wavenumbers; a node more at both ends.
         let along = cost(0.6, 0.1);
@@ -214,7 +220,8 @@ fn a_device_that_has_room_for_the_plane_but_not_for_lines_shades_without_them() 
     assert!(layers.lines.is_none() && layers.bytes() == without);
     let queries = colours(44, 200);
     let exact = by_reference(&field, &light, &queries);
-    let found = Evaluator::new(&device, &layers, &shading).unwrap().cosine_weighted(&queries).unwrap();
+    let found =
+        Evaluator::new(&device, &window(&layers), &shading).unwrap().cosine_weighted(&queries).unwrap();
     let [whole, median, _] = errors(&found, &exact);
     assert!(whole <= light.tolerance && median <= light.tolerance, "{whole:e}, {median:e}");
     drop(device);

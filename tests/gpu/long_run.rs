@@ -1,7 +1,7 @@
 //! Frame after frame: what a program takes while it draws, and that it takes no more and more.
 
 use crate::device::with_device;
-use crate::evaluation::{layers, patch, shading};
+use crate::evaluation::{layers, patch, shading, window};
 use diffract::figure::{Axis, Figure, Mark, Panel, palette};
 use diffract::render::frame::View;
 use diffract::render::picture::Painter;
@@ -40,7 +40,8 @@ fn run(device: &Arc<Device>, frames: usize, looks: usize) -> Vec<Sample> {
     let scene = Scene::open("plate").unwrap();
     let mut view = View::of(&scene, vec![Light { theta: 40.0, phi: 0.0, intensity: 1.0 }]);
     let mut painter =
-        Painter::new(device, &layers, &shading, &scene.mesh, &Pigment::white(), [16, 12], 1).unwrap();
+        Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), [16, 12], 1)
+            .unwrap();
     let mut samples = Vec::with_capacity(looks + 1);
     for frame in 0..=frames {
         view.lights[0].phi = (frame % 360) as f64;

@@ -5,7 +5,7 @@ mod map;
 mod variant;
 
 use super::options::{ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, check_lights, exposure};
-use super::{answers, say, write};
+use super::{evaluation, say, write};
 use crate::error::{Error, Result};
 use crate::figure::Format;
 use crate::optics::color;
@@ -90,7 +90,7 @@ fn side(text: &str) -> Result<u32> {
 }
 
 fn wavelength(text: &str) -> Result<f64> {
-    let (low, high) = answers::WAVELENGTHS;
+    let (low, high) = evaluation::WAVELENGTHS;
     units::length(text).and_then(|length| {
         let refused = || Error::usage(format!("'{text}' is out of range"), "give 10nm to 100um");
         (low..=high).contains(&length).then_some(length).ok_or_else(refused)
@@ -110,7 +110,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         None => vec![arguments.optics.clone()],
     };
     if arguments.wavelength.is_some() {
-        ways.iter().try_for_each(|optics| answers::check_single_wavelengths(optics.method()))?;
+        ways.iter().try_for_each(|optics| evaluation::check_single_wavelengths(optics.method()))?;
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     if let (Some(variants), Some(plot)) = (&arguments.compare, &arguments.plot) {

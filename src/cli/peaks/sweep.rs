@@ -1,14 +1,12 @@
 //! The response over wavelengths and view angles, and the peaks in it.
 
 use super::{Arguments, MANY_SUMS};
-use crate::cli::answers::{self, Answers};
-use crate::cli::options::Method;
-use crate::cli::say;
+use crate::cli::{evaluation, prepare, say};
 use crate::error::Result;
 use crate::measure::peaks::Peak;
 use crate::memory;
 use crate::optics::geometry::{Pair, direction};
-use crate::render::evaluator::Query;
+use crate::setup::{Method, Settings};
 use crate::surface::HeightField;
 
 /// The response at every wavelength and angle.
@@ -64,22 +62,21 @@ impl Sweep {
         if optics.method() == Method::Reference && evaluations > MANY_SUMS {
             say(&format_args!("{evaluations} direct sums take their time; --method spectral is faster"));
         }
-        let mut answers =
-            Answers::prepare(optics.method(), &arguments.device.wish(), field, &shading, wavelengths[0])?;
-        answers.announce(evaluations);
         let azimuth = arguments.axis.azimuth();
         let light = direction(arguments.theta_i, azimuth);
         let pairs: Vec<Pair> = angles.iter().map(|&a| Pair::new(light, direction(a, azimuth))).collect();
         let mut responses = Vec::with_capacity(evaluations);
-        // Whole wavelengths at a time, as many as make a submission worth it.
-        for part in wavelengths.chunks((answers::AT_ONCE / angles.len()).max(1)) {
-            let of_one = |&wavelength: &f64| {
-                pairs.iter().map(move |&pair| Query { pair, wavelength: Some(wavelength) })
-            };
-            let queries: Vec<Query> = part.iter().flat_map(of_one).collect();
-            responses.extend(answers.brdf(&queries)?.iter().map(|f| f.x));
-        }
-        answers.finish()?;
+        let method = optics.method();
+        let settings = Settings { shortest: wavelengths[0], ..Settings::new(method, shading) };
+        prepare::for_each_window(field, &settings, &arguments.device.wish(), |brdf, _| {
+            let bar = evaluation::bar(evaluations);
+            for &wavelength in &wavelengths {
+                let found = evaluation::ask(brdf, &pairs, Some(wavelength), &bar)?;
+                responses.extend(found.iter().map(|f| f.x));
+            }
+            bar.finish_and_clear();
+            Ok(())
+        })?;
         Ok(Self { wavelengths, angles, responses })
     }
 

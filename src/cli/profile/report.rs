@@ -56,18 +56,18 @@ impl Report {
         errors: PictureErrors,
     ) -> Self {
         let candidate = scene.device.candidate();
-        let Benchmark { shading, setting, cost, .. } = benchmark;
+        let Benchmark { shading, summary, cost, budget, .. } = benchmark;
         let reached = cost.samples as f64 / (times.shade.p50 * 1e-3);
         Self {
             device: candidate.name.clone(),
             driver: candidate.driver.clone(),
             size: scene.size,
-            method: setting.method,
-            basis: setting.basis.name(),
+            method: summary.method,
+            basis: summary.basis.name(),
             tolerance: shading.tolerance,
-            terms: setting.terms,
-            layers: setting.layers,
-            kernel: setting.kernel,
+            terms: summary.terms,
+            layers: summary.layers,
+            kernel: summary.kernel,
             wavelengths: cost.wavelengths_per_pixel(),
             covered: cost.covered as f64 / scene.pixels() as f64,
             gpu_ms: times.gpu,
@@ -86,7 +86,7 @@ impl Report {
             noisy: times.spread > NOISY,
             error: errors.pixels,
             flip: errors.flip,
-            budget: setting.budget,
+            budget,
         }
     }
 

@@ -7,8 +7,9 @@ use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::thesis;
 use crate::render::picture::Painter;
-use crate::render::resources::Optics;
+use crate::render::source::{ClassicalGrating, Source, Thesis};
 use crate::surface::statistics::Statistics;
+use std::sync::Arc;
 
 /// Baselines of a frame.
 pub struct Baselines<'a> {
@@ -39,27 +40,28 @@ impl Baselines<'_> {
             (None, Some(period)) => ([0.0, 1.0], period),
             (None, None) => return Ok(None),
         };
-        let mut benchmark = self.scene.prepare(self.options)?;
-        let exact = references.of(self.scene, &benchmark.shading, &benchmark.directions)?;
-        let painter = &mut benchmark.painter;
-        let colors = |painter: &mut Painter, strength: f32| {
-            painter.shade_as_grating(axis, period as f32, strength)?;
+        let shading = self.options.optics.for_pictures(&self.options.colour)?;
+        let classical = |strength| Source::ClassicalGrating(ClassicalGrating { axis, period, strength });
+        let (mut painter, directions) = self.scene.painter(&classical(0.0), &shading)?;
+        let exact = references.of(self.scene, &shading, &directions)?;
+        let colors = |painter: &mut Painter, strength: f64| {
+            painter.shade_by(&classical(strength), &shading)?;
             self.scene.paint(painter).map(|picture| shown(&picture, &exact.pixels))
         };
         // The picture is linear in the strength: a least-squares fit between the pictures of strengths 0 and 1.
-        let (pigment, one) = (colors(painter, 0.0)?, colors(painter, 1.0)?);
+        let (pigment, one) = (colors(&mut painter, 0.0)?, colors(&mut painter, 1.0)?);
         let pixels = pigment.iter().zip(&one).zip(&exact.colors);
         let (product, square) = pixels.fold((0.0, 0.0), |(p, s), ((pigment, one), exact)| {
             let orders = *one - *pigment;
             (p + orders.dot(*exact - *pigment), s + orders.length_squared())
         });
-        let strength = if square > 0.0 { (product / square).max(0.0) as f32 } else { 0.0 };
-        painter.shade_as_grating(axis, period as f32, strength)?;
+        let strength = if square > 0.0 { (product / square).max(0.0) } else { 0.0 };
+        painter.shade_by(&classical(strength), &shading)?;
         Ok(Some(Measurement {
             flags: format!("grating equation, one period of {:.0} nm, for comparison", period * 1e3),
             series: GRATING.to_owned(),
             kernel: "none".to_owned(),
-            ..self.scene.measure(painter, exact, self.limits)?
+            ..self.scene.measure(&mut painter, exact, self.limits)?
         }))
     }
 
@@ -68,22 +70,20 @@ impl Baselines<'_> {
         let shading = self.options.optics.for_pictures(&self.options.colour)?;
         let Coherence::Gaussian { length } = shading.coherence else { return Ok(None) };
         let field = &self.scene.field;
-        let layers = thesis::layers(field, length / 4.0, SHORTEST)?;
+        let layers = Arc::new(thesis::layers(field, length / 4.0, SHORTEST)?);
         let (low, high) = field.range();
-        let mut painter = self.scene.painter(Optics::Thesis(&layers, (high - low) / 2.0), &shading)?;
-        let directions = self.scene.directions(&mut painter)?;
+        let source = Source::Thesis(Thesis { layers, half_range: (high - low) / 2.0 });
+        let (mut painter, directions) = self.scene.painter(&source, &shading)?;
         let exact = references.of(self.scene, &shading, &directions)?;
-        let lights = self.scene.view.lights.len();
-        // A texel holds two terms.
-        let reads = thesis::WAVELENGTHS * thesis::TERMS.div_ceil(2) * thesis::TAPS * lights;
+        let cost = source.cost(&shading, &directions, self.scene.size);
         Ok(Some(Measurement {
             flags: "the thesis' sum: 37 terms, 81 wavelengths, 3 x 3 reads, for comparison".to_owned(),
             series: THESIS.to_owned(),
             terms: thesis::TERMS,
             layers: thesis::TERMS,
             kernel: "3 x 3 bins".to_owned(),
-            wavelengths: (thesis::WAVELENGTHS * lights) as f64,
-            samples: reads as f64,
+            wavelengths: cost.wavelengths_per_pixel(),
+            samples: cost.samples_per_pixel(),
             ..self.scene.measure(&mut painter, exact, self.limits)?
         }))
     }

@@ -152,8 +152,8 @@ impl<'a> Sweep<'a> {
         let mut benchmark = self.scene.prepare(&options)?;
         let exact = self.references.of(&self.scene, &benchmark.shading, &benchmark.directions)?;
         let measured = self.scene.measure(&mut benchmark.painter, exact, LIMITS)?;
-        let (setting, cost) = (benchmark.setting, benchmark.cost);
-        let series = match setting.method {
+        let (summary, cost) = (benchmark.summary, benchmark.cost);
+        let series = match summary.method {
             "spectral" => format!("spectral, {}", options.optics.basis_of_pictures().name()),
             other => other.to_owned(),
         };
@@ -161,9 +161,9 @@ impl<'a> Sweep<'a> {
             frame: self.frame.clone(),
             flags: flags.to_owned(),
             series,
-            terms: setting.terms,
-            layers: setting.layers,
-            kernel: setting.kernel,
+            terms: summary.terms,
+            layers: summary.layers,
+            kernel: summary.kernel,
             wavelengths: cost.wavelengths_per_pixel(),
             samples: cost.samples_per_pixel(),
             ..measured

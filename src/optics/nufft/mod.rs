@@ -40,7 +40,7 @@ pub fn cosine_weighted_xyz(
 ) -> Result<Vec<DVec3>> {
     let counts = pairs.iter().map(|pair| node_count(reference, pair)).collect::<Result<Vec<_>>>()?;
     let z_max = 4.0 * PI / SHORTEST;
-    if is_little(reference, &counts) {
+    if is_little(reference, &counts, SHORTEST) {
         return one_by_one(reference, illuminant, pairs, progress);
     }
     let basis = HeightBasis::new(reference.field(), z_max);
@@ -54,16 +54,11 @@ pub fn cosine_weighted_xyz(
         .collect();
     let mut colours = vec![DVec3::ZERO; pairs.len()];
     let [n, m] = reference.windows();
-    let reach = reach_of(pairs);
-    for window in 0..n * m {
-        let patch = reference.field().patch_size();
-        let shift = [
-            f64::from(window % n) / f64::from(n) * patch[0],
-            f64::from(window / n) / f64::from(m) * patch[1],
-        ];
+    let reach = reach_of(pairs, SHORTEST);
+    for (window, shift) in shifts(reference).into_iter().enumerate() {
         let spectra = Spectra::new(reference.field(), reference.coherence(), shift, reach, &basis)?;
         for (chunk, begin) in colours.chunks_mut(AT_ONCE).zip((0..).step_by(AT_ONCE)) {
-            progress(window as usize * pairs.len() + begin, (n * m) as usize * pairs.len())?;
+            progress(window * pairs.len() + begin, (n * m) as usize * pairs.len())?;
             chunk.par_iter_mut().enumerate().for_each(|(i, colour)| {
                 let (pair, count) = (&pairs[begin + i], counts[begin + i]);
                 if let Some(nodes) = combs.get(&count) {
@@ -75,6 +70,40 @@ pub fn cosine_weighted_xyz(
     }
     progress(1, 1)?;
     Ok(colours)
+}
+
+/// f·cos θ_i \[sr⁻¹\] of many directions at `wavelength` \[µm\], as [`Reference::cosine_weighted_spectrum`] gives them one by one. A few
+/// directions are left to it.
+///
+/// # Errors
+/// Where memory does not suffice.
+pub fn cosine_weighted(reference: &Reference<'_>, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>> {
+    let q = 1.0 / wavelength;
+    let counts: Vec<usize> = pairs.iter().map(|pair| usize::from(pair.above_horizon())).collect();
+    if is_little(reference, &counts, wavelength) {
+        return Ok(pairs.iter().map(|p| reference.cosine_weighted_spectrum(p, q, 0.0, 1)[0]).collect());
+    }
+    let basis = HeightBasis::new(reference.field(), 4.0 * PI * q);
+    let reach = reach_of(pairs, wavelength);
+    let mut sums = vec![0.0; pairs.len()];
+    let [n, m] = reference.windows();
+    for shift in shifts(reference) {
+        let spectra = Spectra::new(reference.field(), reference.coherence(), shift, reach, &basis)?;
+        sums.par_iter_mut().zip(pairs).filter(|(_, pair)| pair.above_horizon()).for_each(|(sum, pair)| {
+            let power = spectra.power(pair.uvw(), q, 0.0, 1)[0];
+            *sum += reference.cosine_weighted_of(pair, wavelength, power) / f64::from(n * m);
+        });
+    }
+    Ok(sums)
+}
+
+/// Where the windows that `reference` averages over stand \[µm\].
+fn shifts(reference: &Reference<'_>) -> Vec<[f64; 2]> {
+    let ([n, m], patch) = (reference.windows(), reference.field().patch_size());
+    let shift = |window: u32| {
+        [f64::from(window % n) / f64::from(n) * patch[0], f64::from(window / n) / f64::from(m) * patch[1]]
+    };
+    (0..n * m).map(shift).collect()
 }
 
 /// Wavelengths of the colour functions alone, a third of what the direct sum takes: on *Elaphe* through 65 µm, colours
@@ -91,17 +120,17 @@ fn node_count(reference: &Reference<'_>, pair: &Pair) -> Result<usize> {
     Ok(Ladder::RATIO.powf(level).ceil() as usize)
 }
 
-/// Largest frequencies of `pairs` along x and y \[µm⁻¹\].
-fn reach_of(pairs: &[Pair]) -> [f64; 2] {
+/// Largest frequencies of `pairs` along x and y at wavelengths from `shortest` \[µm\] \[µm⁻¹\].
+fn reach_of(pairs: &[Pair], shortest: f64) -> [f64; 2] {
     let largest = pairs
         .iter()
         .filter(|pair| pair.above_horizon())
         .fold(DVec2::ZERO, |most, pair| most.max(pair.uvw().truncate().abs()));
-    (largest / SHORTEST).to_array()
+    (largest / shortest).to_array()
 }
 
 /// Whether the direct sum is faster than the transforms.
-fn is_little(reference: &Reference<'_>, counts: &[usize]) -> bool {
+fn is_little(reference: &Reference<'_>, counts: &[usize], shortest: f64) -> bool {
     let field = reference.field();
     let samples = field.heights().len() as f64;
     let nodes: usize = counts.iter().sum();
@@ -111,7 +140,7 @@ fn is_little(reference: &Reference<'_>, counts: &[usize]) -> bool {
             2.0 * extent / field.pixel_size()[axis]
         })
         .product();
-    let terms = 8.0 + 4.0 * PI / SHORTEST * (field.range().1 - field.range().0);
+    let terms = 8.0 + 4.0 * PI / shortest * (field.range().1 - field.range().0);
     nodes as f64 * samples < SUMS_PER_TRANSFORMED * transformed * terms
 }
 

@@ -9,17 +9,17 @@ use crate::expansion::Basis;
 use crate::optics::orders::{Colours, Repeats, Sampling};
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::{Aim, Layers, Settings};
-use crate::render::interface::{CopiesBlock, binding};
-use crate::render::pigment::Pigment;
-use crate::render::resources::{Optics, Resources};
+use crate::render::evaluator::queries_and_answers;
 use crate::render::shader;
 use crate::render::shading::{Purpose, Shading};
+use crate::render::source::grating::CopiesBlock;
+use crate::render::source::{BoundSource, Grating, Source};
 use crate::render::tables::Combs;
 use crate::vk::access::Access;
 use crate::vk::buffer::Buffer;
 use crate::vk::commands::Commands;
 use crate::vk::device::Device;
-use crate::vk::pipeline::Pipeline;
+use crate::vk::pipeline::{Constant, Pipeline};
 use crate::vk::selection::Candidate;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
@@ -85,18 +85,19 @@ pub fn check_wavelengths(aperture: &Aperture, shading: &Shading, outer: f64) -> 
     repeats.check(&most_wavelengths(repeats, lag, shading, outer))
 }
 
-/// What the device reads in a bake: the layers, and combs or copies.
-fn resources(
+/// What the device reads in a bake: spectra, and combs or copies.
+fn bound(
     device: &Arc<Device>,
-    layers: &Layers,
+    layers: &Arc<Layers>,
     aperture: &Aperture,
     shading: &Shading,
-) -> Result<Resources> {
-    let optics = match aperture {
-        Aperture::Gaussian(_) => Optics::Layers(layers),
-        Aperture::Repeats(repeats) => Optics::Repeats(layers, *repeats),
+) -> Result<BoundSource> {
+    let layers = layers.clone();
+    let source = match aperture {
+        Aperture::Gaussian(_) => Source::window(layers),
+        Aperture::Repeats(repeats) => Source::Grating(Grating { layers, repeats: *repeats }),
     };
-    Resources::new(device, optics, &for_wavelengths(shading), &Pigment::white())
+    source.bind(device, &for_wavelengths(shading))
 }
 
 /// Room for what a bake of `grid` finds on `rings`.
@@ -112,7 +113,7 @@ pub fn samples(rings: &Rings, grid: &Grid) -> Samples {
 /// Where the device has no room or is lost, and what `progress` returns.
 pub fn bake(
     device: &Arc<Device>,
-    (layers, aperture): (&Layers, &Aperture),
+    (layers, aperture): (&Arc<Layers>, &Aperture),
     shading: &Shading,
     (rings, grid): (&Rings, &Grid),
     share: f32,
@@ -121,24 +122,33 @@ pub fn bake(
 ) -> Result<()> {
     // The layers' own unit, in which the device squares them.
     let share = share * layers.texels.unit().powi(2);
-    let resources = resources(device, layers, aperture, shading)?;
+    let source = bound(device, layers, aperture, shading)?;
+    let told = for_wavelengths(shading);
+    let combs = Combs::of(layers, &told);
+    let copies = aperture.repeats().map(|repeats| {
+        let colours = Colours::new(&shading.illuminant, told.quadrature());
+        CopiesBlock::new(repeats, &colours, told.quadrature())
+    });
     let places = rings.places();
     let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
     let list = Buffer::with_data(device, "places", storage, bytemuck::cast_slice(&places))?;
     let width = samples.width;
     let bytes = (TILE * 2 * width * 4) as u64;
     let sums = Buffer::new(device, "sums", bytes, storage, MemoryLocation::GpuToCpu)?;
-    resources.descriptors.buffer(binding::QUERIES, &list);
-    resources.descriptors.buffer(binding::ANSWERS, &sums);
-    let own = [grid.values() as u32, u32::from(resources.copies.is_some())];
-    let constants = [resources.specialization.as_slice(), &own].concat();
+    let descriptors = queries_and_answers(device, &list, &sums)?;
+    /// Constants of `bake.comp`.
+    const NODES_OF_W: u32 = 0;
+    const REPEATS: u32 = 1;
+    let own = [Constant::new(NODES_OF_W, grid.values() as u32), Constant::new(REPEATS, copies.is_some())];
+    let constants = [source.constants(), &own].concat();
     let code = shader!("bake.comp").with(&constants);
-    let pipeline = Pipeline::compute(device, code, &resources.descriptors, size_of::<Tile>() as u32)?;
+    let sets = [&descriptors, &source.descriptors];
+    let pipeline = Pipeline::compute(device, code, &sets, size_of::<Tile>() as u32)?;
     let mut commands = Commands::new(device, "bake")?;
     for (ring, ends) in rings.begins.windows(2).enumerate() {
         let radius = rings.radii[ring];
-        let [comb, wavelengths] = resources.combs.at(radius);
-        let most = match (aperture, &resources.copies) {
+        let [comb, wavelengths] = combs.at(radius);
+        let most = match (aperture, &copies) {
             (Aperture::Repeats(repeats), Some(block)) => {
                 most_wavelengths(repeats, f64::from(block.colour_lag), shading, radius).wavelengths().ceil()
                     as usize
@@ -157,10 +167,10 @@ pub fn bake(
                 wavelengths,
                 x_per_z: (2.0 / layers.z_max) as f32,
                 pieces: grid.pieces as i32,
-                copies: resources.copies.unwrap_or_default(),
+                copies: copies.unwrap_or_default(),
             };
             commands.run(|record| {
-                record.bind(&pipeline, &resources.descriptors);
+                record.bind(&pipeline, &sets);
                 record.push(&pipeline, bytemuck::bytes_of(&tile));
                 record.dispatch(count.div_ceil(GROUP) as u32);
                 record.memory(Access::ComputeWrite, Access::HostRead);

@@ -23,6 +23,7 @@ use crate::optics::orders::Colours;
 use crate::precompute::{self, Layers, Settings, compute, compute_at};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
+use crate::vk::selection::Candidate;
 use aperture::Aperture;
 use glam::DVec2;
 use rings::{Rings, Wavelengths};
@@ -143,6 +144,14 @@ pub fn obtain(
     Ok((table, kept.and_then(Result::err)))
 }
 
+/// All that the table of `field` under `shading` for `device` follows from, as a hash.
+///
+/// # Errors
+/// For settings that layers cannot do.
+pub fn key(field: &HeightField, shading: &Shading, device: &Candidate) -> Result<blake3::Hash> {
+    Ok(cache::key(field, &bake::layer_settings(shading, device)?, shading))
+}
+
 /// Called with what is done, how much of it, and of how much.
 pub type Progress<'a> = dyn Fn(&'static str, usize, usize) -> Result<()> + 'a;
 
@@ -174,7 +183,7 @@ pub fn make(
     for window in 0..n * m {
         let place = [window % n, window / n];
         let shift = [0, 1].map(|i| f64::from(place[i]) / f64::from(shading.windows[i]) * patch[i]);
-        let layers = match first.take() {
+        let layers = Arc::new(match first.take() {
             Some(layers) => layers,
             None => {
                 let spectra = |done, of| progress("spectra", done, of);
@@ -183,7 +192,7 @@ pub fn make(
                     Aperture::Repeats(_) => compute(&field.begun_at(shift), settings, &spectra)?,
                 }
             }
-        };
+        });
         bake::bake(
             device,
             (&layers, &aperture),

@@ -26,6 +26,11 @@ pub fn mesh() -> Result<Mesh> {
     obj::from_bytes(OBJ)
 }
 
+/// Arc length from the tail's tip to the snout, in units of the model.
+pub fn length() -> f64 {
+    Body::coiled().length()
+}
+
 /// Makes the snake anew, as OBJ text: the same text every time.
 pub fn obj_text() -> String {
     let body = Body::coiled();

@@ -2,9 +2,9 @@
 
 use super::optics::percent;
 use super::{heading, number, row, rows, value};
+use crate::render::source::Extent;
 use crate::viewer::error_probe::ProbeStatus;
 use crate::viewer::model::{Model, SaveAs};
-use crate::viewer::prepared::TextureSize;
 use crate::viewer::{graph, style};
 use egui::{Align, Layout, RichText, Ui};
 
@@ -20,12 +20,12 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         });
         value(ui, "frame", frame);
         if let Some(own) = &model.sources.own {
-            let TextureSize { layers, size: [width, height], bytes } = own.made.texture();
+            let Extent { layers, size: [width, height], bytes } = own.shaded_from.extent();
             let text = format!("{layers} of {width} × {height} texels, {}", mib(bytes as f64));
             value(ui, "layers", text);
         }
         let cost = model.frame.as_ref().and_then(|e| e.cost);
-        let terms = model.sources.own.as_ref().and_then(|own| own.made.terms());
+        let terms = model.sources.own.as_ref().and_then(|own| own.shaded_from.terms());
         let counted = cost.map_or("not counted yet".to_owned(), |c| match terms {
             Some(terms) => format!("{:.0} a pixel, {terms} terms, {:.0} λ", c.samples, c.wavelengths),
             None => format!("{:.0} a pixel, of a colour table", c.samples),

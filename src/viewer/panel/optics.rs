@@ -4,7 +4,7 @@ use super::{choice, heading, number, row, rows};
 use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
 use crate::render::color_table::Filter;
-use crate::render::resources::Reads;
+use crate::setup::Method;
 use crate::viewer::model::Model;
 use crate::viewer::settings::OpticsSettings;
 use crate::viewer::style;
@@ -29,17 +29,17 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 /// Shows the rows of one setting; they depend on its method.
 pub fn setting(ui: &mut Ui, id: &str, optics: &mut OpticsSettings, coherence: Coherence) {
     row(ui, "method", |ui| {
-        for method in [Reads::Layers, Reads::Table] {
-            ui.selectable_value(&mut optics.method, method, method.method());
+        for method in [Method::Spectral, Method::Table] {
+            ui.selectable_value(&mut optics.method, method, method.name());
         }
     });
     match optics.method {
-        Reads::Layers => row(ui, "basis", |ui| {
+        Method::Spectral | Method::Reference => row(ui, "basis", |ui| {
             let all = Basis::ALL.map(|b| (b, b.name()));
             let shown = optics.basis.name();
             choice(ui, &format!("{id} basis"), &mut optics.basis, &all, shown);
         }),
-        Reads::Table => {
+        Method::Table => {
             row(ui, "a pixel is", |ui| {
                 ui.selectable_value(&mut optics.filter, Filter::Point, "its centre");
                 ui.selectable_value(&mut optics.filter, Filter::Pixel, "all it sees");
@@ -57,7 +57,7 @@ pub fn setting(ui: &mut Ui, id: &str, optics: &mut OpticsSettings, coherence: Co
         let shown = percent(optics.tolerance);
         choice(ui, &format!("{id} tolerance"), &mut optics.tolerance, &all, &shown);
     });
-    if optics.method == Reads::Layers {
+    if optics.method == Method::Spectral {
         named(ui, "terms", &mut optics.terms, 10, 1..=64);
     }
     match coherence {

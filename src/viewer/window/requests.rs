@@ -2,7 +2,7 @@
 
 use super::{PreparationRequest, ViewerWindow};
 use crate::render::frame::View;
-use crate::render::resources::Reads;
+use crate::setup::{self, Method};
 use crate::viewer::compare::{self, Compare};
 use crate::viewer::frame::FrameRequest;
 use crate::viewer::model::Progress;
@@ -24,7 +24,7 @@ impl ViewerWindow {
         let requested = self.requested.preparations[Role::Own as usize].as_ref();
         let ready = sources.own.as_ref().map(|p| p.number) == requested.map(|r| r.number);
         // No spectra are as fast as a colour table, which reduces its resolution instead.
-        if self.model.pacing.quality.is_slow() && ready && own.optics.method == Reads::Layers {
+        if self.model.pacing.quality.is_slow() && ready && own.optics.method == Method::Spectral {
             let optics = compare::coarse(&own.optics);
             self.request_preparation(Role::Coarse, &ViewSettings { optics, ..own.clone() });
             // Through repeats the wavelengths are those of the grating's orders: none can be left out.
@@ -52,9 +52,10 @@ impl ViewerWindow {
                     shading.looser_colours = compare::looser_colours(&settings.optics).unwrap_or(1.0);
                     shading.wavelengths = None;
                 }
-                let source = settings.surface.clone();
+                let surface = settings.surface.clone();
                 let OpticsSettings { method, filter, .. } = settings.optics;
-                self.threads.worker.request(Request { role, number, source, shading, method, filter });
+                let settings = setup::Settings { filter, ..setup::Settings::new(method, shading) };
+                self.threads.worker.request(Request { role, number, surface, settings });
                 self.model.sources.progress[role as usize] = Some(Progress { done: 0, of: 1 });
                 self.window.request_redraw();
             }
