@@ -2,8 +2,8 @@
 
 use super::{Brdf, without_cosine};
 use crate::error::Result;
-use crate::optics::fine;
 use crate::optics::geometry::Pair;
+use crate::optics::nufft;
 use crate::optics::reference::Reference;
 use crate::optics::spectrum::Illuminant;
 use glam::DVec3;
@@ -19,13 +19,13 @@ pub struct Transforms<'a> {
 
 impl Brdf for Transforms<'_> {
     fn spectral(&mut self, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>> {
-        let weighted = fine::cosine_weighted(&self.reference, pairs, wavelength)?;
+        let weighted = nufft::cosine_weighted(&self.reference, pairs, wavelength)?;
         let f = |(pair, weighted): (&Pair, f64)| without_cosine(pair, DVec3::splat(weighted)).x;
         Ok(pairs.iter().zip(weighted).map(f).collect())
     }
 
     fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>> {
-        let weighted = fine::cosine_weighted_xyz(&self.reference, self.illuminant, pairs, &|_, _| Ok(()))?;
+        let weighted = nufft::cosine_weighted_xyz(&self.reference, self.illuminant, pairs, &|_, _| Ok(()))?;
         Ok(pairs.iter().zip(weighted).map(|(pair, f)| without_cosine(pair, f)).collect())
     }
 

@@ -1,8 +1,9 @@
 //! The command line: one file per command; raw arguments in, validated settings with units out.
 
-mod baselines;
+mod autotune;
+mod benchmark;
 mod brdf;
-mod choice;
+mod captions;
 mod devices;
 mod eval;
 mod evaluation;
@@ -13,14 +14,12 @@ mod profile;
 mod range;
 mod render;
 mod scale;
-mod stage;
 mod surface;
 mod trade;
 pub mod untrusted;
 mod usage;
 mod verbosity;
 mod view;
-mod words;
 mod write;
 
 use crate::error::{Error, Result};

@@ -10,7 +10,7 @@ use crate::setup;
 use crate::setup::Method;
 use crate::surface::{HeightField, Level, Source};
 use crate::units;
-use crate::vk::selection::Wish;
+use crate::vk::selection::DeviceChoice;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
@@ -254,13 +254,13 @@ impl ColourOptions {
 #[command(next_help_heading = "Device")]
 pub struct DeviceOptions {
     /// Vulkan device: a part of its name, its number in `diffract devices`, or cpu for a software one
-    #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = Wish::parse)]
-    pub device: Option<Wish>,
+    #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = DeviceChoice::parse)]
+    pub device: Option<DeviceChoice>,
 }
 
 impl DeviceOptions {
     /// What the user wishes for.
-    pub fn wish(&self) -> Wish {
+    pub fn wish(&self) -> DeviceChoice {
         self.device.clone().unwrap_or_default()
     }
 }

@@ -18,14 +18,14 @@ use crate::setup::{self, InUse, Settings, Target};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
-use crate::vk::selection::Wish;
+use crate::vk::selection::DeviceChoice;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::cell::OnceCell;
 use std::sync::{Arc, Once};
 use std::time::Instant;
 
 /// Opens the device that `wish` means.
-pub fn device(wish: &Wish) -> Result<Arc<Device>> {
+pub fn device(wish: &DeviceChoice) -> Result<Arc<Device>> {
     Device::open(Arc::new(Instance::new(validation())?), wish)
 }
 
@@ -64,7 +64,7 @@ pub fn source(field: &HeightField, settings: &Settings, device: &Arc<Device>) ->
 pub fn for_each_window(
     field: &HeightField,
     settings: &Settings,
-    wish: &Wish,
+    wish: &DeviceChoice,
     ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
 ) -> Result<()> {
     warn_of_coarse_samples(field, settings.shortest);

@@ -12,7 +12,7 @@ use crate::render::pigment::Pigment;
 use crate::scene::{Scene, obj};
 use crate::surface::image_file;
 use crate::units;
-use crate::vk::selection::Wish;
+use crate::vk::selection::DeviceChoice;
 use std::ffi::OsString;
 use std::io::Cursor;
 use std::path::Path;
@@ -76,15 +76,15 @@ fn layers(bytes: &[u8]) -> Result<()> {
 
 /// The rows of a sweep that goes on, and everything that is made of them.
 fn sweep(bytes: &[u8]) -> Result<()> {
-    let rows = trade::rows_of(text(bytes)?, "f");
+    let rows = trade::from_csv(text(bytes)?, "f");
     if rows.is_empty() {
         return Err(Error::failed("no row of it belongs to this sweep", "measure"));
     }
     let written = trade::csv(&rows)?;
-    assert_eq!(trade::rows_of(&written, "f"), rows, "rows that are not read back as they are");
+    assert_eq!(trade::from_csv(&written, "f"), rows, "rows that are not read back as they are");
     trade::markdown(&rows, "A machine.", &[]);
     trade::wanted(&rows, Some(1e-2), Some(15.0));
-    trade::figure(&rows, "Speed against accuracy", "A machine.").svg().map(drop)
+    super::trade::figure(&rows, "Speed against accuracy", "A machine.").svg().map(drop)
 }
 
 /// Every kind of value that options and scenes take.
@@ -105,7 +105,7 @@ fn values(bytes: &[u8]) -> Result<()> {
         options::exposure(text).map(drop),
         options::seed(text).map(drop),
         range::Range::parse(text, limits, "values").map(|range| drop(range.values())),
-        Wish::parse(text).map(drop),
+        DeviceChoice::parse(text).map(drop),
     ];
     results.into_iter().find(Result::is_ok).unwrap_or_else(|| Err(Error::usage("it is no value", "give one")))
 }

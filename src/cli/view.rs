@@ -105,7 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             Present::Mailbox => vk::PresentModeKHR::MAILBOX,
             Present::Immediate => vk::PresentModeKHR::IMMEDIATE,
         },
-        wish: arguments.device.wish(),
+        device: arguments.device.wish(),
         validation: validation(),
     })?;
     check_validation(&messages)

@@ -1,4 +1,4 @@
-//! Where the error of a setting comes from.
+//! The error budget of a setting: where its error comes from.
 
 use crate::precompute::Layers;
 use crate::render::shading::Shading;
@@ -7,28 +7,28 @@ use crate::setup::READING_SHARE;
 use crate::spectra::power::Header;
 use serde::Serialize;
 
-/// One part of the error.
+/// One contribution to the error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Part {
-    /// What errs.
+    /// Its source.
     pub what: &'static str,
-    /// How much, relative to what the tolerance is promised for: single directions, or the colours of a picture.
+    /// Its size, relative to what the tolerance is defined for: single directions, or the colours of a picture. NaN if unknown.
     pub error: f64,
-    /// How that is known.
+    /// How the size is known.
     pub known: String,
 }
 
-/// All parts; their squares add up.
+/// All contributions; their squares add up.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Budget {
-    /// The parts.
+pub struct ErrorBudget {
+    /// The contributions.
     pub parts: Vec<Part>,
-    /// The tolerance that they are to stay below together.
+    /// The tolerance for their sum.
     pub tolerance: f64,
 }
 
-impl Budget {
-    /// The parts of what is shaded from `source` under `shading`; none for a baseline.
+impl ErrorBudget {
+    /// The budget of what is shaded from `source` with `shading`; empty for a baseline.
     pub fn of(source: &Source, shading: &Shading) -> Self {
         match source {
             Source::Window(Window { layers }) | Source::Grating(Grating { layers, .. }) => {
@@ -40,16 +40,16 @@ impl Budget {
         }
     }
 
-    /// The parts of `layers` under `shading`.
+    /// The budget of `layers` for `shading`.
     pub fn of_layers(layers: &Layers, shading: &Shading) -> Self {
-        let known_by_rule = "by the rule for the nodes, which tests hold to it";
+        let known_by_rule = "from the quadrature rule";
         let (quadrature, known) = match shading.wavelengths {
             None => (shading.quadrature(), known_by_rule),
-            Some(_) => (f64::NAN, "not known: the wavelengths are named; --error measures the sum of all"),
+            Some(_) => (f64::NAN, "unknown: the number of wavelengths is given; --error measures the total"),
         };
         let part = |what, error, known: &str| Part { what, error, known: known.to_owned() };
         let bounds = format!(
-            "measured against the transform of the exact phase; bounds of the amplitude, relative to the mirror's peak: truncation \
+            "measured against the transform of the exact phase; bounds of the amplitude, relative to the specular peak: truncation \
              {:.0e}, rounding of 32-bit floats {:.0e}",
             layers.errors.truncation_bound, layers.errors.rounding_bound
         );
@@ -59,7 +59,7 @@ impl Budget {
                 part(
                     "reading between texels",
                     layers.errors.interpolation / shading.gain(),
-                    "by the kernel's transform",
+                    "from the transform of the kernel",
                 ),
                 part("wavelengths of a colour", quadrature, known),
             ],
@@ -109,7 +109,7 @@ impl Budget {
         }
     }
 
-    /// The sum of all parts that are known.
+    /// The root of the sum of squares of all known contributions.
     pub fn total(&self) -> f64 {
         self.known().map(|part| part.error * part.error).sum::<f64>().sqrt()
     }
@@ -118,7 +118,7 @@ impl Budget {
         self.parts.iter().filter(|part| part.error.is_finite())
     }
 
-    /// A line a part, with its share of the sum of squares.
+    /// One line per contribution, with its share of the sum of squares.
     pub fn to_text(&self) -> String {
         let squares = self.total().powi(2).max(f64::MIN_POSITIVE);
         let mut text = String::new();
@@ -141,7 +141,7 @@ mod tests {
     #[test]
     fn parts_add_up_as_squares_and_what_is_not_known_is_said() {
         let part = |what, error| Part { what, error, known: "so".to_owned() };
-        let mut budget = Budget { parts: vec![part("a", 3e-3), part("b", 4e-3)], tolerance: 1e-2 };
+        let mut budget = ErrorBudget { parts: vec![part("a", 3e-3), part("b", 4e-3)], tolerance: 1e-2 };
         assert!((budget.total() - 5e-3).abs() < 1e-12);
         let text = budget.to_text();
         assert!(

@@ -5,9 +5,10 @@
 pub mod brdf;
 pub mod coherence;
 pub mod color;
-pub mod fine;
+
 pub mod geometry;
 pub mod grating;
+pub mod nufft;
 pub mod orders;
 pub mod quadrature;
 pub mod reference;

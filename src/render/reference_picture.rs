@@ -9,8 +9,8 @@ use crate::error::Result;
 use crate::optics::brdf::schlick;
 use crate::optics::coherence::Windows;
 use crate::optics::color::{self, xyz_to_linear_srgb};
-use crate::optics::fine::{self, Progress};
 use crate::optics::geometry::Pair;
+use crate::optics::nufft::{self, Progress};
 use crate::optics::reference::Reference;
 use crate::optics::spectrum::SHORTEST;
 use crate::surface::HeightField;
@@ -21,7 +21,7 @@ use std::f64::consts::PI;
 /// texture does not count.
 ///
 /// # Errors
-/// As [`fine::cosine_weighted_xyz`].
+/// As [`nufft::cosine_weighted_xyz`].
 pub fn reference_picture(
     field: &HeightField,
     shading: &Shading,
@@ -87,7 +87,7 @@ impl<'a> PixelReference<'a> {
     /// each pixel is its centre.
     ///
     /// # Errors
-    /// As [`fine::cosine_weighted_xyz`].
+    /// As [`nufft::cosine_weighted_xyz`].
     pub fn colors(
         &self,
         view: &View,
@@ -108,7 +108,7 @@ impl<'a> PixelReference<'a> {
             By::Mean(mean) => mean.xyz(illuminant, &asked, progress)?,
             By::Windows(reference) => {
                 let pairs: Vec<Pair> = asked.iter().map(|(pair, _)| *pair).collect();
-                fine::cosine_weighted_xyz(reference, illuminant, &pairs, progress)?
+                nufft::cosine_weighted_xyz(reference, illuminant, &pairs, progress)?
             }
         };
         let mut colors = vec![DVec3::ZERO; pixels.len()];
@@ -154,7 +154,7 @@ pub fn displayed(radiance: &[[f32; 4]], exposure: f64, background: DVec3) -> Vec
 /// windows is averaged over the footprint of each sample.
 ///
 /// # Errors
-/// As [`fine::cosine_weighted_xyz`], and what `directions` returns.
+/// As [`nufft::cosine_weighted_xyz`], and what `directions` returns.
 pub fn reference_mean(
     field: &HeightField,
     shading: &Shading,

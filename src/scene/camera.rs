@@ -1,4 +1,4 @@
-//! An orbit camera: where it is, what it looks at, how wide.
+//! An orbit camera.
 
 use crate::error::{Error, Result};
 use glam::camera::rh::{proj::vulkan, view::look_at_mat4};

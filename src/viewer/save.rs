@@ -1,4 +1,4 @@
-//! Pictures into files, with the settings that made them.
+//! Saves pictures together with the command that draws them.
 
 use crate::error::{Error, Result};
 use crate::output;
@@ -6,7 +6,7 @@ use crate::render::picture::Picture;
 use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, WritableImage};
 use std::path::{Path, PathBuf};
 
-/// The first of `diffract-001`, `diffract-002` … in `folder` of which there is no PNG and no EXR, without its extension.
+/// The first path of `diffract-001`, `diffract-002` … in `folder` that exists neither as PNG nor as EXR, without extension.
 pub fn free_name(folder: &Path) -> PathBuf {
     let name = |number: u32| folder.join(format!("diffract-{number:03}"));
     let free = |path: &PathBuf| ["png", "exr"].iter().all(|e| !path.with_extension(e).exists());
@@ -17,7 +17,7 @@ fn failed(path: &Path, e: &dyn std::fmt::Display) -> Error {
     Error::failed(format!("cannot be written ({e})"), "check the disk").at(path.display())
 }
 
-/// Writes the display of `picture` as PNG, with `command` among its text.
+/// Writes the displayed `picture` as PNG, with `command` in a text chunk.
 ///
 /// # Errors
 /// Where the file cannot be written.
@@ -37,7 +37,7 @@ pub fn png(path: &Path, picture: &Picture, command: &str) -> Result<()> {
     })
 }
 
-/// Writes the radiance of `picture` as EXR, with `command` as its comment.
+/// Writes the radiance of `picture` as EXR, with `command` as a comment.
 ///
 /// # Errors
 /// Where the file cannot be written.
@@ -55,7 +55,7 @@ pub fn exr(path: &Path, picture: &Picture, command: &str) -> Result<()> {
     output::write_atomically(path, |file| image.write().to_buffered(file).map_err(|e| failed(path, &e)))
 }
 
-/// What the files say of themselves.
+/// Metadata of both formats: keys and texts.
 fn texts(command: &str) -> [(&'static str, String); 2] {
     [
         ("Software", format!("diffract {}", env!("CARGO_PKG_VERSION"))),

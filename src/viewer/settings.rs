@@ -1,4 +1,4 @@
-//! What the user has set, what a change of it asks for, and the command line that says the same.
+//! The user's settings, what a change of them requires, and the equivalent command line.
 
 use crate::error::Result;
 use crate::expansion::Basis;
@@ -10,39 +10,39 @@ use crate::setup::Method;
 use crate::surface::{Level, Source};
 use glam::Vec3;
 
-/// How the optics is computed.
+/// How the diffraction is computed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Optics {
-    /// By which method.
+pub struct OpticsSettings {
+    /// The method.
     pub method: Method,
-    /// Window centres that a colour table averages over.
+    /// Positions of the coherence window.
     pub windows: Windows,
-    /// Which expansion.
+    /// The expansion.
     pub basis: Basis,
-    /// Relative error that the user accepts.
+    /// Accepted relative error.
     pub tolerance: f64,
-    /// Terms, where the user names them.
+    /// Number of terms; `None` follows from the tolerance.
     pub terms: Option<usize>,
-    /// Wavelengths, where the user names them.
+    /// Number of wavelengths; `None` follows from the tolerance.
     pub wavelengths: Option<usize>,
 }
 
-/// Everything that decides the picture but its size.
+/// Everything that determines the picture except its size.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct ViewSettings {
     /// Name of the scene.
     pub scene: String,
     /// The height field.
     pub surface: Source,
     /// The optics.
-    pub optics: Optics,
+    pub optics: OpticsSettings,
     /// What surrounds the patch.
     pub coherence: Coherence,
     /// How the surface goes on beyond the patch.
     pub beyond: Beyond,
     /// Refractive index.
     pub ior: f64,
-    /// The light's spectrum: a name or a file.
+    /// Spectrum of the light: a name or a file.
     pub illuminant: String,
     /// The lights.
     pub lights: Vec<Light>,
@@ -54,23 +54,23 @@ pub struct Settings {
     pub camera: Camera,
 }
 
-/// What a change makes necessary; each includes those before it.
+/// What a change requires; each includes those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Needs {
     /// Nothing.
     Nothing,
-    /// The display of the radiance that is there.
+    /// Displaying the same radiance again.
     Display,
-    /// A frame.
+    /// A new frame.
     Frame,
-    /// Layers, or tables beside them.
+    /// New layers or a new colour table.
     Layers,
-    /// Another mesh.
+    /// A new mesh.
     Mesh,
 }
 
-impl Settings {
-    /// What has to be done to show `self` where `shown` is shown.
+impl ViewSettings {
+    /// What has to be renewed to go from `shown` to `self`.
     pub fn needs(&self, shown: &Self) -> Needs {
         let optics = |s: &Self| {
             (s.surface.clone(), s.optics.clone(), s.coherence, s.beyond, s.ior, s.illuminant.clone())
@@ -90,11 +90,11 @@ impl Settings {
         }
     }
 
-    /// The settings of the optics, with `optics` for the user's own.
+    /// The settings for `render`, with `optics` in place of [`Self::optics`].
     ///
     /// # Errors
-    /// Where the illuminant's file cannot be read.
-    pub fn shading(&self, optics: &Optics) -> Result<Shading> {
+    /// When the file of the illuminant cannot be read.
+    pub fn shading(&self, optics: &OpticsSettings) -> Result<Shading> {
         Ok(Shading {
             coherence: self.coherence,
             ior: self.ior,
@@ -111,26 +111,26 @@ impl Settings {
     }
 
     /// Positions of the window: a finite grating stands at one place.
-    pub fn windows(&self, optics: &Optics) -> Windows {
+    pub fn windows(&self, optics: &OpticsSettings) -> Windows {
         if self.repeats() { Windows::ONE } else { optics.windows }
     }
 
-    /// By which method `optics` are computed: a table is of the mean.
-    pub fn method(&self, optics: &Optics) -> Method {
+    /// The method of `optics`: a table is of the mean.
+    pub fn method(&self, optics: &OpticsSettings) -> Method {
         if self.windows(optics) == Windows::All { optics.method } else { Method::Spectral }
     }
 
-    /// The wavelengths that are named in `optics`: through repeats they stand where the orders do.
-    fn wavelengths(&self, optics: &Optics) -> Option<usize> {
+    /// The number of wavelengths that `optics` sets. Through repeats it has no effect: the wavelengths are those of the orders.
+    fn wavelengths(&self, optics: &OpticsSettings) -> Option<usize> {
         optics.wavelengths.filter(|_| !self.repeats())
     }
 
-    /// Whether the patch repeats so many times and no more.
+    /// Whether the coherence is a finite number of copies of the patch.
     pub fn repeats(&self) -> bool {
         matches!(self.coherence, Coherence::Repeats(_))
     }
 
-    /// The camera as a command line can name it: standing where its eye is, not where its angles put it to the last bit.
+    /// The camera as the options of a command line give it. They name the eye, so its angles differ in the last bits.
     pub fn shown_camera(&self, scene: &Scene) -> Camera {
         if self.camera == scene.camera {
             return self.camera;
@@ -221,7 +221,7 @@ fn quoted(word: &str) -> String {
 mod tests {
     use super::*;
 
-    fn settings() -> (Settings, Scene) {
+    fn settings() -> (ViewSettings, Scene) {
         let scene = Scene::open("plate").unwrap();
         let surface = Source {
             name: scene.surface.clone(),
@@ -230,7 +230,7 @@ mod tests {
             level: Level::None,
             seed: 1,
         };
-        let optics = Optics {
+        let optics = OpticsSettings {
             method: Method::Spectral,
             filter: Filter::Point,
             windows: [1, 1],
@@ -239,7 +239,7 @@ mod tests {
             terms: None,
             wavelengths: None,
         };
-        let settings = Settings {
+        let settings = ViewSettings {
             scene: "plate".to_owned(),
             surface,
             optics,
@@ -257,7 +257,7 @@ mod tests {
     #[test]
     fn each_change_asks_for_no_more_than_it_needs() {
         let (shown, _) = settings();
-        let needs = |change: &dyn Fn(&mut Settings)| {
+        let needs = |change: &dyn Fn(&mut ViewSettings)| {
             let mut wanted = shown.clone();
             change(&mut wanted);
             wanted.needs(&shown)
@@ -280,13 +280,14 @@ mod tests {
         assert!(plain.starts_with("diffract render plate --basis taylor --tolerance 1e-2 "), "{plain}");
         assert!(plain.ends_with("--size 64x48 -o a.png"), "{plain}");
         assert!(!plain.contains("--eye") && !plain.contains("--surface") && !plain.contains("--seed"));
-        let by_table = Optics { method: Method::Table, terms: Some(9), windows: [2, 3], ..s.optics.clone() };
-        let table = Settings { optics: by_table, ..s.clone() }.command(&scene, [64, 48], "a.png");
+        let by_table =
+            OpticsSettings { method: Method::Table, terms: Some(9), windows: [2, 3], ..s.optics.clone() };
+        let table = ViewSettings { optics: by_table, ..s.clone() }.command(&scene, [64, 48], "a.png");
         let expected = "--method table --filter point --windows 2x3 --tolerance 1e-2";
         assert!(table.contains(expected) && !table.contains("--terms"), "{table}");
         let through = Coherence::Repeats([3, 7]);
-        let named = Optics { wavelengths: Some(9), ..s.optics.clone() };
-        let repeats = Settings { coherence: through, optics: named, ..s.clone() };
+        let named = OpticsSettings { wavelengths: Some(9), ..s.optics.clone() };
+        let repeats = ViewSettings { coherence: through, optics: named, ..s.clone() };
         let told = repeats.command(&scene, [64, 48], "a.png");
         assert!(told.contains("--coherence repeats:3x7") && !told.contains("--wavelengths"), "{told}");
         assert_eq!(repeats.shading(&repeats.optics).unwrap().wavelengths, None);

@@ -1,4 +1,4 @@
-//! Pipelines and their layouts, from SPIR-V that the build made.
+//! Pipelines and their layouts, from the SPIR-V of the build.
 
 use super::descriptors::Descriptors;
 use super::device::Device;
@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use ash::vk;
 use std::sync::Arc;
 
-/// A shader module, needed only while pipelines are made.
+/// A shader module, needed only to create pipelines.
 struct Module<'a> {
     raw: vk::ShaderModule,
     entries: Vec<vk::SpecializationMapEntry>,
@@ -60,10 +60,10 @@ impl Drop for Module<'_> {
     }
 }
 
-/// How triangles become fragments of a graphics pipeline.
+/// Vertex input and attachments of a graphics pipeline.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawing<'a> {
-    /// Size of a vertex in bytes; 0 where the shader makes its own.
+    /// Size of a vertex in bytes; 0 without a vertex buffer.
     pub vertex_stride: u32,
     /// Attributes of a vertex.
     pub attributes: &'a [vk::VertexInputAttributeDescription],
@@ -162,7 +162,7 @@ impl Pipeline {
         Ok(own)
     }
 
-    /// A graphics pipeline over `sets`, set 0 first, and dynamic viewport and scissor; without `fragment` it writes depth alone.
+    /// A graphics pipeline over `sets`, set 0 first, with dynamic viewport and scissor. Without `fragment` it writes depth only.
     ///
     /// # Errors
     /// Where the device refuses.
@@ -230,7 +230,7 @@ impl Pipeline {
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
             .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
-        // Both sides: a mesh need not be closed, and its windings need not be right.
+        // No culling: meshes need not be closed, and their winding may be wrong.
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
             .cull_mode(vk::CullModeFlags::NONE)
             .line_width(1.0);

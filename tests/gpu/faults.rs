@@ -19,7 +19,7 @@ use diffract::surface::synth::Kind;
 use diffract::vk::device::Device;
 use diffract::vk::instance::Instance;
 use diffract::vk::mask::Mask;
-use diffract::vk::selection::Wish;
+use diffract::vk::selection::DeviceChoice;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -188,7 +188,7 @@ fn a_budget_of_memory_holds() {
     const BUDGET: u64 = 48 << 20;
     let mask = Mask { memory: Some(BUDGET), ..Mask::default() };
     let instance = Arc::new(Instance::masked(true, mask).unwrap());
-    let device = Device::open(instance.clone(), &Wish::Any).unwrap();
+    let device = Device::open(instance.clone(), &DeviceChoice::Any).unwrap();
     assert_eq!(device.candidate().memory, BUDGET);
     let shading = shading(4.0, 1e-1);
     let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
@@ -212,7 +212,7 @@ fn a_device_that_is_lost_at_any_submission_is_told_and_stays_lost() {
     for n in (1..).step_by(7) {
         let mask = Mask { submission: Some(n), ..Mask::default() };
         let instance = Arc::new(Instance::masked(true, mask).unwrap());
-        let device = Device::open(instance.clone(), &Wish::Any).unwrap();
+        let device = Device::open(instance.clone(), &DeviceChoice::Any).unwrap();
         let painted = paint(&device, &window(&layers), &shading, &scene);
         let done = painted.is_ok();
         if let Err(error) = painted {

@@ -16,7 +16,7 @@ use diffract::surface::synth::Kind;
 use diffract::vk::device::Device;
 use diffract::vk::instance::Instance;
 use diffract::vk::mask::Mask;
-use diffract::vk::selection::Wish;
+use diffract::vk::selection::DeviceChoice;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -210,7 +210,7 @@ fn a_device_that_has_room_for_the_plane_but_not_for_lines_shades_without_them() 
         // Layers get three quarters of a device.
         let mask = Mask { memory: Some((layers as f64 / 0.75) as u64), ..Mask::default() };
         let instance = Arc::new(Instance::masked(true, mask).unwrap());
-        let device = Device::open(instance.clone(), &Wish::Any).unwrap();
+        let device = Device::open(instance.clone(), &DeviceChoice::Any).unwrap();
         let settings = shading.layer_settings(0.38, device.candidate()).unwrap();
         assert!(settings.lines.is_some() && settings.memory_limit.abs_diff(layers) < 8);
         (compute(&field, &settings, &|_, _| Ok(())), device, instance)

@@ -10,7 +10,7 @@ use diffract::scene::{Light, Scene};
 use diffract::surface::synth::Kind;
 use diffract::vk::device::Device;
 use diffract::vk::instance::Instance;
-use diffract::vk::selection::Wish;
+use diffract::vk::selection::DeviceChoice;
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -69,7 +69,7 @@ fn over_a_hundred_thousand_frames_memory_is_flat() {
     const FRAMES: usize = 100_000;
     const MIB: f64 = 1024.0 * 1024.0;
     let instance = Arc::new(Instance::new(false).unwrap()); // validation keeps notes of its own
-    let device = Device::open(instance, &Wish::Any).unwrap();
+    let device = Device::open(instance, &DeviceChoice::Any).unwrap();
     let begun = Instant::now();
     let samples = run(&device, FRAMES, 200);
     let seconds = begun.elapsed().as_secs_f64();

@@ -5,7 +5,7 @@ use crate::device::with_device;
 use crate::evaluation::{grating, patch, queries};
 use crate::measure::channel;
 use diffract::optics::coherence::Coherence;
-use diffract::optics::fine::cosine_weighted_xyz;
+use diffract::optics::nufft::cosine_weighted_xyz;
 use diffract::optics::reference::Reference;
 use diffract::optics::spectrum::Illuminant;
 use diffract::precompute::{Layers, Settings, compute};

@@ -13,7 +13,7 @@ use super::mesh::Mesh;
 use super::obj;
 use crate::error::Result;
 use body::Body;
-use grid::{Grid, ObjText};
+use grid::{ObjText, SkinGrid};
 
 /// The snake as it ships, as OBJ text.
 pub const OBJ: &[u8] = include_bytes!("../../../assets/meshes/snake.obj");
@@ -35,7 +35,7 @@ pub fn length() -> f64 {
 pub fn obj_text() -> String {
     let body = Body::coiled();
     // What covers comes before what it covers.
-    let parts: [(&str, Vec<Grid>); 4] = [
+    let parts: [(&str, Vec<SkinGrid>); 4] = [
         ("head", vec![skin::head(&body)]),
         ("eyes", skin::eyes(&body)),
         ("scales", skin::scales(&body)),

@@ -5,11 +5,11 @@ use crate::expansion::Basis;
 use crate::optics::coherence::{Coherence, Windows};
 use crate::setup::Method;
 use crate::viewer::model::Model;
-use crate::viewer::settings::Optics;
+use crate::viewer::settings::OpticsSettings;
 use crate::viewer::style;
 use egui::{RichText, Ui};
 
-/// The user's own setting, and the light's spectrum.
+/// Shows the user's own setting and the spectrum of the light.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     heading(ui, "Optics");
     rows(ui, "optics", |ui| {
@@ -25,8 +25,8 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Method, tolerance and what else the method knows of one setting.
-pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics, coherence: Coherence) {
+/// Shows the rows of one setting; they depend on its method.
+pub fn setting(ui: &mut Ui, id: &str, optics: &mut OpticsSettings, coherence: Coherence) {
     let finite = matches!(coherence, Coherence::Repeats(_));
     if !finite {
         row(ui, "windows", |ui| {
@@ -64,7 +64,7 @@ pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics, coherence: Coherence)
     }
 }
 
-/// A number that follows from the tolerance unless the user names it.
+/// A number that follows from the tolerance unless the user sets it; `first` is the value to start with.
 fn named(
     ui: &mut Ui,
     label: &str,
@@ -85,7 +85,7 @@ fn named(
     });
 }
 
-/// A part in percent.
+/// A fraction in percent.
 pub fn percent(part: f64) -> String {
     format!("{} %", (part * 1e6).round() / 1e4)
 }

@@ -1,4 +1,4 @@
-//! Settings in words, for captions.
+//! Settings as text for the captions of figures.
 
 use super::options::OpticsOptions;
 use crate::optics::coherence::{Coherence, Windows};
@@ -6,7 +6,7 @@ use crate::scene::Light;
 use crate::setup::Method;
 use crate::surface::HeightField;
 
-/// A coherence as the command line has it.
+/// The coherence.
 pub fn coherence(coherence: &Coherence) -> String {
     match coherence {
         Coherence::Gaussian { length } => format!("gaussian {} µm", rounded(*length)),
@@ -14,14 +14,14 @@ pub fn coherence(coherence: &Coherence) -> String {
     }
 }
 
-/// Method, and what it depends on.
+/// The method with its settings, the coherence and the refractive index.
 pub fn optics(options: &OpticsOptions) -> String {
-    let by = match options.method() {
+    let method = match options.method() {
         Method::Reference => "direct sum (reference)".to_owned(),
         method => {
             let name = clap::ValueEnum::to_possible_value(&method)
                 .map_or_else(String::new, |v| v.get_name().to_owned());
-            // A table is baked from a basis of its own.
+            // The basis of a colour table is fixed.
             let basis = options.basis.filter(|_| method == Method::Spectral);
             let basis = basis.map_or_else(String::new, |basis| format!(", {} basis", basis.name()));
             format!("method {name}{basis}, tolerance {}", options.tolerance())
@@ -32,10 +32,14 @@ pub fn optics(options: &OpticsOptions) -> String {
         Windows::Grid([1, 1]) => String::new(),
         Windows::Grid([n, m]) => format!(", {n}×{m} windows"),
     };
-    format!("{by}; coherence {}{windows}; refractive index {}", coherence(&options.coherence), options.ior)
+    format!(
+        "{method}; coherence {}{windows}; refractive index {}",
+        coherence(&options.coherence),
+        options.ior
+    )
 }
 
-/// What a surface measures.
+/// Name, size, sample spacing and height of a surface.
 pub fn surface(name: &str, field: &HeightField) -> String {
     let [width, height] = field.patch_size().map(rounded);
     let [dx, dy] = field.pixel_size().map(|d| (d * 1e4).round() / 10.0);
@@ -47,7 +51,7 @@ pub fn surface(name: &str, field: &HeightField) -> String {
     )
 }
 
-/// Where lights stand.
+/// Directions and intensities of lights.
 pub fn lights(lights: &[Light]) -> String {
     let one = |light: &Light| {
         let strength =
@@ -57,14 +61,14 @@ pub fn lights(lights: &[Light]) -> String {
     lights.iter().map(one).collect::<Vec<_>>().join("; ")
 }
 
-/// Begins `text` with a capital.
+/// `text` as a sentence: a capital letter first, a full stop last.
 pub fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
     format!("{first}{}.", letters.as_str())
 }
 
-/// To what fits into a sentence.
+/// Two decimals.
 fn rounded(x: f64) -> f64 {
     (x * 1e2).round() / 1e2
 }

@@ -1,19 +1,19 @@
-//! What hand and keys do over the picture.
+//! Keys, and the pointer over the picture.
 
 use super::compare::Compare;
-use super::model::Model;
+use super::model::{Model, SaveAs};
 use super::orbit::{self, Drag};
 use egui::{Key, Modifiers, PointerButton, Rect, Sense, Ui};
 use glam::Vec2;
 
-/// Every key, in the order of the list that F1 shows.
+/// Every key and gesture with its meaning, as F1 lists them.
 pub const KEYS: [(&str, &str); 16] = [
     ("left drag", "orbit"),
     ("wheel", "zoom"),
     ("middle or Shift + left drag", "pan"),
     ("right or Ctrl + left drag", "move the first light over the hemisphere"),
     ("double click", "look at the point under the pointer"),
-    ("R", "reset everything to how it began"),
+    ("R", "reset all settings"),
     ("S", "save the picture as PNG; Shift + S: as EXR too"),
     ("C", "compare: alone, split, error in false colour"),
     ("drag the line", "move the split"),
@@ -26,34 +26,34 @@ pub const KEYS: [(&str, &str); 16] = [
     ("Esc", "close"),
 ];
 
-/// Lets keys change `model`.
+/// Applies key presses to `model`.
 pub fn keys(ui: &Ui, model: &mut Model) {
     if ui.ctx().text_edit_focused() {
         return;
     }
     ui.input(|i| {
-        // A key that is held repeats, and none of these means anything twice.
+        // Repeats of a held key are ignored: none of these actions should be repeated.
         let pressed = |wanted: Key| {
             i.events.iter().any(
                 |e| matches!(e, egui::Event::Key { key, pressed: true, repeat: false, .. } if *key == wanted),
             )
         };
-        model.wants.reset |= pressed(Key::R);
+        model.actions.reset |= pressed(Key::R);
         if pressed(Key::S) {
-            model.wants.save = Some(i.modifiers.shift);
+            model.actions.save = Some(if i.modifiers.shift { SaveAs::PngAndExr } else { SaveAs::Png });
         }
         if pressed(Key::C) {
-            model.compare = model.compare.next();
+            model.comparison.mode = model.comparison.mode.next();
         }
-        model.wants.measure |= pressed(Key::E);
-        model.inset ^= pressed(Key::B);
-        model.continuous ^= pressed(Key::Space);
-        model.panel ^= pressed(Key::P);
-        model.help ^= pressed(Key::F1);
+        model.actions.measure |= pressed(Key::E);
+        model.visible.inset ^= pressed(Key::B);
+        model.pacing.continuous ^= pressed(Key::Space);
+        model.visible.panel ^= pressed(Key::P);
+        model.visible.help ^= pressed(Key::F1);
         if pressed(Key::Escape) {
-            // The list of keys closes first: it is in the way.
-            model.wants.close = !model.help;
-            model.help = false;
+            // If the list of keys is open, Esc closes the list.
+            model.actions.close = !model.visible.help;
+            model.visible.help = false;
         }
         for (key, step) in [(Key::Plus, 0.5), (Key::Equals, 0.5), (Key::Minus, -0.5)] {
             if i.key_pressed(key) {
@@ -63,14 +63,14 @@ pub fn keys(ui: &Ui, model: &mut Model) {
     });
 }
 
-/// Lets the pointer over the picture in `rect` change `model`.
+/// Applies the pointer over the picture in `rect` to `model`.
 pub fn pointer(ui: &mut Ui, rect: Rect, model: &mut Model) {
     let picture = ui.interact(rect, ui.id().with("picture"), Sense::click_and_drag());
     if picture.double_clicked()
         && let Some(at) = picture.interact_pointer_pos()
     {
         let at = (at - rect.min) * ui.ctx().pixels_per_point();
-        model.wants.focus = Some([at.x, at.y]);
+        model.actions.focus = Some([at.x, at.y]);
     }
     let modifiers = ui.input(|i| i.modifiers);
     if let Some(drag) = drag(&picture, modifiers) {
@@ -86,20 +86,20 @@ pub fn pointer(ui: &mut Ui, rect: Rect, model: &mut Model) {
         }
     }
     if picture.hovered() {
-        /// Points of one step of a wheel.
+        /// Points per step of the wheel.
         const STEP: f32 = 40.0;
         let wheel = ui.input(|i| i.smooth_scroll_delta().y);
         if wheel != 0.0 {
-            let radius = model.stage.scene.mesh.bounds().radius;
+            let radius = model.loaded.scene.mesh.bounds().radius;
             model.settings.camera = orbit::zoomed(model.settings.camera, wheel / STEP, radius);
         }
     }
-    if model.compare != Compare::Alone {
+    if model.comparison.mode != Compare::Alone {
         split(ui, rect, model);
     }
 }
 
-/// What the drag over the picture means.
+/// The kind of a drag over the picture.
 fn drag(picture: &egui::Response, modifiers: Modifiers) -> Option<Drag> {
     let by = |button| picture.dragged_by(button);
     if by(PointerButton::Secondary) || by(PointerButton::Primary) && modifiers.ctrl {
@@ -111,10 +111,11 @@ fn drag(picture: &egui::Response, modifiers: Modifiers) -> Option<Drag> {
     }
 }
 
-/// The line between the two pictures can be dragged.
+/// Lets the split between the two pictures be dragged.
 fn split(ui: &mut Ui, rect: Rect, model: &mut Model) {
+    /// Distance from the line at which it can be grabbed [points].
     const REACH: f32 = 7.0;
-    let x = rect.left() + model.split * rect.width();
+    let x = rect.left() + model.comparison.split * rect.width();
     let line = Rect::from_x_y_ranges(x - REACH..=x + REACH, rect.y_range());
     let handle = ui.interact(line, ui.id().with("split"), Sense::drag());
     if handle.hovered() || handle.dragged() {
@@ -123,6 +124,6 @@ fn split(ui: &mut Ui, rect: Rect, model: &mut Model) {
     if handle.dragged()
         && let Some(at) = handle.interact_pointer_pos()
     {
-        model.split = ((at.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
+        model.comparison.split = ((at.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
     }
 }

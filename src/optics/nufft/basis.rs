@@ -1,12 +1,12 @@
-//! Few functions of the height that carry e^{izh} to nine digits of what is scattered: its singular functions on the
-//! heights and the z at hand, as Chebyshev series that hold for every height in range.
+//! A low-rank expansion of e^{izh} with nine digits: its singular functions over the heights and the range of z, as Chebyshev
+//! series valid for every height in range.
 
 use crate::surface::HeightField;
 use nalgebra::DMatrix;
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// What may be left out, relative to the amplitude that is scattered at the same z.
+/// Truncation error, relative to the scattered amplitude at the same z.
 const ACCURACY: f64 = 2e-10;
 /// Bins of the histogram of heights over the range, at least; two for each radian of phase on top.
 const BINS: usize = 256;
@@ -19,7 +19,7 @@ const PHASE_STEP: f64 = 0.08;
 
 /// b_n(h) and c_n(z) with e^{iz(h − middle)} ≈ Σ c_n(z) b_n(h).
 #[derive(Debug)]
-pub struct Basis {
+pub struct HeightBasis {
     middle: f64,
     half_range: f64,
     /// `[term][degree]`: the series of b_n in Chebyshev polynomials.
@@ -30,7 +30,7 @@ pub struct Basis {
     table: Vec<Complex64>,
 }
 
-impl Basis {
+impl HeightBasis {
     /// The functions for the heights of `field` and |z| up to `z_max` \[rad/µm\].
     pub fn new(field: &HeightField, z_max: f64) -> Self {
         let (low, high) = field.range();
@@ -74,7 +74,7 @@ impl Basis {
         basis
     }
 
-    /// Number of functions.
+    /// Number of terms.
     pub fn terms(&self) -> usize {
         self.series.len()
     }
@@ -200,7 +200,7 @@ mod tests {
     fn sup_error(range: f64, z_max: f64) -> (usize, f64) {
         let heights = (0..4096).map(|i| range * f64::from(i) / 4095.0).collect();
         let field = HeightField::new(64, 64, [0.1, 0.1], heights).unwrap();
-        let basis = Basis::new(&field, z_max);
+        let basis = HeightBasis::new(&field, z_max);
         let terms = basis.terms();
         let (mut b, mut c) = (vec![0.0; terms], vec![Complex64::ZERO; terms]);
         let mut worst = 0.0f64;
@@ -228,7 +228,7 @@ mod tests {
     #[test]
     fn a_flat_surface_needs_next_to_nothing() {
         let flat = HeightField::new(4, 4, [0.1, 0.1], vec![2.0; 16]).unwrap();
-        let basis = Basis::new(&flat, 33.0);
+        let basis = HeightBasis::new(&flat, 33.0);
         let (mut b, mut c) = (vec![0.0; basis.terms()], vec![Complex64::ZERO; basis.terms()]);
         basis.values(2.0, &mut b);
         basis.coefficients(20.0, &mut c);

@@ -1,15 +1,14 @@
-//! The setting that keeps a frame rate: the most accurate one that does, found by drawing, not by guessing.
+//! Autotuning: the most accurate setting that keeps a frame rate, found by timing each candidate.
 
-use super::profile::Arguments;
+use super::benchmark::{BenchmarkOptions, BenchmarkScene};
 use super::say;
-use super::stage::Stage;
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::measure::profile::measure;
 use crate::setup::Method;
 
-/// From the finest to the coarsest where no tolerance is named. Tables begin where they fit a usual device.
-const LADDER: [(Method, f64); 6] = [
+/// The candidates without --tolerance, the most accurate first. Tables of smaller tolerances do not fit usual devices.
+const CANDIDATES: [(Method, f64); 6] = [
     (Method::Spectral, 1e-3),
     (Method::Spectral, 1e-2),
     (Method::Table, 1e-2),
@@ -17,31 +16,31 @@ const LADDER: [(Method, f64); 6] = [
     (Method::Spectral, 1e-1),
     (Method::Table, 1e-1),
 ];
-/// Frames that a setting is tried with, and the seconds beyond which no more are drawn.
+/// Number of frames that a candidate is timed with, and the seconds after which no further frame is begun.
 const FRAMES: usize = 5;
 const SECONDS: f64 = 1.0;
 
-/// What was found.
-pub struct Choice {
-    /// The arguments of the setting.
-    pub arguments: Arguments,
-    /// The options to type for it.
+/// The result of autotuning.
+pub struct TunedSetting {
+    /// The options of the setting.
+    pub options: BenchmarkOptions,
+    /// The same as command line options.
     pub flags: String,
-    /// Whether it keeps the rate; else it is the fastest there was.
+    /// Whether it keeps the frame rate; otherwise it is the fastest candidate.
     pub keeps: bool,
 }
 
-/// The most accurate setting of `arguments`' scene that draws `fps` frames a second on the device of `stage`. What is named stays:
-/// method, basis and tolerance are chosen where they are not. Each setting that is tried is said.
+/// Finds the most accurate setting that draws `fps` frames a second of `scene`. Method, basis and tolerance that `options` name
+/// are kept. Reports each candidate on stderr.
 ///
 /// # Errors
-/// Where none can be drawn.
-pub fn keeping(fps: f64, stage: &Stage, arguments: &Arguments) -> Result<Choice> {
-    let mut fastest: Option<(f64, Choice)> = None;
+/// When no candidate can be drawn.
+pub fn tune(fps: f64, scene: &BenchmarkScene, options: &BenchmarkOptions) -> Result<TunedSetting> {
+    let mut fastest: Option<(f64, TunedSetting)> = None;
     let mut refused = None;
-    for own in candidates(arguments) {
-        let flags = flags(&own);
-        let rate = match rate(stage, &own) {
+    for options in candidates(options) {
+        let flags = flags(&options);
+        let rate = match frame_rate(scene, &options) {
             Ok(rate) => rate,
             Err(error) => {
                 say(&format_args!("{flags}: not possible here ({error})"));
@@ -50,51 +49,50 @@ pub fn keeping(fps: f64, stage: &Stage, arguments: &Arguments) -> Result<Choice>
             }
         };
         say(&format_args!("{flags}: {rate:.2} frames a second"));
-        let choice = Choice { arguments: own, flags, keeps: rate >= fps };
-        if choice.keeps {
-            return Ok(choice);
+        let setting = TunedSetting { options, flags, keeps: rate >= fps };
+        if setting.keeps {
+            return Ok(setting);
         }
         if fastest.as_ref().is_none_or(|(best, _)| rate > *best) {
-            fastest = Some((rate, choice));
+            fastest = Some((rate, setting));
         }
     }
     let none = || Error::usage("--fps leaves no setting to choose", "name fewer of method and tolerance");
-    fastest.map(|(_, choice)| choice).ok_or_else(|| refused.unwrap_or_else(none))
+    fastest.map(|(_, setting)| setting).ok_or_else(|| refused.unwrap_or_else(none))
 }
 
-/// The settings to try, the most accurate first.
-fn candidates(arguments: &Arguments) -> Vec<Arguments> {
-    let optics = &arguments.optics;
-    let rungs: Vec<(Method, f64)> = match optics.tolerance {
+/// The candidates, the most accurate first.
+fn candidates(options: &BenchmarkOptions) -> Vec<BenchmarkOptions> {
+    let optics = &options.optics;
+    let settings: Vec<(Method, f64)> = match optics.tolerance {
         Some(tolerance) => [Method::Spectral, Method::Table].map(|method| (method, tolerance)).to_vec(),
-        None => LADDER.to_vec(),
+        None => CANDIDATES.to_vec(),
     };
-    // What names a part of the sum over layers asks for it.
+    // Basis and terms are options of the spectral method.
     let spectral = optics.basis.is_some() || optics.terms.is_some();
     let wanted = |method: Method| match optics.method {
         Some(named) => named == method,
         None => !spectral || method == Method::Spectral,
     };
     let with = |(method, tolerance)| {
-        let mut own = arguments.clone();
+        let mut own = options.clone();
         own.optics.method = Some(method);
         own.optics.tolerance = Some(tolerance);
         own.optics.basis = optics.basis.or((method == Method::Spectral).then_some(Basis::Optimal));
         own
     };
-    rungs.into_iter().filter(|(method, _)| wanted(*method)).map(with).collect()
+    settings.into_iter().filter(|(method, _)| wanted(*method)).map(with).collect()
 }
 
 /// Frames a second of a setting.
-fn rate(stage: &Stage, own: &Arguments) -> Result<f64> {
-    let shading = own.optics.for_pictures(&own.colour)?;
-    let mut ready = stage.prepare(own, &shading)?;
-    let times = measure(&mut ready.painter, &stage.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
+fn frame_rate(scene: &BenchmarkScene, options: &BenchmarkOptions) -> Result<f64> {
+    let mut painter = scene.prepare(options)?.painter;
+    let times = measure(&mut painter, &scene.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
     Ok(1e3 / times.frame.p50)
 }
 
-/// A setting as it is typed.
-fn flags(own: &Arguments) -> String {
+/// A setting as command line options.
+fn flags(own: &BenchmarkOptions) -> String {
     let tolerance = format!("--tolerance {:e}", own.optics.tolerance());
     match (own.optics.method(), own.optics.basis) {
         (Method::Spectral, Some(basis)) => format!("--method spectral --basis {} {tolerance}", basis.name()),
@@ -109,15 +107,14 @@ mod tests {
     use clap::Parser;
 
     #[derive(Parser, Debug)]
-    struct Words {
+    struct CommandLine {
         #[command(flatten)]
-        profile: Arguments,
+        options: BenchmarkOptions,
     }
 
-    fn tried(words: &str) -> Vec<String> {
-        let words =
-            Words::try_parse_from(std::iter::once("profile").chain(words.split_whitespace())).unwrap();
-        candidates(&words.profile).iter().map(flags).collect()
+    fn tried(flags: &str) -> Vec<String> {
+        let words = std::iter::once("profile").chain(flags.split_whitespace());
+        candidates(&CommandLine::try_parse_from(words).unwrap().options).iter().map(super::flags).collect()
     }
 
     #[test]

@@ -3,20 +3,20 @@
 
 use std::f64::consts::PI;
 
-/// Bins that one value is read from along an axis.
+/// Width of the kernel in bins.
 pub const TAPS: usize = 10;
-/// Degree of the polynomials that stand for φ between two bins: the error is below 1e-11 of its peak.
+/// Degree of the polynomials that approximate φ between two bins with an error below 1e-11 of its peak.
 const DEGREE: usize = 14;
 
 /// φ for one shape parameter.
 #[derive(Clone, Debug)]
-pub struct Kernel {
+pub struct GriddingKernel {
     shape: f64,
     /// Chebyshev coefficients in 2·fraction − 1 of φ at each of the taps.
     pieces: [[f64; TAPS]; DEGREE + 1],
 }
 
-impl Kernel {
+impl GriddingKernel {
     /// The kernel with β = `shape`·w.
     pub fn new(shape: f64) -> Self {
         let beta = shape * TAPS as f64;
@@ -93,12 +93,12 @@ mod tests {
     #[test]
     fn the_pieces_are_the_kernel_and_the_transform_is_its_transform() {
         let (shape, half) = (2.3, TAPS as f64 / 2.0);
-        let kernel = Kernel::new(shape);
+        let kernel = GriddingKernel::new(shape);
         let beta = shape * TAPS as f64;
         for i in 0..100 {
             let fraction = f64::from(i) / 100.0;
             for (tap, weight) in kernel.weights(fraction).into_iter().enumerate() {
-                let t = fraction - Kernel::offset(tap);
+                let t = fraction - GriddingKernel::offset(tap);
                 let exact = bessel_i0(beta * (1.0 - (t / half).powi(2)).max(0.0).sqrt()) / bessel_i0(beta);
                 assert!((weight - exact).abs() < 1e-11, "{t}: {weight} {exact}");
             }

@@ -1,7 +1,7 @@
-//! Frames of the window: pictures below, the panel above, two frames in flight.
+//! Presents frames of the window: the pictures, with the panel on top, two frames in flight.
 
-use super::atlas::Kept;
-use super::gui::{Gui, Painting};
+use super::atlas::FrameResources;
+use super::gui::{Gui, PaintJobs};
 use crate::error::Result;
 use crate::render::window::{Pictures, Place, WindowPass};
 use crate::vk::access::Access;
@@ -15,33 +15,33 @@ use ash::vk;
 use std::sync::Arc;
 use winit::window::Window;
 
-/// Frames in flight: one is drawn while the one before is shown.
-const FLIGHTS: usize = 2;
+/// Number of frames in flight: one is recorded while the one before is shown.
+const FRAMES_IN_FLIGHT: usize = 2;
 
 /// What one frame in flight uses.
-struct Flight {
-    // First: waits for its work before anything that the work uses goes.
+struct FrameInFlight {
+    // First: dropping it waits for the work that uses the other fields.
     commands: Commands,
     acquired: Semaphore,
     pictures: Pictures,
-    kept: Kept,
+    resources: FrameResources,
 }
 
-/// The pictures to show and where.
-pub struct Scenery<'a> {
+/// The pictures to show and their place.
+pub struct ShownPictures<'a> {
     /// Left and right of the split.
     pub images: [&'a Arc<Image>; 2],
-    /// Where they lie.
+    /// Their place in the window.
     pub place: Place,
 }
 
-/// A window's surface and all that draws to it.
-pub struct Screen {
-    flights: Vec<Flight>,
+/// The surface of a window and everything that draws to it.
+pub struct Presenter {
+    frames: Vec<FrameInFlight>,
     next: usize,
     gui: Gui,
     pass: WindowPass,
-    // None: for now there is nothing to draw to.
+    // `None` while the window has no area.
     swapchain: Option<Swapchain>,
     outdated: bool,
     mode: vk::PresentModeKHR,
@@ -50,11 +50,11 @@ pub struct Screen {
     device: Arc<Device>,
 }
 
-impl Screen {
-    /// The screen of `window`, presenting by `mode` where the device can.
+impl Presenter {
+    /// A presenter for `window`, in presentation mode `mode` if the device supports it.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// When the device fails.
     pub fn new(
         device: &Arc<Device>,
         surface: &Arc<Surface>,
@@ -63,18 +63,18 @@ impl Screen {
     ) -> Result<Self> {
         let format = Swapchain::format_of(device, surface)?;
         let pass = WindowPass::new(device, format)?;
-        let flight = || {
-            Ok(Flight {
+        let frame = || {
+            Ok(FrameInFlight {
                 commands: Commands::new(device, "window")?,
                 acquired: Semaphore::new(device, "image acquired")?,
                 pictures: pass.pictures()?,
-                kept: Kept::default(),
+                resources: FrameResources::default(),
             })
         };
         Ok(Self {
-            flights: (0..FLIGHTS).map(|_| flight()).collect::<Result<_>>()?,
+            frames: (0..FRAMES_IN_FLIGHT).map(|_| frame()).collect::<Result<_>>()?,
             next: 0,
-            gui: Gui::new(device, format, FLIGHTS)?,
+            gui: Gui::new(device, format, FRAMES_IN_FLIGHT)?,
             pass,
             swapchain: None,
             outdated: true,
@@ -85,86 +85,86 @@ impl Screen {
         })
     }
 
-    /// The swapchain no longer fits the window.
+    /// Recreates the swapchain before the next frame, because the window was resized.
     pub fn resized(&mut self) {
         self.outdated = true;
     }
 
-    /// How frames are presented.
+    /// The presentation mode.
     pub fn mode(&self) -> vk::PresentModeKHR {
         self.swapchain.as_ref().map_or(self.mode, Swapchain::mode)
     }
 
-    /// Draws a frame and hands it to the window; false where the window has no area or changed meanwhile, so that nothing is
-    /// shown yet.
+    /// Draws a frame and presents it; false if nothing was shown because the window has no area or was resized meanwhile.
     ///
     /// # Errors
-    /// Where the device is lost.
-    pub fn draw(&mut self, scenery: Option<&Scenery<'_>>, painting: &mut Painting) -> Result<bool> {
+    /// When the device is lost.
+    pub fn draw(&mut self, pictures_shown: Option<&ShownPictures<'_>>, jobs: &mut PaintJobs) -> Result<bool> {
         if self.outdated {
-            self.renew()?;
+            self.recreate_swapchain()?;
         }
         let Some(swapchain) = &self.swapchain else { return Ok(false) };
-        let flight = &mut self.flights[self.next];
-        flight.commands.wait()?;
-        flight.kept.clear();
-        let index = match swapchain.acquire(&flight.acquired)? {
+        let frame = &mut self.frames[self.next];
+        frame.commands.wait()?;
+        frame.resources.clear();
+        let index = match swapchain.acquire(&frame.acquired)? {
             Shown::Done(index) => index,
             Shown::Outdated => {
                 self.outdated = true;
                 return Ok(false);
             }
-            Shown::Lost => return self.lost(),
+            Shown::Lost => return self.recreate_surface(),
         };
-        self.next = (self.next + 1) % FLIGHTS;
-        if let Some(Scenery { images: [left, right], .. }) = scenery {
-            self.pass.show(&mut flight.pictures, left, right);
+        self.next = (self.next + 1) % FRAMES_IN_FLIGHT;
+        if let Some(ShownPictures { images: [left, right], .. }) = pictures_shown {
+            self.pass.show(&mut frame.pictures, left, right);
         }
         let image = swapchain.image(index);
-        let (pass, pictures, gui, kept) = (&self.pass, &flight.pictures, &mut self.gui, &mut flight.kept);
+        let (pass, pictures, gui, resources) =
+            (&self.pass, &frame.pictures, &mut self.gui, &mut frame.resources);
         let record = |record: &crate::vk::commands::Recorder<'_>| {
-            gui.upload(record, &mut painting.textures, kept)?;
+            gui.upload(record, &mut jobs.textures, resources)?;
             record.images(&[(image, Access::Nothing, Access::ColorAttachment)]);
             let mut drawn = Ok(());
-            record.render(&[(image, Some(BACKDROP))], None, |draw| {
-                if let Some(scenery) = scenery {
-                    pass.draw(draw, pictures, &scenery.place);
+            record.render(&[(image, Some(BACKGROUND))], None, |draw| {
+                if let Some(pictures_shown) = pictures_shown {
+                    pass.draw(draw, pictures, &pictures_shown.place);
                 }
-                drawn = gui.draw(draw, image.size(), painting, kept);
+                drawn = gui.draw(draw, image.size(), jobs, resources);
             });
             record.images(&[(image, Access::ColorAttachment, Access::Present)]);
             drawn
         };
-        flight.commands.start(record, Some(&flight.acquired), Some(swapchain.drawn(index)))?;
+        frame.commands.start(record, Some(&frame.acquired), Some(swapchain.drawn(index)))?;
         match swapchain.present(index)? {
             Shown::Done(()) => Ok(true),
             Shown::Outdated => {
                 self.outdated = true;
                 Ok(true)
             }
-            Shown::Lost => self.lost(),
+            Shown::Lost => self.recreate_surface(),
         }
     }
 
-    /// Makes the swapchain anew.
-    fn renew(&mut self) -> Result<()> {
-        self.flights.iter_mut().try_for_each(|flight| flight.commands.wait())?;
+    /// Recreates the swapchain.
+    fn recreate_swapchain(&mut self) -> Result<()> {
+        self.frames.iter_mut().try_for_each(|frame| frame.commands.wait())?;
         let size: [u32; 2] = self.window.inner_size().into();
         match Swapchain::new(&self.device, &self.surface, size, self.mode, self.swapchain.take())? {
             Shown::Done(swapchain) => {
-                // A window without area is outdated until it has one.
+                // A window without area needs a swapchain once it has one.
                 self.outdated = swapchain.is_none();
                 self.swapchain = swapchain;
                 Ok(())
             }
             Shown::Outdated => Ok(()),
-            Shown::Lost => self.lost().map(drop),
+            Shown::Lost => self.recreate_surface().map(drop),
         }
     }
 
-    /// Makes surface and swapchain anew.
-    fn lost(&mut self) -> Result<bool> {
-        self.flights.iter_mut().try_for_each(|flight| flight.commands.wait())?;
+    /// Recreates surface and swapchain.
+    fn recreate_surface(&mut self) -> Result<bool> {
+        self.frames.iter_mut().try_for_each(|frame| frame.commands.wait())?;
         self.swapchain = None;
         self.surface = Arc::new(Surface::new(self.device.instance(), &self.window)?);
         self.outdated = true;
@@ -172,5 +172,5 @@ impl Screen {
     }
 }
 
-/// Behind picture and panel.
-const BACKDROP: [f32; 4] = [0.07, 0.075, 0.085, 1.0];
+/// Colour behind picture and panel, linear.
+const BACKGROUND: [f32; 4] = [0.07, 0.075, 0.085, 1.0];

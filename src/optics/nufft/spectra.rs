@@ -1,8 +1,8 @@
 //! Spectra of the basis functions under one window, in f64, and |P|² read between their bins.
 
-use super::axis::{Axis, GAUSSIAN_SHAPE, Look, PATCH_SHAPE};
-use super::basis::Basis;
-use super::kernel::{Kernel, TAPS};
+use super::axis::{GAUSSIAN_SHAPE, Look, PATCH_SHAPE, TransformAxis};
+use super::basis::HeightBasis;
+use super::kernel::{GriddingKernel, TAPS};
 use crate::error::Result;
 use crate::memory;
 use crate::optics::coherence::Coherence;
@@ -14,21 +14,21 @@ use rustfft::{Fft, FftPlanner};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Bins that a kernel reaches beyond the place that is asked for.
+/// Bins that the kernel reaches beyond a frequency.
 const GUARD: usize = TAPS / 2;
 
 /// The spectra of one surface under one window.
 #[derive(Debug)]
 pub struct Spectra<'a> {
-    basis: &'a Basis,
-    kernel: Kernel,
-    x: Axis,
-    y: Axis,
+    basis: &'a HeightBasis,
+    kernel: GriddingKernel,
+    x: TransformAxis,
+    y: TransformAxis,
     /// `[f_x][f_y][term]`, f_x from −`GUARD` bins, f_y from −(bins + `GUARD`): Re, Im in µm².
     texels: Vec<f64>,
     /// Numbers of a texel: two for each term, of which there is an even number.
     stride: usize,
-    /// Largest frequencies that the samples hold \[µm⁻¹\].
+    /// Band limit of the samples along x and y \[µm⁻¹\].
     band: [f64; 2],
 }
 
@@ -37,17 +37,17 @@ impl<'a> Spectra<'a> {
     /// up to `reach` \[µm⁻¹\].
     ///
     /// # Errors
-    /// Where memory does not suffice.
+    /// Too little memory.
     pub fn new(
         field: &HeightField,
         coherence: &Coherence,
         shift: [f64; 2],
         reach: [f64; 2],
-        basis: &'a Basis,
+        basis: &'a HeightBasis,
     ) -> Result<Self> {
         let spacing = field.pixel_size();
         let band = spacing.map(|d| 0.5 / d);
-        let kernel = Kernel::new(match coherence {
+        let kernel = GriddingKernel::new(match coherence {
             Coherence::Gaussian { .. } => GAUSSIAN_SHAPE,
             Coherence::Repeats(_) => PATCH_SHAPE,
         });
@@ -59,7 +59,7 @@ impl<'a> Spectra<'a> {
                 reach: reach[number].min(band[number]),
                 number,
             };
-            Axis::new(&look, coherence, &kernel)
+            TransformAxis::new(&look, coherence, &kernel)
         };
         let (x, y) = (axis(0), axis(1));
         let stride = 2 * basis.terms().next_multiple_of(2);

@@ -1,14 +1,14 @@
-//! Normals and texture coordinates for meshes that come without.
+//! Smooth normals and projected texture coordinates for meshes without them.
 
-use super::mesh::{Corner, Surfaced};
+use super::corner::{CompleteCorner, Corner};
 use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 
-/// Fills in what the corners lack. Every triangle must have an area.
-pub(super) fn complete(triangles: &[[Corner; 3]]) -> Vec<[Surfaced; 3]> {
+/// Completes the corners. Every triangle must have an area.
+pub(super) fn complete(triangles: &[[Corner; 3]]) -> Vec<[CompleteCorner; 3]> {
     let given = |c: &Corner| c.normal.and_then(|n| Vec3::from(n).as_dvec3().try_normalize());
-    let lacking = triangles.iter().flatten().any(|c| given(c).is_none());
-    let smooth = if lacking { smooth_normals(triangles) } else { HashMap::new() };
+    let incomplete = triangles.iter().flatten().any(|c| given(c).is_none());
+    let smooth = if incomplete { smooth_normals(triangles) } else { HashMap::new() };
     triangles
         .iter()
         .map(|triangle| {
@@ -16,7 +16,7 @@ pub(super) fn complete(triangles: &[[Corner; 3]]) -> Vec<[Surfaced; 3]> {
             triangle.map(|c| {
                 let shared = || smooth.get(&key(c.position)).and_then(|n| n.try_normalize());
                 let normal = given(&c).or_else(shared).unwrap_or(face);
-                Surfaced {
+                CompleteCorner {
                     position: c.position.into(),
                     normal: normal.as_vec3().normalize(),
                     uv: c.uv.map_or_else(|| project(c.position, face), Vec2::from),
@@ -38,7 +38,7 @@ fn smooth_normals(triangles: &[[Corner; 3]]) -> HashMap<[u32; 3], DVec3> {
             *sums.entry(key(triangle[i].position)).or_insert(DVec3::ZERO) += face * angle;
         }
     }
-    // What is left of cancelled sums is rounding, not a direction.
+    // Sums that cancel leave rounding errors without a direction.
     sums.retain(|_, n| n.length() > 1e-6);
     sums
 }

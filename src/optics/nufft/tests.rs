@@ -11,7 +11,7 @@ fn patch(kind: Kind, size: f64) -> HeightField {
     synth::generate(&Spec { patch: Some([size; 2]), ..Spec::new(kind) }).unwrap()
 }
 
-/// Pairs of directions above the horizon, seven tenths of which are anywhere and the rest near the mirror direction.
+/// Pairs of directions above the horizon, seven tenths of which are anywhere and the rest near the specular direction.
 fn pairs(count: usize, seed: u64) -> Vec<Pair> {
     let mut random = Random::new(seed);
     let mut uniform = || random.share();
@@ -32,7 +32,7 @@ fn pairs(count: usize, seed: u64) -> Vec<Pair> {
 /// The largest error of single wavelengths relative to each one's own value, over those that are not speckle's zeros.
 fn worst(field: &HeightField, coherence: Coherence, windows: [u32; 2], seed: u64) -> (f64, f64) {
     let reference = Reference::new(field, coherence, windows, 1.5);
-    let basis = Basis::new(field, 4.0 * PI / SHORTEST);
+    let basis = HeightBasis::new(field, 4.0 * PI / SHORTEST);
     let pairs = pairs(60, seed);
     let [n, m] = windows;
     let patch = field.patch_size();
@@ -60,7 +60,7 @@ fn worst(field: &HeightField, coherence: Coherence, windows: [u32; 2], seed: u64
         for (a, b) in fine.iter().zip(&exact) {
             assert_eq!(*b == 0.0, *a == 0.0, "the band ends elsewhere");
             // A zero of the speckle has no digits of its own: its floor is a thousandth of its surroundings. Between the
-            // orders of a grating there is nothing at all: the floor is a billionth of the mirror peak.
+            // orders of a grating there is nothing at all: the floor is a billionth of the specular peak.
             let error = (a - b).abs() / b.max(1e-3 * typical).max(1e-9 * peak);
             squares += error * error;
             largest = largest.max(error);

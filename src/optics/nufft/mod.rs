@@ -1,6 +1,6 @@
-//! The direct sum of [`super::reference`], thousands of times faster where many directions are asked for: spectra of a
-//! few functions of the height on an oversampled grid, read by a Kaiser–Bessel kernel, all in f64. It agrees with the
-//! direct sum to better than 1e-6 of each direction's value and shares no code with the layers that it judges.
+//! Non-uniform fast Fourier transforms: the sum of [`super::reference`] for many directions, thousands of times faster.
+//! Spectra of a few functions of the height on an oversampled grid are interpolated with a Kaiser–Bessel kernel, all in f64.
+//! Each direction agrees with the direct sum to better than 1e-6. Shares no code with the layers that are compared with it.
 
 mod axis;
 mod basis;
@@ -12,7 +12,7 @@ use super::quadrature::{Ladder, Nodes};
 use super::reference::Reference;
 use super::spectrum::{Illuminant, SHORTEST};
 use crate::error::Result;
-use basis::Basis;
+use basis::HeightBasis;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use spectra::Spectra;
@@ -24,14 +24,14 @@ const AT_ONCE: usize = 2048;
 /// Multiplications of the direct sum that take as long as one sample of one transform.
 const SUMS_PER_TRANSFORMED: f64 = 40.0;
 
-/// Called with what is done and of how much; an error from it ends the work.
+/// Called with the steps done and in total; an error from it ends the work.
 pub type Progress<'a> = &'a dyn Fn(usize, usize) -> Result<()>;
 
-/// XYZ of f·cos θ_i \[sr⁻¹\] of many directions, as [`Reference::cosine_weighted_xyz`] gives them one by one. A few
-/// directions are left to it.
+/// XYZ of f·cos θ_i \[sr⁻¹\] of many directions; see [`Reference::cosine_weighted_xyz`] for one. A few directions are summed
+/// directly.
 ///
 /// # Errors
-/// As [`Reference::cosine_weighted_xyz`]; where memory does not suffice; what `progress` returns.
+/// As [`Reference::cosine_weighted_xyz`], too little memory, and what `progress` returns.
 pub fn cosine_weighted_xyz(
     reference: &Reference<'_>,
     illuminant: &Illuminant,
@@ -43,7 +43,7 @@ pub fn cosine_weighted_xyz(
     if is_little(reference, &counts, SHORTEST) {
         return one_by_one(reference, illuminant, pairs, progress);
     }
-    let basis = Basis::new(reference.field(), z_max);
+    let basis = HeightBasis::new(reference.field(), z_max);
     let combs: BTreeMap<usize, Nodes> = counts
         .iter()
         .copied()
@@ -83,7 +83,7 @@ pub fn cosine_weighted(reference: &Reference<'_>, pairs: &[Pair], wavelength: f6
     if is_little(reference, &counts, wavelength) {
         return Ok(pairs.iter().map(|p| reference.cosine_weighted_spectrum(p, q, 0.0, 1)[0]).collect());
     }
-    let basis = Basis::new(reference.field(), 4.0 * PI * q);
+    let basis = HeightBasis::new(reference.field(), 4.0 * PI * q);
     let reach = reach_of(pairs, wavelength);
     let mut sums = vec![0.0; pairs.len()];
     let [n, m] = reference.windows();
@@ -120,7 +120,7 @@ fn node_count(reference: &Reference<'_>, pair: &Pair) -> Result<usize> {
     Ok(Ladder::RATIO.powf(level).ceil() as usize)
 }
 
-/// The largest frequencies that `pairs` ask for at wavelengths from `shortest` \[µm\] \[µm⁻¹\].
+/// Largest frequencies of `pairs` along x and y at wavelengths from `shortest` \[µm\] \[µm⁻¹\].
 fn reach_of(pairs: &[Pair], shortest: f64) -> [f64; 2] {
     let largest = pairs
         .iter()

@@ -1,21 +1,21 @@
-//! One axis of the transforms: the samples that a window sees, laid out around the window's centre.
+//! One axis of the transforms: the samples within a window, relative to its centre.
 
-use super::kernel::Kernel;
+use super::kernel::GriddingKernel;
 use crate::optics::coherence::{self, Coherence, GAUSSIAN_CUT, periodic_factor};
 use std::f64::consts::PI;
 
-/// What a window lets through along one axis, ready for a transform.
+/// Samples and weights of a window along one axis.
 #[derive(Debug)]
-pub struct Axis {
+pub struct TransformAxis {
     /// Length of the transform in samples.
     pub samples: usize,
-    /// The same in micrometres: bins are 1/length apart.
+    /// Length of the transform \[µm\]; bins are 1/length apart.
     pub length: f64,
-    /// Weight of each sample of the transform, the kernel's transform divided out.
+    /// Weight of each sample, divided by the transform of the kernel (deapodisation).
     pub weights: Vec<f64>,
     /// Column or row of the patch that each sample of the transform is.
     pub patch_index: Vec<usize>,
-    /// Bins on either side of 0 that directions can ask for.
+    /// Bins needed on either side of 0.
     pub bins: usize,
     /// Copies of the patch side by side, and its period \[µm\], where there are copies.
     copies: Option<(u32, f64)>,
@@ -26,11 +26,11 @@ pub struct Axis {
 pub struct Look {
     /// Samples of the patch.
     pub samples: usize,
-    /// Distance of samples \[µm\].
+    /// Sample spacing \[µm\].
     pub spacing: f64,
     /// Shift of the window from the patch centre \[µm\].
     pub shift: f64,
-    /// Largest frequency that is asked for \[µm⁻¹\].
+    /// Largest frequency needed \[µm⁻¹\].
     pub reach: f64,
     /// 0 along columns, 1 along rows, of which the first has the largest coordinate.
     pub number: usize,
@@ -45,9 +45,9 @@ const PATCH_RATIO: f64 = 2.5;
 /// β/w of the kernel for copies of a patch.
 pub const PATCH_SHAPE: f64 = 2.49;
 
-impl Axis {
+impl TransformAxis {
     /// Lays out what `coherence` sees of the axis `look`.
-    pub fn new(look: &Look, coherence: &Coherence, kernel: &Kernel) -> Self {
+    pub fn new(look: &Look, coherence: &Coherence, kernel: &GriddingKernel) -> Self {
         let patch = look.samples as i64;
         // Sample g of the endless surface stands at (g − (N − 1)/2)·spacing and is sample g mod N of the patch. The
         // first sample, their number, and the window's centre in samples:
