@@ -108,7 +108,7 @@ pub struct OpticsOptions {
     /// How the optics is computed [default: spectral]
     #[arg(long, value_enum)]
     pub method: Option<Method>,
-    /// Which expansion the precomputed spectra hold: taylor (the thesis'), chebyshev or optimal (fewest terms) [default: optimal for
+    /// Which expansion the precomputed spectra hold: taylor (the thesis') or optimal (fewest terms) [default: optimal for
     /// pictures; else taylor where 32-bit floats hold it]
     #[arg(long, value_name = "BASIS", value_parser = basis)]
     pub basis: Option<Basis>,
@@ -335,9 +335,7 @@ fn filter(text: &str) -> Result<Filter> {
 
 fn basis(text: &str) -> Result<Basis> {
     let named = Basis::ALL.into_iter().find(|basis| basis.name() == text);
-    named.ok_or_else(|| {
-        Error::usage(format!("there is no basis `{text}`"), "give taylor, chebyshev or optimal")
-    })
+    named.ok_or_else(|| Error::usage(format!("there is no basis `{text}`"), "give taylor or optimal"))
 }
 
 /// A relative error.

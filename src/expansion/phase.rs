@@ -6,7 +6,6 @@
 //! makes them.
 
 use super::Expansion;
-use super::chebyshev::bessel_j;
 use rustfft::num_complex::Complex64;
 
 /// Most polynomials: enough for twenty radians of y.
@@ -88,9 +87,42 @@ impl Expansion for Phase {
     }
 }
 
+/// J_0(x) … J_{count−1}(x) by Miller's backward recurrence, normalised by J_0 + 2 Σ J_{2m} = 1.
+pub fn bessel_j(x: f64, count: usize) -> Vec<f64> {
+    if x == 0.0 {
+        return (0..count).map(|n| if n == 0 { 1.0 } else { 0.0 }).collect();
+    }
+    // From well above both the order and the argument, where J is negligible: 40 orders more give full f64 accuracy.
+    let start = (count.max(x.abs().ceil() as usize) + 40 + (x.abs().sqrt() as usize) * 4) & !1;
+    let mut j = vec![0.0f64; start + 2];
+    j[start] = 1e-300;
+    for n in (1..=start).rev() {
+        j[n - 1] = 2.0 * n as f64 / x * j[n] - j[n + 1];
+        if j[n - 1].abs() > 1e200 {
+            j.iter_mut().for_each(|v| *v *= 1e-250);
+        }
+    }
+    let norm = j[0] + 2.0 * j.iter().skip(2).step_by(2).sum::<f64>();
+    j.truncate(count);
+    j.iter_mut().for_each(|v| *v /= norm);
+    j
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn bessel_functions_have_their_tabulated_values() {
+        // Abramowitz & Stegun, tables 9.1 and 9.4.
+        let j = bessel_j(1.0, 3);
+        assert!((j[0] - 0.765_197_686_557_966_5).abs() < 1e-14);
+        assert!((j[1] - 0.440_050_585_744_933_5).abs() < 1e-14);
+        let j = bessel_j(10.0, 11);
+        assert!((j[0] + 0.245_935_764_451_348_3).abs() < 1e-13);
+        assert!((j[10] - 0.207_486_106_633_358_9).abs() < 1e-13);
+        assert_eq!(bessel_j(0.0, 2), [1.0, 0.0]);
+    }
 
     #[test]
     fn the_bound_holds_over_the_whole_range_of_heights_and_z() {

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::expansion::Basis;
 use crate::optics::orders::{Colours, Repeats, Sampling};
 use crate::optics::spectrum::SHORTEST;
-use crate::precompute::{Aim, Layers, Settings};
+use crate::precompute::{Layers, Settings};
 use crate::render::evaluator::queries_and_answers;
 use crate::render::shader;
 use crate::render::shading::{Purpose, Shading};
@@ -215,7 +215,5 @@ pub fn layer_settings(shading: &Shading, device: &Candidate) -> Result<Settings>
         ..shading.clone()
     };
     let sigma = for_layers.coherence.sigma().unwrap_or(f64::INFINITY);
-    let settings = for_layers.windowed_settings(sigma, SHORTEST, device)?;
-    // All of z is read at once: one band of polynomials serves it.
-    Ok(Settings { aim: Aim::FewTransforms, lines: None, ..settings })
+    for_layers.windowed_settings(sigma, SHORTEST, device)
 }

@@ -153,7 +153,7 @@ mod tests {
     use super::*;
     use crate::expansion::Basis;
     use crate::optics::spectrum::Illuminant;
-    use crate::precompute::{Aim, Budget};
+    use crate::precompute::Budget;
 
     #[test]
     fn what_is_stored_is_loaded_and_any_changed_byte_makes_it_absent() {
@@ -218,8 +218,6 @@ mod tests {
             budget: Budget { interpolation: 7e-2, expansion: 3.5e-2 },
             basis: Basis::Taylor,
             terms: None,
-            aim: Aim::FewTransforms,
-            lines: None,
             memory_limit: 1 << 28,
             side_limit: 16_384,
         };

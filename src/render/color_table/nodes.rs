@@ -150,7 +150,7 @@ impl<'a> Judge<'a> {
         let sign = if turned { -1.0 } else { 1.0 };
         let (mut before, mut own) = (x, 1.0); // T_{−1} = T_1
         let mut sum = Complex64::ZERO;
-        for pair in 0..self.layers.count() {
+        for pair in 0..self.layers.pairs() {
             let [a, b, c, d] =
                 std::array::from_fn(|i| f64::from(self.layers.texels.at(pair * plane + index * 4 + i)));
             sum += own * (Complex64::new(a, sign * b) + Complex64::I * Complex64::new(c, sign * d));
