@@ -8,18 +8,17 @@ layout(set = 1, binding = 0, std140) uniform Spectra {
     vec2 band;                      // largest |f_x|, |f_y| that holds anything [1/um]
     float sigma;                    // standard deviation of the Gaussian window [um]
     float normal_reflectance;       // R0 of Schlick
-    float bands_per_z;              // bands of z per unit of k|w| [um]
-    float last_column;              // number of the last column of `coefficients`; the first is 0
+    vec2 column;                    // texture coordinate of `coefficients` at z = k|w| = 0, and per unit of z [um]
     float pairs_per_z;              // pairs of terms that k|w| needs: pairs_per_z k|w| + fewest_pairs, rounded up
     float fewest_pairs;
+    float half_range;               // a: half the range of heights [um]
 } source;
 
 // Spectra of the basis functions: RGBA = Re, Im of term 2p, Re, Im of term 2p + 1, relative to the flat mirror's peak.
-// Pair p of terms in band b of z is layer p Z_BANDS + b.
+// Pair p of terms is layer p.
 layout(set = 1, binding = 1) uniform sampler2DArray layers;
 
-// c_2p, c_2p+1 as (Re, Im, Re, Im) over the band of z, in the layers of the same numbers. Small tables are textures
-// because software devices read those eight lanes at a time, and buffers lane by lane.
+// c_2p, c_2p+1 as (Re, Im, Re, Im) over z, in the layers of the same numbers. Small tables are textures because software devices read those eight lanes at a time, and buffers lane by lane.
 layout(set = 1, binding = 2) uniform sampler2DArray coefficients;
 
 // XYZ weight and wavenumber 1/lambda [1/um] of nodes, the wavenumber growing along a row; or the colour functions as a density.
@@ -29,10 +28,9 @@ layout(set = 1, binding = 3) uniform sampler2D nodes;
 layout(constant_id = 10) const bool CUBIC_X = false;     // cubic B-spline along f_x, else linear
 layout(constant_id = 11) const bool CUBIC_Y = false;     // the same along f_y
 layout(constant_id = 12) const bool HALF_PLANE = true;   // the layers hold f_x >= 0 only
-layout(constant_id = 13) const int Z_BANDS = 1;          // equal parts of z = k|w| with layers of their own
-layout(constant_id = 14) const int PAIRS = 1;            // pairs of terms of each
-layout(constant_id = 15) const bool FEWER_PAIRS = false; // small z need fewer
-layout(constant_id = 16) const int COEFFICIENTS_BY = 0;  // of the coefficients: see below
+layout(constant_id = 13) const int PAIRS = 1;            // pairs of terms
+layout(constant_id = 14) const bool FEWER_PAIRS = false; // small z need fewer
+layout(constant_id = 15) const bool TAYLOR = false;      // coefficients of the Taylor series, by a recurrence; else from the table
 
 // Place and weights of one read of all layers, made once per frequency.
 struct Read {
@@ -109,70 +107,9 @@ float largest_wavenumber(Pair pair) {
     return min(reach.x, reach.y);
 }
 
-// Where the coefficients come from; the same numbers as in src/precompute/coefficients.rs.
-const int INTERPOLATED = 0; // linear between the columns of a table
-const int NEAREST = 1;      // the nearest column
-const int POWERS = 2;       // c_n = d^n of the place d in the band: computed
-const int POLYNOMIALS = 3;  // c_0 = 1, c_n = d T_{n-1}(2d - 1) with Chebyshev's T: computed
-
-const bool COMPUTED = COEFFICIENTS_BY == POWERS || COEFFICIENTS_BY == POLYNOMIALS;
-
-// The coefficients at one z, pair after pair.
-struct Coefficients {
-    float place;     // in the band of z, 0 ... 1
-    float conjugate; // as in `Ray`
-    vec2 own;        // computed: of the pair at hand
-    vec2 next;       // and of the next
-};
-
-Coefficients coefficients_from(float place, float conjugate) {
-    Coefficients c = Coefficients(place, conjugate, vec2(1.0, place), vec2(0.0));
-    if (COEFFICIENTS_BY == POWERS) {
-        c.next = vec2(place * place, place * place * place);
-    } else {
-        float x = 2.0 * place - 1.0;
-        c.next = place * vec2(x, 2.0 * x * x - 1.0);
-    }
-    return c;
-}
-
-// To the next pair.
-void advance(inout Coefficients c) {
-    c.own = c.next;
-    if (COEFFICIENTS_BY == POWERS) {
-        c.next *= c.place * c.place;
-    } else {
-        float twice = 4.0 * c.place - 2.0;
-        c.next.x = twice * c.own.y - c.own.x;
-        c.next.y = twice * c.next.x - c.own.y;
-    }
-}
-
-// c_2p, c_2p+1 from a layer of the table.
-vec4 coefficients_at(float place, int layer) {
-    float column = place * source.last_column;
-    if (COEFFICIENTS_BY == NEAREST) {
-        return texelFetch(coefficients, ivec3(int(column + 0.5), 0, layer), 0);
-    }
-    // Interpolating all coefficients alike interpolates e^{izh} itself: an error of (dz a)^2/8 and no cancellation.
-    return textureLod(coefficients, vec3((column + 0.5) / (source.last_column + 1.0), 0.5, layer), 0.0);
-}
-
 // c_2p P_2p + c_2p+1 P_2p+1 of a pair of terms.
 vec2 sum_of_terms(vec4 c, vec4 s) {
     return vec2(c.x * s.x - c.y * s.y, c.x * s.y + c.y * s.x) + vec2(c.z * s.z - c.w * s.w, c.z * s.w + c.w * s.z);
-}
-
-// The same of the pair at hand, whose layer this is; then goes on to the next.
-vec2 next_terms(inout Coefficients coefficients, int layer, vec4 s) {
-    if (COMPUTED) {
-        vec2 sum = coefficients.own.x * s.xy + coefficients.own.y * s.zw;
-        advance(coefficients);
-        return sum;
-    }
-    vec4 c = coefficients_at(coefficients.place, layer);
-    c.yw *= coefficients.conjugate;
-    return sum_of_terms(c, s);
 }
 
 // Pairs of terms that k|w| = z needs.
@@ -184,19 +121,29 @@ int pairs_at(float z) {
 float power(Ray ray, float wavenumber) {
     Read read = read_at(ray.toward * wavenumber);
     float z = 2.0 * PI * wavenumber * ray.w;
-    float place = z * source.bands_per_z;
-    int layer = min(int(place), Z_BANDS - 1);
-    Coefficients c = coefficients_from(min(place - float(layer), 1.0), ray.conjugate);
+    float step = z * source.half_range;
+    float column = source.column.x + z * source.column.y;
     int count = FEWER_PAIRS ? pairs_at(z) : PAIRS;
+    // Of the Taylor series c_n = (i z a)^n/n!: for even n real, for odd n imaginary, whose sign the conjugate changes.
+    vec2 taylor = vec2(1.0, step * ray.conjugate);
     vec2 p = vec2(0.0);
     // Tested at its end: software devices run a loop's body until every lane has failed the test, and a test in front would
     // run it once more for nobody. There is always a pair.
-    int done = 0;
+    int pair = 0;
     do {
-        p += next_terms(c, layer, read_layer(read, layer));
-        layer += Z_BANDS;
-        ++done;
-    } while (done < count);
+        vec4 s = read_layer(read, pair);
+        if (TAYLOR) {
+            p += taylor.x * s.xy + taylor.y * vec2(-s.w, s.z);
+            float n = float(2 * pair + 2);
+            // Two terms on: times (i z a)^2 over the next two factors.
+            taylor *= -step * step / (n * vec2(n - 1.0, n + 1.0));
+        } else {
+            vec4 c = textureLod(coefficients, vec3(column, 0.5, pair), 0.0);
+            c.yw *= ray.conjugate;
+            p += sum_of_terms(c, s);
+        }
+        ++pair;
+    } while (pair < count);
     return dot(p, p);
 }
 

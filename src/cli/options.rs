@@ -108,8 +108,8 @@ pub struct OpticsOptions {
     /// How the optics is computed [default: table for pictures of the mean, else spectral]
     #[arg(long, value_enum)]
     pub method: Option<Method>,
-    /// Which expansion the spectra of one window hold (--windows 1x1): taylor (the thesis'), chebyshev or optimal (fewest terms) [default:
-    /// optimal for pictures; else taylor where 32-bit floats hold it]
+    /// Which expansion the spectra of one window hold (--windows 1x1): taylor (the thesis') or optimal (fewest terms) [default: optimal for
+    /// pictures; else taylor where 32-bit floats hold it]
     #[arg(long, value_name = "BASIS", value_parser = basis)]
     pub basis: Option<Basis>,
     /// Relative error that you accept; everything else follows from it unless named [default: 1e-2]
@@ -369,9 +369,7 @@ pub fn seed(text: &str) -> Result<u64> {
 
 fn basis(text: &str) -> Result<Basis> {
     let named = Basis::ALL.into_iter().find(|basis| basis.name() == text);
-    named.ok_or_else(|| {
-        Error::usage(format!("there is no basis `{text}`"), "give taylor, chebyshev or optimal")
-    })
+    named.ok_or_else(|| Error::usage(format!("there is no basis `{text}`"), "give taylor or optimal"))
 }
 
 /// A relative error.

@@ -22,7 +22,7 @@ use std::path::Path;
 pub struct Reader {
     /// What it reads; the name of its fuzz target and of its folder in `tests/regressions`.
     pub name: &'static str,
-    /// Method all of the bytes. Panics only where a reader let something through that it must not.
+    /// Reads all of the bytes. Panics only where a reader let something through that it must not.
     pub read: fn(&[u8]) -> Result<()>,
 }
 
@@ -69,7 +69,7 @@ fn layers(bytes: &[u8]) -> Result<()> {
     let Some(layers) = found else { return Err(Error::failed("there are no layers in it", "make them")) };
     // What the shader's tables are counted from.
     let pairs = layers.pairs_at(layers.z_max);
-    let texels = layers.size[0] * layers.size[1] * 4 * layers.count();
+    let texels = layers.size[0] * layers.size[1] * 4 * layers.pairs();
     assert!(pairs <= layers.pairs() && texels == layers.texels.len(), "layers that do not fit their numbers");
     Ok(())
 }

@@ -13,5 +13,5 @@ pub mod orders;
 pub mod quadrature;
 pub mod reference;
 pub mod sampling;
-pub mod sliding;
 pub mod spectrum;
+pub mod svd;

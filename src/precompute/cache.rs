@@ -3,11 +3,9 @@
 //! A file is written beside its place and renamed, so another process sees all of it or nothing; a check sum over the
 //! whole is compared when it is read, and a file that does not match is made anew.
 
-use super::coefficients::{Coefficients, Source};
+use super::coefficients::Coefficients;
 use super::kernel::{Interpolation, Kernel};
 use super::layers::{self, Errors, Layers, Settings};
-use super::lines::Lines;
-use super::near;
 use super::pairs::PairRule;
 use super::texels::Texels;
 use crate::error::{Error, Result};
@@ -20,11 +18,11 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// First bytes of a file; the number changes whenever the layers of the same key would change.
-const MAGIC: &[u8; 20] = b"diffract layers 0010";
+const MAGIC: &[u8; 20] = b"diffract layers 0011";
 /// Bytes of the check sum and of the key.
 const HASH: usize = blake3::OUT_LEN;
 /// Numbers of 8 bytes that describe the layers in front of the texels.
-const HEADER: usize = 27 + LINES;
+const HEADER: usize = 26;
 
 /// The folder: `$XDG_CACHE_HOME/diffract`, else `~/.cache/diffract`; `None` where the user has neither.
 pub fn folder() -> Option<PathBuf> {
@@ -56,13 +54,9 @@ pub fn key_at(field: &HeightField, settings: &Settings, shift: [f64; 2]) -> blak
         settings.budget.expansion,
         terms,
         f64::from(settings.basis as u8),
-        f64::from(settings.aim as u8),
         settings.side_limit as f64,
     ];
     hasher.update(bytemuck::cast_slice(&numbers));
-    if let Some(lines) = &settings.lines {
-        hasher.update(bytemuck::cast_slice(&lines.numbers()));
-    }
     hasher.update(bytemuck::cast_slice(field.heights()));
     // Most windows stand in the middle; their key has no shift.
     if shift != [0.0; 2] {
@@ -136,9 +130,6 @@ pub fn read(file: &mut impl Read, size: u64, key: &blake3::Hash, memory_limit: u
     let numbers: Vec<f64> = bytemuck::pod_collect_to_vec(&head[MAGIC.len() + HASH..]);
     let mut layers = from_numbers(&numbers, payload)?;
     file.read_exact(layers.texels.bytes_mut()).ok()?;
-    if let Some(lines) = &mut layers.lines {
-        file.read_exact(lines.texels.bytes_mut()).ok()?;
-    }
     file.read_exact(bytemuck::cast_slice_mut(&mut layers.coefficients.values)).ok()?;
     let mut sum = [0u8; HASH];
     file.read_exact(&mut sum).ok()?;
@@ -170,18 +161,11 @@ fn is_sound(layers: &Layers) -> bool {
         && positive(&[l.z_max])
         && l.sigma > 0.0
         && l.terms >= 1
-        && l.z_bands >= 1
         && l.coefficients.columns >= 2
         && rule.iter().all(|x| x.is_finite())
         && l.texels.are_finite()
-        && l.lines.iter().all(|lines| {
-            let inside = |origin: &[usize; 2]| (0..2).all(|axis| origin[axis] < lines.size[axis]);
-            inside(&lines.origin)
-                && lines.near.iter().all(inside)
-                && positive(&[lines.across, lines.along, [lines.from, lines.level]].concat())
-                && (1..=l.pairs() + 1).contains(&lines.grouped)
-                && lines.texels.are_finite()
-        })
+        && l.coefficients.half_range.is_finite()
+        && l.coefficients.half_range >= 0.0
         && l.coefficients.values.iter().flatten().all(|x| x.is_finite())
 }
 
@@ -219,12 +203,8 @@ pub fn sweep(folder: &Path) {
 }
 
 /// What stands behind the numbers, in order.
-fn payload(layers: &Layers) -> [&[u8]; 3] {
-    [
-        layers.texels.bytes(),
-        layers.lines.as_ref().map_or(&[], |lines| lines.texels.bytes()),
-        bytemuck::cast_slice(&layers.coefficients.values),
-    ]
+fn payload(layers: &Layers) -> [&[u8]; 2] {
+    [layers.texels.bytes(), bytemuck::cast_slice(&layers.coefficients.values)]
 }
 
 fn check_sum(head: &[u8], layers: &Layers) -> [u8; HASH] {
@@ -243,48 +223,22 @@ fn to_numbers(l: &Layers) -> [f64; HEADER] {
     let [rx, ry] = l.interpolation.ratios;
     let flag = |b: bool| f64::from(b);
     let e = &l.errors;
-    let counts = [l.z_bands, l.terms, l.coefficients.columns].map(|n| n as f64);
-    let lines = l.lines.as_ref().map_or([0.0; LINES], |lines| {
-        let counts = [lines.size, lines.origin].map(|pair| pair.map(|n| n as f64));
-        [
-            1.0,
-            flag(lines.texels.is_half()),
-            flag(lines.kernel == Kernel::Cubic),
-            counts[0][0],
-            counts[0][1],
-            counts[1][0],
-            counts[1][1],
-            lines.grouped as f64,
-            lines.across[0],
-            lines.across[1],
-            lines.along[0],
-            lines.along[1],
-            lines.from,
-            lines.level,
-        ]
-        .into_iter()
-        .chain(lines.near.iter().flatten().map(|n| *n as f64))
-        .collect::<Vec<_>>()
-        .try_into()
-        .unwrap_or([0.0; LINES])
-    });
+    let counts = [l.terms, l.coefficients.columns].map(|n| n as f64);
     [
         [sx, sy, ox, oy, l.length[0], l.length[1], l.band[0], l.band[1]].as_slice(),
         &[l.sigma, l.z_max, kx, ky, rx, ry],
-        &[flag(l.half_plane), f64::from(l.coefficients.source as u8)],
+        &[flag(l.half_plane), flag(l.coefficients.taylor), l.coefficients.half_range],
         &counts,
         &[l.pairs_needed.slope, l.pairs_needed.fewest],
         &[e.expansion, e.interpolation, e.truncation_bound, e.rounding_bound],
-        &[flag(l.texels.is_half()), 0.0],
-        &lines,
     ]
     .concat()
+    .into_iter()
+    .chain([flag(l.texels.is_half())])
+    .collect::<Vec<_>>()
     .try_into()
     .unwrap_or([0.0; HEADER])
 }
-
-/// Numbers that describe the lines; all 0 where there are none.
-const LINES: usize = 14 + 2 * near::OCTAVES;
 
 /// A count of a file that fits into memory; products of four of them, and sixteen, fit a `u128`.
 fn whole(n: f64) -> Option<usize> {
@@ -297,41 +251,17 @@ fn product(counts: &[usize], most: usize) -> Option<usize> {
     counts.iter().try_fold(1usize, |all, n| all.checked_mul(*n)).filter(|n| *n <= most)
 }
 
-/// Lines of `pairs` pairs in each of `bands` bands, with room for no more texels than `most` bytes hold.
-fn lines_from(n: &[f64], pairs: usize, bands: usize, most: usize) -> Option<Lines> {
-    let &[_, half, cubic, points, rows, point, row, grouped, ax, ay, lx, ly, from, level, ref near @ ..] = n
-    else {
-        return None;
-    };
-    let lines = Lines {
-        from,
-        level,
-        across: [ax, ay],
-        along: [lx, ly],
-        kernel: if cubic == 0.0 { Kernel::Linear } else { Kernel::Cubic },
-        size: [whole(points)?, whole(rows)?],
-        origin: [whole(point)?, whole(row)?],
-        near: near.chunks_exact(2).map(|n| Some([whole(n[0])?, whole(n[1])?])).collect::<Option<_>>()?,
-        grouped: whole(grouped)?.max(1),
-        texels: Texels::zeroed(false, 0),
-    };
-    let counts = [lines.size[0], lines.size[1], lines.grouped, lines.layers(pairs, bands), 4];
-    Some(Lines { texels: Texels::zeroed(half != 0.0, product(&counts, most / 2)?), ..lines })
-}
-
 /// Layers of these numbers with room for their texels, which are `payload` bytes in all.
 fn from_numbers(n: &[f64], payload: usize) -> Option<Layers> {
-    let &[sx, sy, ox, oy, lx, ly, bx, by, sigma, z_max, kx, ky, rx, ry, half_plane, source, ref rest @ ..] =
-        n
-    else {
+    let &[sx, sy, ox, oy, lx, ly, bx, by, sigma, z_max, kx, ky, rx, ry, ref rest @ ..] = n else {
         return None;
     };
-    let &[z_bands, terms, columns, slope, fewest, expansion, interpolation, ref rest @ ..] = rest else {
+    let &[half_plane, taylor, half_range, terms, columns, slope, fewest, ref rest @ ..] = rest else {
         return None;
     };
-    let &[truncation_bound, rounding_bound, half, _, ref lines @ ..] = rest else { return None };
+    let &[expansion, interpolation, truncation_bound, rounding_bound, half] = rest else { return None };
     let [sx, sy, ox, oy] = [whole(sx)?, whole(sy)?, whole(ox)?, whole(oy)?];
-    let [z_bands, terms, columns] = [whole(z_bands)?, whole(terms)?, whole(columns)?];
+    let [terms, columns] = [whole(terms)?, whole(columns)?];
     let pairs = terms.div_ceil(2);
     let kernel = |cubic: f64| if cubic == 0.0 { Kernel::Linear } else { Kernel::Cubic };
     let layers = Layers {
@@ -341,22 +271,18 @@ fn from_numbers(n: &[f64], payload: usize) -> Option<Layers> {
         band: [bx, by],
         sigma,
         half_plane: half_plane != 0.0,
-        z_bands,
         terms,
         coefficients: Coefficients {
+            taylor: taylor != 0.0,
+            half_range,
             columns,
-            source: *Source::ALL.get(whole(source)?)?,
-            values: vec![[0.0; 4]; product(&[pairs, z_bands, columns], payload / 16)?],
+            values: vec![[0.0; 4]; product(&[pairs, columns], payload / 16)?],
         },
         z_max,
         pairs_needed: PairRule { slope, fewest },
         interpolation: Interpolation { kernels: [kernel(kx), kernel(ky)], ratios: [rx, ry] },
         errors: Errors { expansion, interpolation, truncation_bound, rounding_bound },
-        texels: Texels::zeroed(half != 0.0, product(&[sx, sy, pairs, z_bands, 4], payload / 2)?),
-        lines: match lines.first() {
-            Some(there) if *there != 0.0 => Some(lines_from(lines, pairs, z_bands, payload)?),
-            _ => None,
-        },
+        texels: Texels::zeroed(half != 0.0, product(&[sx, sy, pairs, 4], payload / 2)?),
     };
     let bytes: usize = self::payload(&layers).iter().map(|part| part.len()).sum();
     (bytes == payload).then_some(layers)
@@ -365,7 +291,7 @@ fn from_numbers(n: &[f64], payload: usize) -> Option<Layers> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::precompute::{Aim, Budget, compute};
+    use crate::precompute::{Budget, compute};
 
     fn sample() -> (HeightField, Settings, Layers) {
         let heights = (0..256).map(|i| 0.05 * f64::from(i * 7 % 13) / 13.0).collect();
@@ -376,8 +302,6 @@ mod tests {
             budget: Budget { interpolation: 7e-2, expansion: 3.5e-2 },
             basis: crate::expansion::Basis::Taylor,
             terms: None,
-            aim: Aim::FewTransforms,
-            lines: None,
             memory_limit: 1 << 28,
             side_limit: 16_384,
         };
@@ -429,18 +353,20 @@ mod tests {
         assert_eq!(load(forged(&whole, &key, 0, &same(0))), Some(layers));
         let e = ["size", "size", "origin", "origin", "length", "length", "band", "band"];
         let names =
-            [&e[..], &["sigma", "z_max", "kernel", "kernel", "ratio", "ratio", "half", "source"]].concat();
-        let names = [&names[..], &["z_bands", "terms", "columns", "slope", "fewest"]].concat();
-        for (number, name) in names.iter().enumerate().filter(|(_, n)| !["kernel", "half"].contains(n)) {
+            [&e[..], &["sigma", "z_max", "kernel", "kernel", "ratio", "ratio", "half", "taylor"]].concat();
+        let names = [&names[..], &["half_range", "terms", "columns", "slope", "fewest"]].concat();
+        let flags = ["kernel", "half", "taylor"];
+        for (number, name) in names.iter().enumerate().filter(|(_, n)| !flags.contains(n)) {
             for value in [f64::NAN, f64::INFINITY, -1.0, 0.0, 0.5, 1e18, 1e300] {
                 let harmless = matches!(
                     (*name, value),
-                    ("origin" | "slope" | "fewest" | "source", 0.0)
+                    ("origin" | "slope" | "fewest" | "half_range", 0.0)
                         | ("slope" | "fewest", -1.0)
                         | ("sigma", f64::INFINITY)
                 ) || (value > 0.0
                     && value.is_finite()
-                    && ["length", "band", "sigma", "z_max", "ratio", "slope", "fewest"].contains(name));
+                    && ["length", "band", "sigma", "z_max", "ratio", "half_range", "slope", "fewest"]
+                        .contains(name));
                 let found = load(forged(&whole, &key, number * 8, &value.to_le_bytes()));
                 assert_eq!(found.is_some(), harmless, "{name} {value}");
             }

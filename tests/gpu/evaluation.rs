@@ -77,8 +77,6 @@ pub fn layers(field: &HeightField, shading: &Shading) -> Layers {
         budget: shading.budget(),
         basis: shading.basis,
         terms: shading.terms,
-        aim: shading.aim(),
-        lines: None,
         memory_limit: 1 << 30,
         side_limit: 16_384,
     };
@@ -137,7 +135,7 @@ fn spectral_meets_its_tolerance_on_bumps_smaller_than_the_window() {
 #[test]
 fn every_basis_meets_the_tolerance_where_it_is_not_refused() {
     for (kind, side, bases) in
-        [(Kind::Elaphe, 16.0, &Basis::ALL[..]), (Kind::Xenopeltis, 16.0, &[Basis::Chebyshev, Basis::Optimal])]
+        [(Kind::Elaphe, 16.0, &Basis::ALL[..]), (Kind::Xenopeltis, 16.0, &[Basis::Optimal])]
     {
         let field = patch(kind, side);
         let queries = queries(11, 600);
@@ -158,10 +156,10 @@ fn every_basis_meets_the_tolerance_where_it_is_not_refused() {
 }
 
 #[test]
-fn bands_of_every_basis_meet_what_a_picture_asks_of_single_wavelengths_grazing_directions_too() {
+fn every_basis_meets_what_a_picture_asks_of_single_wavelengths_grazing_directions_too() {
     let field = patch(Kind::Elaphe, 16.0);
     let mut queries = queries(12, 600);
-    // As many again that graze the surface: k|w| falls into the lowest bands.
+    // As many again that graze the surface: k|w| is small.
     let grazing = |d: glam::DVec3| glam::DVec3::new(d.x, d.y, 0.05 * d.z).normalize();
     queries.extend_from_within(..);
     for query in &mut queries[600..] {
@@ -176,16 +174,10 @@ fn bands_of_every_basis_meet_what_a_picture_asks_of_single_wavelengths_grazing_d
             let found = on_device(device, &field, &shading, &queries);
             for (name, part) in [("all around", 0..600), ("grazing", 600..1200)] {
                 let error = per_direction(&found[part.clone()], &exact[part], FLOOR);
-                eprintln!(
-                    "{} {name}: {error:.2e} of {allowed:.2e}, {} bands of {} pairs",
-                    basis.name(),
-                    layers.z_bands,
-                    layers.pairs()
-                );
+                eprintln!("{} {name}: {error:.2e} of {allowed:.2e}, {} pairs", basis.name(), layers.pairs());
                 assert!(error <= allowed, "{} {name}: {error:e}", basis.name());
             }
         });
-        assert!(layers.z_bands > 1, "{} in one band", basis.name());
     }
 }
 

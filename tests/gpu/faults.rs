@@ -103,8 +103,6 @@ fn a_picture_through_repeats_fails_cleanly_at_each_of_its_allocations_and_succee
         budget: shading.budget(),
         basis: shading.basis,
         terms: None,
-        aim: shading.aim(),
-        lines: None,
         memory_limit: 1 << 30,
         side_limit: 16_384,
     };

@@ -55,7 +55,7 @@ fn the_promised_error_is_never_below_the_measured_one_and_seldom_far_above_it() 
     let (mut ratios, mut own) = (Vec::new(), Vec::new());
     with_device(|device| {
         for combination in 0..COMBINATIONS {
-            let basis = Basis::ALL[combination % 3];
+            let basis = Basis::ALL[combination % 2];
             // The Taylor series refuses what 32-bit floats cannot hold.
             let field = surface(&mut uniform, if basis == Basis::Taylor { 0.4 } else { 0.9 });
             let shading = Shading {

@@ -36,8 +36,6 @@ fn layers(field: &HeightField, shading: &Shading) -> Layers {
         budget: shading.budget(),
         basis: shading.basis,
         terms: None,
-        aim: shading.aim(),
-        lines: None,
         memory_limit: 1 << 30,
         side_limit: 16_384,
     };

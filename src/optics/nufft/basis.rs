@@ -1,8 +1,8 @@
 //! A low-rank expansion of e^{izh} with nine digits: its singular functions over the heights and the range of z, as Chebyshev
 //! series valid for every height in range.
 
+use crate::optics::svd::Svd;
 use crate::surface::HeightField;
-use nalgebra::DMatrix;
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
@@ -43,7 +43,7 @@ impl HeightBasis {
         let phases: Vec<f64> =
             (0..points).map(|q| (q as f64 + 0.5) / points as f64 * largest_phase).collect();
         // In polynomials that are orthonormal under the weights of the heights, the singular vectors are the best functions.
-        let Some(lower) = gram(&bins, degrees).cholesky().map(|c| c.l()) else {
+        let Some(lower) = cholesky(gram(&bins, degrees)) else {
             return Self { middle, half_range, series: Vec::new(), column_step: 1.0, table: Vec::new() };
         };
         let rows: Vec<Vec<Complex64>> = phases
@@ -58,17 +58,17 @@ impl HeightBasis {
         let part = |row: usize, n: usize| {
             if row.is_multiple_of(2) { rows[row / 2][n].re } else { rows[row / 2][n].im }
         };
-        let decomposed = (DMatrix::from_fn(2 * points, degrees, part) * &lower).svd(true, true);
-        let (Some(u), Some(v_t)) = (decomposed.u, decomposed.v_t) else {
-            return Self { middle, half_range, series: Vec::new(), column_step: 1.0, table: Vec::new() };
+        let column = |n: usize| -> Vec<Complex64> {
+            let entry = |row: usize| (n..degrees).map(|k| part(row, k) * lower[k][n]).sum::<f64>();
+            (0..2 * points).map(|row| entry(row).into()).collect()
         };
-        let terms = terms_needed(&u, decomposed.singular_values.as_slice(), points);
-        // b_n = v_n·L⁻¹·T and c_n = c·L·v_n: the product over all n is c·T again.
-        let kept = v_t.rows(0, terms).into_owned();
-        let from_series = &lower * kept.transpose();
-        let series =
-            lower.transpose().solve_upper_triangular(&kept.transpose()).unwrap_or(from_series.clone());
-        let series = series.column_iter().map(|column| column.iter().copied().collect()).collect();
+        let decomposed = Svd::of((0..degrees).map(column).collect());
+        let terms = terms_needed(&decomposed, points);
+        // b_n = v_n·L⁻¹·T and c_n = c·L·v_n: the product over all n is c·T again. Of a real matrix the vectors are real.
+        let kept: Vec<Vec<f64>> =
+            decomposed.v.iter().take(terms).map(|v| v.iter().map(|x| x.re).collect()).collect();
+        let from_series: Vec<Vec<f64>> = kept.iter().map(|v| product(&lower, v)).collect();
+        let series = kept.iter().map(|v| solve_transposed(&lower, v)).collect();
         let mut basis = Self { middle, half_range, series, column_step: 1.0, table: Vec::new() };
         basis.tabulate(&from_series, z_max);
         basis
@@ -89,18 +89,15 @@ impl HeightBasis {
     }
 
     /// c_n(z) from the coefficients of the Chebyshev series, which `from_series` maps to those of the functions.
-    fn tabulate(&mut self, from_series: &DMatrix<f64>, z_max: f64) {
+    fn tabulate(&mut self, from_series: &[Vec<f64>], z_max: f64) {
         let largest_phase = z_max * self.half_range;
         let columns = (largest_phase / PHASE_STEP).ceil().max(8.0) as usize;
         self.column_step = z_max / columns as f64;
         for column in 0..columns + STENCIL {
             let z = (column as f64 - (STENCIL as f64 / 2.0 - 1.0)) * self.column_step;
-            let series = jacobi_anger(z * self.half_range, from_series.nrows());
-            let term = |n: usize| {
-                let weights = from_series.column(n);
-                series.iter().zip(weights.iter()).map(|(c, w)| c * w).sum::<Complex64>()
-            };
-            self.table.extend((0..self.terms()).map(term));
+            let series = jacobi_anger(z * self.half_range, from_series.first().map_or(1, Vec::len));
+            let term = |weights: &Vec<f64>| series.iter().zip(weights).map(|(c, w)| c * w).sum::<Complex64>();
+            self.table.extend(from_series.iter().map(term));
         }
     }
 
@@ -145,15 +142,49 @@ fn jacobi_anger(phase: f64, count: usize) -> Vec<Complex64> {
     series
 }
 
-/// ⟨T_n T_m⟩ under the weights of the heights.
-fn gram(bins: &[(f64, f64)], degrees: usize) -> DMatrix<f64> {
-    let mut gram = DMatrix::zeros(degrees, degrees);
+/// ⟨T_n T_m⟩ under the weights of the heights, for m ≤ n.
+fn gram(bins: &[(f64, f64)], degrees: usize) -> Vec<Vec<f64>> {
+    let mut gram: Vec<Vec<f64>> = (0..degrees).map(|n| vec![0.0; n + 1]).collect();
     for &(t, weight) in bins {
-        let polynomials = nalgebra::DVector::from_vec(chebyshev(t, degrees));
-        gram.syger(weight, &polynomials, &polynomials, 1.0);
+        let polynomials = chebyshev(t, degrees);
+        for (row, own) in gram.iter_mut().zip(&polynomials) {
+            row.iter_mut().zip(&polynomials).for_each(|(sum, other)| *sum += weight * own * other);
+        }
     }
-    gram.fill_upper_triangle_with_lower_triangle();
     gram
+}
+
+/// L of a symmetric `matrix` = L Lᵀ, both lower triangles by rows; `None` where it is not positive definite.
+fn cholesky(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
+    for row in 0..matrix.len() {
+        for column in 0..=row {
+            let done: f64 = (0..column).map(|k| matrix[row][k] * matrix[column][k]).sum();
+            let left = matrix[row][column] - done;
+            matrix[row][column] = if column < row { left / matrix[column][column] } else { left.sqrt() };
+        }
+        let positive = matrix[row][row] > 0.0;
+        if !positive {
+            return None;
+        }
+    }
+    Some(matrix)
+}
+
+/// L·`v`.
+fn product(lower: &[Vec<f64>], v: &[f64]) -> Vec<f64> {
+    lower.iter().map(|row| row.iter().zip(v).map(|(l, v)| l * v).sum()).collect()
+}
+
+/// The solution of Lᵀ·x = `v`.
+fn solve_transposed(lower: &[Vec<f64>], v: &[f64]) -> Vec<f64> {
+    let mut x = v.to_vec();
+    for row in (0..x.len()).rev() {
+        x[row] /= lower[row][row];
+        for column in 0..row {
+            x[column] -= lower[row][column] * x[row];
+        }
+    }
+    x
 }
 
 /// Weights of the points −3 … 4 of a polynomial through them, at `x` ∈ \[0, 1\].
@@ -166,11 +197,11 @@ fn lagrange(x: f64) -> [f64; STENCIL] {
 }
 
 /// The fewest terms that leave no point of z with more than [`ACCURACY`].
-fn terms_needed(u: &DMatrix<f64>, sigma: &[f64], points: usize) -> usize {
+fn terms_needed(Svd { u, s, .. }: &Svd, points: usize) -> usize {
     let mut left = vec![0.0; points];
-    for n in (0..sigma.len()).rev() {
+    for n in (0..s.len()).rev() {
         for (q, left) in left.iter_mut().enumerate() {
-            *left += (sigma[n] * u[(2 * q, n)]).powi(2) + (sigma[n] * u[(2 * q + 1, n)]).powi(2);
+            *left += (s[n] * u[n][2 * q].re).powi(2) + (s[n] * u[n][2 * q + 1].re).powi(2);
         }
         if left.iter().any(|&l| l > ACCURACY * ACCURACY) {
             return n + 1;

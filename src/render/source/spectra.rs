@@ -52,21 +52,22 @@ pub struct SpectraBlock {
     pub sigma: f32,
     /// R₀ of Schlick.
     pub normal_reflectance: f32,
-    /// Bands of z per unit of k|w| \[µm\].
-    pub bands_per_z: f32,
-    /// Number of the last column of the coefficients of a band; the first is 0.
-    pub last_column: f32,
+    /// Texture coordinate of the coefficients at k|w| = 0, and per unit of it \[µm\].
+    pub column: [f32; 2],
     /// Pairs of terms that k|w| needs: ⌈`pairs_per_z`·k|w| + `fewest_pairs`⌉.
     pub pairs_per_z: f32,
     /// See `pairs_per_z`.
     pub fewest_pairs: f32,
+    /// Half the range of heights \[µm\].
+    pub half_range: f32,
     /// std140 rounds a block up to 16 bytes.
-    pub padding: [f32; 2],
+    pub padding: f32,
 }
 
 /// The `Spectra` block of `layers` that are seen as through a Gaussian of standard deviation `sigma` \[µm\].
 pub fn spectra_block(layers: &Layers, sigma: f64, ior: f64) -> SpectraBlock {
     let pair = |v: [f64; 2]| v.map(|x| x as f32);
+    let columns = layers.coefficients.columns as f64;
     SpectraBlock {
         texture_size: layers.size.map(|n| n as f32),
         origin: layers.origin.map(|n| n as f32 + 0.5),
@@ -75,11 +76,11 @@ pub fn spectra_block(layers: &Layers, sigma: f64, ior: f64) -> SpectraBlock {
         // The shaders square what they read, and multiply by σ².
         sigma: sigma as f32 * layers.texels.unit(),
         normal_reflectance: schlick(ior, 1.0) as f32,
-        bands_per_z: (layers.z_bands as f64 / layers.z_max) as f32,
-        last_column: (layers.coefficients.columns - 1) as f32,
+        column: pair([0.5 / columns, (columns - 1.0) / columns / layers.z_max]),
         pairs_per_z: layers.pairs_needed.slope as f32,
         fewest_pairs: layers.pairs_needed.fewest as f32,
-        padding: [0.0; 2],
+        half_range: layers.coefficients.half_range as f32,
+        padding: 0.0,
     }
 }
 
@@ -88,25 +89,23 @@ pub(super) fn constants(layers: &Layers) -> Vec<Constant> {
     const CUBIC_X: u32 = 10;
     const CUBIC_Y: u32 = 11;
     const HALF_PLANE: u32 = 12;
-    const Z_BANDS: u32 = 13;
-    const PAIRS: u32 = 14;
-    const FEWER_PAIRS: u32 = 15;
-    const COEFFICIENTS_BY: u32 = 16;
+    const PAIRS: u32 = 13;
+    const FEWER_PAIRS: u32 = 14;
+    const TAYLOR: u32 = 15;
     let [x, y] = layers.interpolation.kernels.map(|kernel| kernel == Kernel::Cubic);
     vec![
         Constant::new(CUBIC_X, x),
         Constant::new(CUBIC_Y, y),
         Constant::new(HALF_PLANE, layers.half_plane),
-        Constant::new(Z_BANDS, layers.z_bands as u32),
         Constant::new(PAIRS, layers.pairs() as u32),
         Constant::new(FEWER_PAIRS, layers.pairs_needed.slope > 0.0),
-        Constant::new(COEFFICIENTS_BY, layers.coefficients.source as u32),
+        Constant::new(TAYLOR, layers.coefficients.taylor),
     ]
 }
 
 /// Uploads the spectra and their coefficients.
 pub(super) fn upload(device: &Arc<Device>, bound: &mut BoundSource, layers: &Layers) -> Result<()> {
-    let count = Some(layers.count() as u32);
+    let count = Some(layers.pairs() as u32);
     let texels = &layers.texels;
     let image = upload::texture(device, "spectra", format(texels), layers.size, count, texels.bytes())?;
     bound.data(binding::LAYERS, image, edge(device)?);
@@ -149,9 +148,7 @@ pub(super) fn format(texels: &Texels) -> vk::Format {
 
 /// The texture of `layers`.
 pub(super) fn extent(layers: &Layers) -> Extent {
-    // Lines hold nearly all of it, where there are any.
-    let size = layers.lines.as_ref().map_or(layers.size, |lines| lines.size);
-    Extent { layers: layers.count(), size, bytes: layers.bytes() as u64 }
+    Extent { layers: layers.pairs(), size: layers.size, bytes: layers.bytes() as u64 }
 }
 
 /// Wavelengths and samples of `pair` over `wavenumbers`, which grow, at `per_read` samples a pair of terms.

@@ -56,7 +56,7 @@ impl Thesis {
         let layers = &self.layers;
         let constants = vec![Constant::new(PAIRS, layers.pairs() as u32)];
         let mut bound = BoundSource::new(device, "thesis set", &KINDS, stages!("thesis"), constants)?;
-        let (count, texels) = (Some(layers.count() as u32), &layers.texels);
+        let (count, texels) = (Some(layers.pairs() as u32), &layers.texels);
         let image =
             upload::texture(device, "Fourier series", format(texels), layers.size, count, texels.bytes())?;
         bound.data(binding::SERIES, image, edge(device)?);
