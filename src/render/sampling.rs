@@ -68,7 +68,7 @@ impl Sample {
     /// Scrambling", for the padding of pairs), so that pairs are independent of each other.
     pub fn point(&self, dimension: u32) -> f64 {
         let order = hash(&[self.seed, 0, u64::from(dimension / 2)]);
-        let index = scrambled(self.index.reverse_bits(), order).reverse_bits();
+        let index = scrambled(self.index, order); // within aligned blocks of 2^k
         let bits = if dimension.is_multiple_of(2) { index.reverse_bits() } else { second_of_sobol(index) };
         let own = hash(&[self.seed, 1, u64::from(dimension)]);
         (f64::from(scrambled(bits, own)) + 0.5) / 2f64.powi(BITS as i32)

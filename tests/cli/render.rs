@@ -7,7 +7,8 @@ use std::fs;
 fn render(sandbox: &Sandbox, scene: &str, output: &str, more: &[&str]) {
     let mut arguments = vec!["render", scene, "-o", output];
     let given = |option: &str| more.contains(&option);
-    for pair in SMALL.chunks(2).chain([&["--size", "64x48"][..], &["--tolerance", "1e-1"]]) {
+    let quick = [&["--size", "64x48"][..], &["--tolerance", "1e-1"], &["--samples", "1"]];
+    for pair in SMALL.chunks(2).chain(quick) {
         if !given(pair[0]) {
             arguments.extend(pair);
         }
@@ -24,9 +25,9 @@ fn exr(sandbox: &Sandbox, name: &str) -> (u32, u32, Vec<[f32; 4]>) {
     }
 }
 
-fn png(sandbox: &Sandbox, name: &str) -> image::RgbImage {
+fn png(sandbox: &Sandbox, name: &str) -> image::RgbaImage {
     match image::open(sandbox.path(name)).unwrap() {
-        image::DynamicImage::ImageRgb8(p) => p,
+        image::DynamicImage::ImageRgba8(p) => p,
         other => panic!("{name} is {:?}", other.color()),
     }
 }
@@ -80,6 +81,77 @@ fn an_exr_is_signed_and_covered_exactly_where_its_alpha_is_1() {
             assert_eq!(shown.get_pixel(x, y), shown.get_pixel(0, 0), "pixel {x}, {y}");
         }
     }
+}
+
+#[test]
+fn more_samples_smooth_the_alpha_of_both_formats_and_a_seed_is_one_picture() {
+    let sandbox = Sandbox::with_small_surface();
+    let draw = |name: &str, more: &[&str]| {
+        render(&sandbox, "sphere", &format!("{name}.exr"), more);
+        render(&sandbox, "sphere", &format!("{name}.png"), more);
+        (exr(&sandbox, &format!("{name}.exr")).2, png(&sandbox, &format!("{name}.png")))
+    };
+    let one = draw("one", &[]);
+    let (radiance, shown) = draw("many", &["--samples", "16"]);
+    let inside = |p: &&[f32; 4]| p[3] > 0.0 && p[3] < 1.0;
+    assert_eq!(one.0.iter().filter(inside).count(), 0);
+    let edge = radiance.iter().filter(inside).count();
+    assert!(edge > 50, "only {edge} pixels lie on the edge");
+    for (pixel, code) in radiance.iter().zip(shown.pixels()) {
+        assert_eq!(code[3], (pixel[3] * 255.0).round() as u8);
+        // A sixteenth is covered or it is not.
+        assert_eq!((pixel[3] * 16.0).fract(), 0.0);
+        assert!(pixel[3] > 0.0 || *pixel == [0.0; 4]);
+    }
+    // The same light, spread a little: the whole is as bright, and no pixel's coverage is far from that of its centre's surroundings.
+    let sum = |p: &[[f32; 4]]| -> f64 { p.iter().map(|p| f64::from(p[3])).sum() };
+    assert!((sum(&radiance) / sum(&one.0) - 1.0).abs() < 1e-2);
+    let again = draw("again", &["--samples", "16"]);
+    assert!(again == (radiance.clone(), shown));
+    let fewer = draw("fewer", &["--samples", "4"]).0;
+    assert!(fewer.iter().filter(inside).all(|p| (p[3] * 4.0).fract() == 0.0));
+    let seeded = draw("seeded", &["--samples", "16", "--seed", "2"]).0;
+    assert!(seeded != radiance, "the seed does not reach the samples");
+    // The reference looks at the same places.
+    let tight = ["--samples", "2", "--tolerance", "1e-2", "--size", "32x24"];
+    let fast = draw("fast", &tight).0;
+    let exact = draw("exact", &[&tight[..], &["--method", "reference"]].concat()).0;
+    assert!(fast.iter().zip(&exact).all(|(a, b)| a[3] == b[3]) && fast.iter().any(|p| p[3] == 0.5));
+    assert!(deviation(&fast, &exact) <= 1e-2, "{}", deviation(&fast, &exact));
+}
+
+#[test]
+fn coverage_of_coherence_areas_is_told_on_request_and_where_it_is_little() {
+    let sandbox = Sandbox::with_small_surface();
+    let square = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+    sandbox.write("square.obj", square);
+    let scene = |scale: &str| {
+        format!(
+            "mesh = \"square.obj\"\nup = \"z\"\nsurface = \"bumps\"\nscale = \"{scale}\"\nlights = [\"40,180,2\"]\n[camera]\n\
+             eye = [0, 0, 40]\ntarget = [0, 0, 0]\nfield_of_view = \"1deg\"\n"
+        )
+    };
+    sandbox.write("large.toml", scene("1 m"));
+    sandbox.write("small.toml", scene("100 um"));
+    let run = |scene: &str, more: &[&str]| {
+        let words = ["render", scene, "-o", "a.exr", "--coherence", "gaussian:4um", "--tolerance", "1e-1"];
+        sandbox.run2(&words, &[&["--size", "16x12", "--samples", "1"], more].concat())
+    };
+    assert_eq!(run("large.toml", &[]).done(), "");
+    let told = run("large.toml", &["-v"]);
+    // A pixel is 40·2·tan(½°)/12 m wide.
+    let areas = (80.0 * 0.5f64.to_radians().tan() / 12.0 / 4e-6).powi(2);
+    let said: f64 =
+        told.stderr.split_once("(median), ").unwrap().1.split(' ').next().unwrap().parse().unwrap();
+    assert!((said / areas - 1.0).abs() < 1e-2, "{said} for {areas}: {}", told.stderr);
+    let warned = run("small.toml", &[]);
+    assert!(warned.code == Some(0) && warned.stderr.lines().count() == 1, "{warned:?}");
+    assert!(
+        warned.stderr.contains("not what is seen") && warned.stderr.contains("2.1 coherence areas"),
+        "{warned:?}"
+    );
+    assert_eq!(run("small.toml", &["-q"]).done(), "");
+    run("small.toml", &["-q", "-v"]).refused(2);
 }
 
 #[test]
