@@ -90,7 +90,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
         place += step;
         k += 1.0;
     } while (k <= sides);
-    vec3 diffracted = sum * (source.unit / norm * pair.w * pair.w);
+    vec3 diffracted = sum * (source.unit / norm);
     return (diffracted + specular_xyz(pair, c)) * (pair.factor / (4.0 * PI));
 }
 

@@ -6,7 +6,7 @@ use super::{check_validation, say, validation};
 use crate::brdf::Brdf;
 use crate::error::Result;
 use crate::optics::sampling::{self, Limit};
-use crate::render::footprints::Distribution;
+use crate::render::footprints;
 use crate::render::frame::View;
 use crate::render::picture::Painter;
 use crate::render::pigment::Pigment;
@@ -86,8 +86,7 @@ pub fn for_each_window(
     opened.get().map_or(Ok(()), |device| finish(device))
 }
 
-/// The least standard deviation of (u, v) that the finest level of a source has to resolve, for a picture of `size` pixels of `view`: that of
-/// the shorter axes of footprints, but for the smallest of them, which are few and are averaged with their longer axes.
+/// The least standard deviation of (u, v) that the finest level of a source has to resolve, for a picture of `size` pixels of `view`.
 ///
 /// # Errors
 /// Where the device is lost or has no room.
@@ -98,8 +97,6 @@ pub fn least_footprint(
     size: [u32; 2],
     sample: &Sample,
 ) -> Result<f64> {
-    /// Share of the footprints whose shorter axis may be below.
-    const BELOW: f64 = 0.5;
     let source = Source::ClassicalGrating(ClassicalGrating::default());
     let (shading, pigment) = (Shading::default(), Pigment::white());
     let lights = view.lights.len();
@@ -107,17 +104,8 @@ pub fn least_footprint(
     painter.ask_for_footprints()?;
     let directions: Vec<_> =
         (0..lights).map(|light| painter.directions_of(view, light, sample)).collect::<Result<_>>()?;
-    let distribution = Distribution::of(&directions);
-    let least = distribution.minor(BELOW) * sample.footprint;
-    detail(&format_args!(
-        "pixels average over standard deviations of (u, v) from {:.1e} to {:.1e} (5 % and 95 % of the shorter axes: {:.1e}, {:.1e}; median of the \
-         longer axis {:.1e}); the finest level resolves {least:.1e}",
-        distribution.minor(0.0) * sample.footprint,
-        distribution.major(1.0) * sample.footprint,
-        distribution.minor(0.05) * sample.footprint,
-        distribution.minor(0.95) * sample.footprint,
-        distribution.major(0.5) * sample.footprint,
-    ));
+    let least = footprints::least_read(&directions);
+    detail(&format_args!("pixels are averaged over standard deviations of (u, v) from {least:.1e} on"));
     Ok(least)
 }
 

@@ -4,6 +4,7 @@
 use super::frame::View;
 use super::picture::{Directions, Painter};
 use crate::error::Result;
+use crate::table::{MOST_SIDES, TAP_REACH, TAP_SPACING};
 use glam::DVec3;
 
 /// The semi-axes of the footprints of a frame: singular values of the Jacobian of (u, v), per pixel, over all lights. A pixel filter of
@@ -63,6 +64,26 @@ pub fn semi_axes(footprint: [f32; 4]) -> [f64; 2] {
 fn quantile(values: &[f64], share: f64) -> f64 {
     let last = values.len().saturating_sub(1);
     values.get((share.clamp(0.0, 1.0) * last as f64).round() as usize).copied().unwrap_or(0.0)
+}
+
+/// The least standard deviation of (u, v) that is worth a level of its own for the pixels of `directions` (one entry per light): few of them are
+/// read at a finer one.
+pub fn least_read(directions: &[Directions]) -> f64 {
+    /// Part of the pixels that are averaged over a little more than they show.
+    const BELOW: f64 = 0.2;
+    let mut read: Vec<f64> = directions
+        .iter()
+        .flat_map(|seen| {
+            let shaded = |i: &usize| seen.light[*i][2] > 0.0 && seen.view[*i][2] > 0.0;
+            (0..seen.view.len()).filter(shaded).map(|i| {
+                let [longer, shorter] = seen.covariance(i).axes().map(f64::sqrt);
+                shorter.max(longer * TAP_REACH / (TAP_SPACING * MOST_SIDES as f64))
+            })
+        })
+        .collect();
+    read.sort_by(f64::total_cmp);
+    let least = quantile(&read, BELOW);
+    std::env::var("DIFFRACT_LEAST").ok().and_then(|t| t.parse().ok()).unwrap_or(least)
 }
 
 /// The median area of the surface that a covered pixel of `view` shows \[units of the scene, squared\]; `None` where no pixel shows the

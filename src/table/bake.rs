@@ -158,7 +158,7 @@ struct Sums<'a> {
     spectrum: &'a Spectrum,
     w: Vec<f64>,
     pieces: usize,
-    // For each comb, node by node: [w][term], (2π)² q⁴ times the Chebyshev polynomials at z = 2πq|w|.
+    // For each comb, node by node: [w][term], q² z² times the Chebyshev polynomials at z = 2πq|w|.
     polynomials: Vec<Vec<[f32; PER_TEXEL]>>,
     to_cubic: [[f32; CUBIC]; CUBIC],
 }
@@ -190,8 +190,8 @@ impl<'a> Sums<'a> {
             let mut values = Vec::with_capacity(comb.weights.len() * w.len() * terms / PER_TEXEL);
             let mut t = vec![0.0; terms];
             for q in &comb.wavenumbers {
-                let factor = (2.0 * PI).powi(2) * q.powi(4) * reader.header.unit;
                 for w in &w {
+                    let factor = (q * 2.0 * PI * q * w).powi(2) * reader.header.unit;
                     polynomials((4.0 * PI * q * w / z_max - 1.0).min(1.0), &mut t);
                     values
                         .extend(t.chunks(PER_TEXEL).map(|t| std::array::from_fn(|k| (t[k] * factor) as f32)));
@@ -276,14 +276,16 @@ fn cubic_from_nodes() -> [[f32; CUBIC]; CUBIC] {
     ]
 }
 
-/// The fewest pieces whose cubics err by no more than the settings allow, and that error: RMS over directions spread evenly, of each one's
-/// own relative L2 over |w|, since the faint directions far from the specular one are where the colours are.
+/// The fewest pieces whose cubics err by no more than the settings allow, and that error: RMS over directions spread evenly and over |w|,
+/// each relative to its own value, since the faint directions far from the specular one are where the colours are.
 fn choose_pieces(reader: &Reader, spectrum: &Spectrum, settings: &TableSettings) -> Result<(usize, f64)> {
     /// Directions that are judged, on a spiral of equal areas.
     const JUDGED: usize = 150;
     /// Places in |w|, between nodes of any pieces.
     const BETWEEN: usize = 41;
     const GOLDEN_ANGLE: f64 = 2.399_963;
+    /// What a value counts for at the least, over the largest of its direction: small |w| are small in pictures, too.
+    const FAINT: f32 = 0.05;
     let fine: Vec<f64> = (0..BETWEEN).map(|i| LARGEST_W * (i as f64 + 0.37) / BETWEEN as f64).collect();
     let exact = Sums::at(reader, spectrum, fine.clone(), 1);
     let places: Vec<DVec2> = (0..JUDGED)
@@ -313,11 +315,17 @@ fn choose_pieces(reader: &Reader, spectrum: &Spectrum, settings: &TableSettings)
                     sums.cubics(*place, scratch, cubics);
                     let largest_w = (4.0 - place.length_squared()).max(0.0).sqrt();
                     let mut parts = (0.0, 0.0);
+                    let largest: [f32; 3] = std::array::from_fn(|channel| {
+                        truth.iter().map(|colour| colour[channel]).fold(0.0, f32::max)
+                    });
                     for (w, truth) in fine.iter().zip(truth).filter(|(w, _)| **w <= largest_w) {
                         for (channel, truth) in truth.iter().enumerate() {
                             let value = evaluate(cubics, pieces, channel, *w);
-                            parts.0 += f64::from(value - truth).powi(2);
-                            parts.1 += f64::from(*truth).powi(2);
+                            let size = truth.hypot(FAINT * largest[channel]);
+                            if size > 0.0 {
+                                parts.0 += f64::from((value - truth) / size).powi(2);
+                                parts.1 += 1.0;
+                            }
                         }
                     }
                     parts

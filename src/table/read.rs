@@ -76,10 +76,10 @@ impl<'a> TableReader<'a> {
             norm += weight;
         }
         let colour = sum / norm + self.specular(toward, w, around);
-        colour * (schlick(ior, pair.cos_half_angle()) * pair.geometric_factor_times_cos_light())
+        colour * (schlick(ior, pair.cos_half_angle()) * pair.geometric_factor_times_cos_light() / (w * w))
     }
 
-    /// The specular order's share, over w².
+    /// The specular order's share.
     fn specular(&self, toward: DVec2, w: f64, around: &Covariance) -> DVec3 {
         let specular = &self.table.header.specular;
         let place = w / LARGEST_W * (SPECULAR_SAMPLES - 1) as f64;
@@ -96,7 +96,7 @@ impl<'a> TableReader<'a> {
             let (a, b) = (glam::Vec3::from(weights[sample]), glam::Vec3::from(weights[sample + 1]));
             sum += a.lerp(b, share).as_dvec3() * lobe;
         }
-        sum / (w * w)
+        sum
     }
 
     /// The table's value at a place, |w| and level.
