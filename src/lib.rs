@@ -5,6 +5,7 @@
 
 #![deny(unsafe_code)]
 
+pub mod cache;
 pub mod cli;
 pub mod error;
 pub mod expansion;

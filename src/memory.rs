@@ -53,10 +53,19 @@ fn meminfo_available(text: &str) -> Option<u64> {
     kib.checked_mul(1024)
 }
 
-fn in_words(bytes: u64) -> String {
-    const MIB: f64 = 1024.0 * 1024.0;
-    let mib = bytes as f64 / MIB;
-    if mib < 1024.0 { format!("{mib:.0} MiB") } else { format!("{:.1} GiB", mib / 1024.0) }
+/// `bytes` in the largest binary unit that they fill.
+pub(crate) fn in_words(bytes: u64) -> String {
+    const KIB: f64 = 1024.0;
+    let size = bytes as f64;
+    if size < KIB {
+        format!("{bytes} B")
+    } else if size < KIB.powi(2) {
+        format!("{:.0} KiB", size / KIB)
+    } else if size < KIB.powi(3) {
+        format!("{:.0} MiB", size / KIB.powi(2))
+    } else {
+        format!("{:.1} GiB", size / KIB.powi(3))
+    }
 }
 
 #[cfg(test)]
