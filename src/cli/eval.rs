@@ -1,7 +1,7 @@
 //! `diffract eval`: BRDF numbers for the directions of a CSV file.
 
 use super::answers::{WAVELENGTHS, check_single_wavelengths, over_windows, shortest};
-use super::options::{ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
+use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
 use super::write;
 use crate::error::{Error, Result};
 use crate::input;
@@ -44,10 +44,13 @@ pub struct Arguments {
     colour: ColourOptions,
     #[command(flatten)]
     device: DeviceOptions,
+    #[command(flatten)]
+    cache: CacheOptions,
 }
 
 /// Evaluates and writes.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.cache.apply();
     if let Some(path) = &arguments.output {
         output::check(path)?;
     }

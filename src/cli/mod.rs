@@ -3,6 +3,7 @@
 mod answers;
 mod baselines;
 mod brdf;
+mod cache;
 mod choice;
 mod devices;
 mod eval;
@@ -69,6 +70,8 @@ enum Command {
     /// What is in a height field and what it will cost; generated height fields
     #[command(subcommand)]
     Surface(surface::Command),
+    /// What is kept for next time, and how to remove it
+    Cache(cache::Arguments),
     /// What Vulkan offers here and why one device is chosen
     Devices(devices::Arguments),
 }
@@ -94,6 +97,7 @@ fn run(arguments: Arguments) -> Result<()> {
         Command::Profile(arguments) => profile::run(&arguments),
         Command::Trade(arguments) => trade::run(&arguments),
         Command::Surface(command) => surface::run(&command),
+        Command::Cache(arguments) => cache::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
     }
 }

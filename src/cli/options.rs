@@ -1,5 +1,6 @@
 //! Options that several commands share, with the same word and meaning in each.
 
+use crate::cache;
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
@@ -215,6 +216,22 @@ impl DeviceOptions {
     /// What the user wishes for.
     pub fn wish(&self) -> Wish {
         self.device.clone().unwrap_or_default()
+    }
+}
+
+/// What is kept for next time.
+#[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Cache")]
+pub struct CacheOptions {
+    /// Most bytes that results kept for next time may take on disk, as in 500MiB; 0 keeps none (see `diffract cache`)
+    #[arg(long, value_name = "SIZE", value_parser = units::bytes, allow_hyphen_values = true, default_value = "2GiB")]
+    pub cache_size: u64,
+}
+
+impl CacheOptions {
+    /// Sets the limit for the rest of the process.
+    pub fn apply(self) {
+        cache::set_limit(self.cache_size);
     }
 }
 

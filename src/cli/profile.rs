@@ -1,8 +1,8 @@
 //! `diffract profile`: how long a frame takes, what it does in that time, and what the device could do.
 
 use super::options::{
-    ColourOptions, DeviceOptions, FilterOptions, OpticsOptions, SurfaceOptions, check_lights, real,
-    sample_pixels,
+    CacheOptions, ColourOptions, DeviceOptions, FilterOptions, OpticsOptions, SurfaceOptions, check_lights,
+    real, sample_pixels,
 };
 use super::stage::{Setting, Stage};
 use super::{choice, prepare, write};
@@ -60,6 +60,8 @@ pub struct Arguments {
     pub colour: ColourOptions,
     #[command(flatten)]
     pub device: DeviceOptions,
+    #[command(flatten)]
+    pub cache: CacheOptions,
 }
 
 /// How many pixels `--error` means.
@@ -123,6 +125,7 @@ impl From<Summary> for Milliseconds {
 
 /// Measures and reports.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.cache.apply();
     check_lights(&arguments.light)?;
     if let Some(path) = &arguments.json {
         output::check(path)?;

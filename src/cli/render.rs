@@ -1,8 +1,8 @@
 //! `diffract render`: a scene into a file.
 
 use super::options::{
-    ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions,
-    check_lights, sample_pixels,
+    CacheOptions, ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions,
+    ViewOptions, check_lights, sample_pixels,
 };
 use super::spectral::Spectral;
 use super::{prepare, write};
@@ -55,10 +55,13 @@ pub struct Arguments {
     colour: ColourOptions,
     #[command(flatten)]
     device: DeviceOptions,
+    #[command(flatten)]
+    cache: CacheOptions,
 }
 
 /// Draws and writes.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.cache.apply();
     let format = write::PictureFormat::of(&arguments.output)?;
     output::check(&arguments.output)?;
     check_lights(&arguments.view.light)?;

@@ -1,6 +1,6 @@
 //! `diffract trade`: speed against accuracy, measured over many settings.
 
-use super::options::{DeviceOptions, SurfaceOptions, check_lights, coherence, ior, tolerance};
+use super::options::{CacheOptions, DeviceOptions, SurfaceOptions, check_lights, coherence, ior, tolerance};
 use super::stage::{Exact, References, Stage, shown};
 use super::{baselines, prepare, profile, say, write};
 use crate::error::{Error, Result};
@@ -59,6 +59,8 @@ pub struct Arguments {
     surface: SurfaceOptions,
     #[command(flatten)]
     device: DeviceOptions,
+    #[command(flatten)]
+    cache: CacheOptions,
 }
 
 /// The options of a setting, parsed by the same words as those of `profile`.
@@ -78,6 +80,7 @@ const LONGEST: u64 = 16 << 20;
 
 /// Measures, and writes the results.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.cache.apply();
     check_lights(&arguments.light)?;
     let folder = &arguments.folder;
     let file = |name: &str| folder.join(name);

@@ -1,7 +1,8 @@
 //! `diffract view`: a scene in a window.
 
 use super::options::{
-    ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions, ViewOptions, real,
+    CacheOptions, ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions,
+    ViewOptions, real,
 };
 use super::{check_validation, validation};
 use crate::error::{Error, Result};
@@ -48,6 +49,8 @@ pub struct Arguments {
     colour: ColourOptions,
     #[command(flatten)]
     device: DeviceOptions,
+    #[command(flatten)]
+    cache: CacheOptions,
 }
 
 /// How frames are presented.
@@ -68,6 +71,7 @@ fn fps(text: &str) -> Result<f64> {
 
 /// Opens the window.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.cache.apply();
     let method = match arguments.optics.method() {
         Method::Spectral => Reads::Layers,
         Method::Table => Reads::Table,

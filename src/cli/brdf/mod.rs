@@ -4,7 +4,9 @@ mod figure;
 mod map;
 mod variant;
 
-use super::options::{ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, check_lights, exposure};
+use super::options::{
+    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, check_lights, exposure,
+};
 use super::{answers, say, write};
 use crate::error::{Error, Result};
 use crate::figure::Format;
@@ -76,6 +78,8 @@ pub struct Arguments {
     colour: ColourOptions,
     #[command(flatten)]
     device: DeviceOptions,
+    #[command(flatten)]
+    cache: CacheOptions,
 }
 
 /// A square size.
@@ -99,6 +103,7 @@ fn wavelength(text: &str) -> Result<f64> {
 
 /// Evaluates and writes.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.cache.apply();
     let format = arguments.output.as_deref().map(write::PictureFormat::of).transpose()?;
     arguments.plot.as_deref().map(Format::of).transpose()?;
     for path in [&arguments.output, &arguments.plot].into_iter().flatten() {

@@ -4,7 +4,7 @@ mod figure;
 mod report;
 mod sweep;
 
-use super::options::{self, DeviceOptions, OpticsOptions, SurfaceOptions};
+use super::options::{self, CacheOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
 use super::range::Range;
 use super::{answers, say, write};
 use crate::error::{Error, Result};
@@ -85,6 +85,8 @@ pub struct Arguments {
     optics: OpticsOptions,
     #[command(flatten)]
     device: DeviceOptions,
+    #[command(flatten)]
+    cache: CacheOptions,
 }
 
 /// An axis of the tangent frame.
@@ -167,6 +169,7 @@ fn period(text: &str) -> Result<f64> {
 
 /// Searches and reports.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.cache.apply();
     arguments.plot.as_deref().map(Format::of).transpose()?;
     for path in [&arguments.output, &arguments.json, &arguments.plot].into_iter().flatten() {
         output::check(path)?;
