@@ -4,10 +4,11 @@
 //! it is given; it may not panic, overflow, hang, or take memory out of proportion.
 
 use super::{eval, options, range, usage};
+use crate::cache::{self, Format, Key};
 use crate::error::{Error, Result};
 use crate::measure::trade;
 use crate::optics::spectrum::Illuminant;
-use crate::precompute::cache;
+use crate::precompute;
 use crate::render::color_table::{self, Filter};
 use crate::render::pigment::Pigment;
 use crate::scene::{Scene, obj};
@@ -61,13 +62,36 @@ fn scene(bytes: &[u8]) -> Result<()> {
     Scene::parse(text(bytes)?, Path::new("/nowhere")).map(drop)
 }
 
-/// A cache file as it is, and the same bytes as the content of one whose check sum is right.
+/// A file of the cache as it is, and one with a right check sum whose header is the first line of `bytes`, as JSON, and whose
+/// payload is the rest of them, filled up with zeros.
+fn kept<H: serde::de::DeserializeOwned, T>(
+    bytes: &[u8],
+    format: &Format,
+    build: impl Fn(H, &mut cache::Payload<'_>) -> Option<T>,
+) -> Option<T> {
+    const MEMORY: u64 = 64 << 20;
+    /// Zeros behind the payload, as a number of bytes in front of the header.
+    const MOST_ZEROS: usize = 1 << 20;
+    let key = Key::named(format.name);
+    let read = |file: &[u8]| {
+        let size = file.len() as u64;
+        cache::read(&mut Cursor::new(file), size, format, &key, MEMORY, |header, payload| {
+            build(header, payload)
+        })
+    };
+    if let Some(built) = read(bytes) {
+        return Some(built);
+    }
+    let mut parts = bytes.splitn(3, |b| *b == b'\n');
+    let zeros: usize = std::str::from_utf8(parts.next()?).ok()?.parse().ok()?;
+    let header = serde_json::from_slice(parts.next()?).ok()?;
+    let mut payload = parts.next()?.to_vec();
+    payload.resize(payload.len() + zeros.min(MOST_ZEROS), 0);
+    read(&cache::seal(format, &key, &header, &payload))
+}
+
 fn layers(bytes: &[u8]) -> Result<()> {
-    const MEMORY: usize = 64 << 20;
-    let key = blake3::hash(b"layers");
-    let sealed = cache::sealed(&key, bytes);
-    let read = |file: &[u8]| cache::read(&mut Cursor::new(file), file.len() as u64, &key, MEMORY);
-    let found = read(bytes).or_else(|| read(&sealed));
+    let found = kept(bytes, &precompute::cache::FORMAT, precompute::cache::build);
     let Some(layers) = found else { return Err(Error::failed("there are no layers in it", "make them")) };
     // What the shader's tables are counted from.
     let pairs = layers.pairs_at(layers.z_max);
@@ -76,14 +100,8 @@ fn layers(bytes: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// The same of a colour table; short ones are filled up with zeros.
 fn colours(bytes: &[u8]) -> Result<()> {
-    const MEMORY: u64 = 1 << 20;
-    let key = blake3::hash(b"colours");
-    let sealed = color_table::cache::sealed(&key, bytes, MEMORY);
-    let read =
-        |file: &[u8]| color_table::cache::read(&mut Cursor::new(file), file.len() as u64, &key, MEMORY);
-    let found = read(bytes).or_else(|| read(&sealed));
+    let found = kept(bytes, &color_table::cache::FORMAT, color_table::cache::build);
     let Some(table) = found else { return Err(Error::failed("there is no colour table in it", "bake one")) };
     // What textures are made of, and what shaders are specialised for.
     let ([width, height], layers) = table.grid.texture(Filter::Point);

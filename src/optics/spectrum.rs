@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use glam::DVec3;
+use serde::{Serialize, Serializer};
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -15,6 +16,14 @@ pub const LONGEST: f64 = 0.780;
 pub struct Table<const N: usize> {
     wavelengths: Vec<f64>,
     values: Vec<[f64; N]>,
+}
+
+impl<const N: usize> Serialize for Table<N> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let Self { wavelengths, values } = self;
+        let values: Vec<&[f64]> = values.iter().map(|row| row.as_slice()).collect();
+        (wavelengths, values).serialize(serializer)
+    }
 }
 
 impl<const N: usize> Table<N> {
@@ -82,7 +91,7 @@ pub fn observer(wavelength: f64) -> DVec3 {
 }
 
 /// The spectral power of the light, up to a factor.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize)]
 pub enum Illuminant {
     /// CIE D65, daylight, tabulated.
     #[default]

@@ -3,9 +3,10 @@
 use crate::expansion::Expansion;
 use crate::expansion::anchored::Series;
 use rustfft::num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 /// Where a shader has c_n(z) from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Source {
     /// Linear interpolation in the table.
     Interpolated = 0,

@@ -17,10 +17,11 @@ use crate::expansion::{Basis, Expansion, HeightScale};
 use crate::memory;
 use crate::surface::HeightField;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// What the layers are made for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Settings {
     /// Standard deviation of the Gaussian window over the endless surface \[µm\]; infinite: one period alone, without a
     /// window.
@@ -37,14 +38,15 @@ pub struct Settings {
     pub aim: Aim,
     /// Lines for colours, where nothing else is asked of the layers.
     pub lines: Option<lines::Spacing>,
-    /// Most bytes that the layers may take.
+    /// Most bytes that the layers may take. Not part of their key: it decides whether they are made.
+    #[serde(skip)]
     pub memory_limit: usize,
     /// Most texels along a side of a layer.
     pub side_limit: usize,
 }
 
 /// What layers are made to save.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Aim {
     /// Fourier transforms: for single directions.
     FewTransforms,
@@ -53,7 +55,7 @@ pub enum Aim {
 }
 
 /// The relative intensity errors that layers may bring, RMS over single directions and wavelengths.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Budget {
     /// Reading between texels.
     pub interpolation: f64,
@@ -67,7 +69,7 @@ pub fn largest_z(shortest: f64) -> f64 {
 }
 
 /// The errors that the layers bring, RMS over directions brighter than [`FAINT`] and relative to each one's own intensity.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Truncation and rounding together, measured against the transform of e^{izh}.
     pub expansion: f64,

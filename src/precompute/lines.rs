@@ -12,9 +12,10 @@ use super::near::{Centre, FAR_END, Near, OCTAVES};
 use super::texels::Texels;
 use super::transform::{PaddedAxis, Pair, Samples};
 use rayon::prelude::*;
+use serde::Serialize;
 
 /// How lines are spaced, and which rays they serve.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Spacing {
     /// Level of the aliases that nodes may leave (see [`crate::optics::quadrature::Rule`]).
     pub level: f64,
@@ -43,11 +44,6 @@ impl Spacing {
         let from = fewest / (span * across * sigma);
         let (kernel, along) = kernel::along_lines(interpolation);
         (across > 0.0 && from <= MOST).then_some(Self { level, from, across, kernel, along })
-    }
-
-    /// All that lines follow from.
-    pub(super) fn numbers(&self) -> [f64; 5] {
-        [self.level, self.from, self.across, self.along, f64::from(u8::from(self.kernel == Kernel::Cubic))]
     }
 
     /// Texels that are read of a node for `pairs` pairs of terms, where 16 bits hold them.

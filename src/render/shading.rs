@@ -13,9 +13,10 @@ use crate::precompute::lines::Spacing;
 use crate::precompute::{Aim, Budget, Settings};
 use crate::surface::HeightField;
 use crate::vk::selection::Candidate;
+use serde::Serialize;
 
 /// What a tolerance is promised for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub enum Purpose {
     /// Single directions, each relative to its own value, at single wavelengths too (RMS over directions).
     #[default]
@@ -46,13 +47,14 @@ struct Shares {
 }
 
 /// Settings of the optics, validated.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Shading {
     /// What surrounds the patch.
     pub coherence: Coherence,
     /// Window centres to average over.
     pub windows: [u32; 2],
-    /// Refractive index of the surface.
+    /// Refractive index of the surface. Not part of the key of a colour table, whose reader multiplies by the reflectance.
+    #[serde(skip)]
     pub ior: f64,
     /// The light's spectrum.
     pub illuminant: Illuminant,

@@ -3,6 +3,7 @@
 use crate::device::with_device;
 use crate::evaluation::{FLOOR, patch, queries, shading};
 use crate::measure::channel;
+use diffract::cache::Store;
 use diffract::measure::cost::Cost;
 use diffract::optics::reference::Reference;
 use diffract::precompute::{Settings, compute};
@@ -262,9 +263,10 @@ fn a_table_comes_back_from_the_disk_as_it_went_and_is_refused_where_it_does_not_
         let settings = settings(device, &shading);
         let first = table(device, &field, &shading);
         let folder = tempfile::tempdir().unwrap();
-        let key = cache::key(&field, &settings, &shading);
-        cache::store(folder.path(), &key, &first).unwrap();
-        assert!(cache::load(folder.path(), &key, 1 << 32) == Some(first));
+        let key = cache::key(&field, &settings, &shading).unwrap();
+        let store = Store::at(folder.path().join("cache"), 1 << 32);
+        cache::save(&store, &key, &first).unwrap();
+        assert!(cache::load(&store, &key, 1 << 32) == Some(first));
         let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
         let made = |memory, progress: &dyn Fn(&'static str, usize, usize) -> diffract::error::Result<()>| {
             let settings = Settings { memory_limit: memory, ..settings };

@@ -18,6 +18,7 @@ pub mod rings;
 pub use grid::Grid;
 
 use super::shading::Shading;
+use crate::cache::Store;
 use crate::error::{Error, Result};
 use crate::optics::orders::Colours;
 use crate::precompute::{self, Layers, Settings, compute, compute_at};
@@ -131,15 +132,15 @@ pub fn obtain(
     let least = Grid::new(aperture.width(), shading.tolerance, 1);
     least.check(device.candidate().max_side, room, aperture.smaller())?;
     bake::check_wavelengths(&aperture, &shading.clone().for_pictures(), least.outer())?;
-    let folder = precompute::cache::folder();
-    let key = cache::key(field, &settings, shading);
-    if let Some(table) = folder.as_ref().and_then(|f| cache::load(f, &key, room)) {
+    let store = Store::open();
+    let key = cache::key(field, &settings, shading)?;
+    if let Some(table) = store.as_ref().and_then(|store| cache::load(store, &key, room)) {
         return Ok((table, None));
     }
     // The layers' file may serve another illuminant, too.
     let (layers, _) = precompute::cache::obtain(field, &settings, &|done, of| progress("spectra", done, of))?;
     let table = make(device, (field, layers, &settings), shading, progress)?;
-    let kept = folder.map(|folder| cache::store(&folder, &key, &table));
+    let kept = store.map(|store| cache::save(&store, &key, &table));
     Ok((table, kept.and_then(Result::err)))
 }
 
