@@ -28,6 +28,9 @@ use std::sync::OnceLock;
 /// Most bytes that the folder holds unless `--cache-size` says otherwise: 2 GiB.
 pub const DEFAULT_LIMIT: u64 = 2 << 30;
 
+/// Permissions of kept files.
+const OWNER_ONLY: u32 = 0o600;
+
 /// The limit of this process; see [`set_limit`].
 static LIMIT: OnceLock<u64> = OnceLock::new();
 
@@ -121,14 +124,13 @@ impl Store {
         contents::sweep(&self.folder);
         contents::make_room(&self.folder, self.limit - size, &place);
         let failed = |e: std::io::Error| output::write_failed(&self.folder, &e);
-        let mut temporary =
-            tempfile::Builder::new().prefix(output::TEMPORARY).tempfile_in(&self.folder).map_err(failed)?;
-        // Held while the file is written; a sweep takes only temporaries that nobody holds.
-        let _ = temporary.as_file().try_lock();
-        let mut writer = BufWriter::new(temporary.as_file_mut());
+        let mut draft = output::Draft::new(&self.folder, OWNER_ONLY).map_err(failed)?;
+        // Held while the file is written: a sweep takes only temporary files that nobody holds.
+        let _ = draft.file().try_lock();
+        let mut writer = BufWriter::new(draft.file());
         file::write(&mut writer, &head, payload).map_err(failed)?;
         drop(writer);
-        temporary.persist(&place).map_err(|e| failed(e.error))?;
+        draft.persist(&place).map_err(failed)?;
         Ok(())
     }
 
