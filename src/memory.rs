@@ -25,14 +25,23 @@ fn check(bytes: u64, available: Option<u64>, what: &str) -> Result<()> {
     }
 }
 
+/// Whether this process may take less address space than the machine has.
+pub fn is_limited() -> bool {
+    own_limits().is_some_and(|(limits, status)| own_available(&limits, &status).is_some())
+}
+
+/// `/proc/self/limits` and `/proc/self/status`.
+fn own_limits() -> Option<(String, String)> {
+    fs::read_to_string("/proc/self/limits").ok().zip(fs::read_to_string("/proc/self/status").ok())
+}
+
 /// What can still be taken without swapping: the system's own estimate, the limit of the control group, or what the
 /// process' own limit (`ulimit -v`) leaves, whichever is lowest.
 fn available() -> Option<u64> {
     let system = fs::read_to_string("/proc/meminfo").ok().and_then(|text| meminfo_available(&text));
     let group =
         fs::read_to_string("/sys/fs/cgroup/memory.max").ok().and_then(|text| text.trim().parse().ok());
-    let own = fs::read_to_string("/proc/self/limits").ok().zip(fs::read_to_string("/proc/self/status").ok());
-    let own = own.and_then(|(limits, status)| own_available(&limits, &status));
+    let own = own_limits().and_then(|(limits, status)| own_available(&limits, &status));
     system.into_iter().chain(group).chain(own).min()
 }
 

@@ -136,11 +136,11 @@ pub fn triple(text: &str) -> Result<[f64; 3]> {
 /// # Errors
 /// As [`triple`], and numbers outside.
 pub fn color(text: &str) -> Result<[f64; 3]> {
-    let color = triple(text)?;
-    if color.iter().all(|c| (0.0..=1.0).contains(c)) {
-        return Ok(color);
-    }
-    Err(Error::usage(format!("'{text}' is no colour"), "give R,G,B from 0 to 1 each, linear sRGB"))
+    let color = triple(text).ok().filter(|color| color.iter().all(|c| (0.0..=1.0).contains(c)));
+    color.ok_or_else(|| {
+        let remedy = "give R,G,B from 0 to 1 each, linear sRGB, as in 0.8,0.2,0.1";
+        Error::usage(format!("'{text}' is no colour"), remedy)
+    })
 }
 
 /// A size in memory or on disk such as `2GiB`, `500MB` or `0` \[bytes\].
@@ -354,6 +354,9 @@ mod tests {
             assert!(triple(text).is_err() && color(text).is_err(), "{text}");
         }
         assert_eq!(color("0,0.5,1").unwrap(), [0.0, 0.5, 1.0]);
+        let said = color("ff0000").unwrap_err().to_string();
+        let advised = said.rsplit(' ').next().unwrap();
+        assert!(color(advised).is_ok(), "what is advised is taken: {said}");
         assert!(color("0,0,1.1").is_err() && color("-0.1,0,0").is_err());
     }
 

@@ -88,6 +88,7 @@ pub fn main() -> ExitCode {
 }
 
 fn run(arguments: Arguments) -> Result<()> {
+    start_threads();
     match arguments.command {
         Command::View(arguments) => view::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
@@ -99,6 +100,14 @@ fn run(arguments: Arguments) -> Result<()> {
         Command::Surface(command) => surface::run(&command),
         Command::Cache(arguments) => cache::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
+    }
+}
+
+/// Makes the threads that share sums and transforms. Where the system gives none, the calling thread does everything.
+fn start_threads() {
+    // A failed attempt would stay the last one, so the first one is on trial.
+    if rayon::ThreadPoolBuilder::new().build().is_err() {
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
     }
 }
 

@@ -1,5 +1,6 @@
 //! Options that several commands share, with the same word and meaning in each.
 
+use super::say;
 use crate::cache;
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
@@ -8,11 +9,13 @@ use crate::optics::spectrum::Illuminant;
 use crate::render::color_table::Filter;
 use crate::render::shading::Shading;
 use crate::scene::{Camera, Light, MAX_LIGHTS, Scene};
+use crate::surface::synth::Kind;
 use crate::surface::{HeightField, Level, Source};
 use crate::units;
 use crate::vk::selection::Wish;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
+use std::sync::Once;
 
 /// Smallest and largest tolerance that mean something: below the first, 32-bit floats are in the way everywhere.
 const TOLERANCES: (f64, f64) = (1e-6, 1.0);
@@ -69,6 +72,11 @@ fn level(text: &str) -> Result<Level> {
 }
 
 impl SurfaceOptions {
+    /// The file that the options name, if it is one and not a built-in.
+    pub fn files<'a>(&'a self, positional: Option<&'a str>) -> Option<&'a str> {
+        positional.or(self.surface.as_deref()).filter(|name| Kind::from_name(name).is_none())
+    }
+
     /// The height field that the options name, or `scene`'s, or `fallback`.
     pub fn load(
         &self,
@@ -196,10 +204,28 @@ pub struct ColourOptions {
 }
 
 impl ColourOptions {
+    /// The file that the options name, if it is one and not a built-in.
+    pub fn files(&self) -> Option<&str> {
+        Some(self.illuminant.as_str()).filter(|name| !Illuminant::is_built_in(name))
+    }
+
     /// `shading` with what the options say of colours.
     fn of(&self, shading: Shading) -> Result<Shading> {
         let illuminant = Illuminant::from_name_or_file(&self.illuminant)?;
+        tell_of_missing_light(&illuminant);
         Ok(Shading { illuminant, wavelengths: self.wavelengths, ..shading })
+    }
+}
+
+/// Tells, once a run, where a spectrum does not reach over all that is visible.
+fn tell_of_missing_light(illuminant: &Illuminant) {
+    static TOLD: Once = Once::new();
+    if let Some([first, last]) = illuminant.missing_light() {
+        TOLD.call_once(|| {
+            say(&format_args!(
+                "the illuminant is given from {first} to {last} nm; between 380 and 780 nm it counts as 0 elsewhere"
+            ));
+        });
     }
 }
 

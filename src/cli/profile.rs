@@ -7,11 +7,11 @@ use super::options::{
 use super::stage::{Setting, Stage};
 use super::{choice, prepare, write};
 use crate::error::Result;
+use crate::files::Files;
 use crate::measure::budget::Budget;
 use crate::measure::cost::Cost;
 use crate::measure::error::PixelErrors;
 use crate::measure::profile::{Bound, Rates, Summary, Times, measure, rates};
-use crate::output;
 use crate::scene::Light;
 use crate::units;
 use clap::Args;
@@ -127,10 +127,14 @@ impl From<Summary> for Milliseconds {
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
     check_lights(&arguments.light)?;
-    if let Some(path) = &arguments.json {
-        output::check(path)?;
-    }
+    let files = Files::new()
+        .reads([&arguments.scene])
+        .reads(arguments.surface.files(None))
+        .reads(arguments.colour.files())
+        .writes(&arguments.json);
+    files.check()?;
     let stage = Stage::set(arguments)?;
+    files.reads(&stage.scene.files).check()?;
     let choice = arguments.fps.map(|fps| choice::keeping(fps, &stage, arguments)).transpose()?;
     let report = profile(&stage, choice.as_ref().map_or(arguments, |choice| &choice.arguments))?;
     prepare::finish(&stage.device)?;

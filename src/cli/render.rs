@@ -5,11 +5,13 @@ use super::options::{
     ViewOptions, check_lights, sample_pixels,
 };
 use super::spectral::Spectral;
-use super::{prepare, write};
+use super::{prepare, words};
 use crate::error::{Error, Result};
+use crate::files::Files;
 use crate::measure::error;
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::SHORTEST;
+use crate::picture_file::{self, Format};
 use crate::precompute::Layers;
 use crate::render::frame::View;
 use crate::render::picture::{Directions, Painter, Picture};
@@ -19,8 +21,8 @@ use crate::render::resources::Optics;
 use crate::render::shading::Shading;
 use crate::scene::Scene;
 use crate::surface::HeightField;
+use crate::units;
 use crate::vk::device::Device;
-use crate::{output, units};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -62,8 +64,13 @@ pub struct Arguments {
 /// Draws and writes.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
-    let format = write::PictureFormat::of(&arguments.output)?;
-    output::check(&arguments.output)?;
+    let format = Format::of(&arguments.output)?;
+    let files = Files::new()
+        .reads([&arguments.scene])
+        .reads(arguments.surface.files(None))
+        .reads(arguments.colour.files())
+        .writes([&arguments.output]);
+    files.check()?;
     check_lights(&arguments.view.light)?;
     if arguments.sample_pixels.is_some() && arguments.optics.method() != Method::Reference {
         return Err(Error::usage(
@@ -73,10 +80,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let shading = arguments.optics.for_pictures(&arguments.colour)?;
     let mut scene = Scene::open(&arguments.scene)?;
+    files.reads(&scene.files).check()?;
     arguments.view.apply(&mut scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
     let picture = draw(arguments, &scene, &field, &shading)?;
-    write::picture(&arguments.output, format, &picture)
+    picture_file::write(&arguments.output, format, &picture, &words::notes())
 }
 
 fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Shading) -> Result<Picture> {

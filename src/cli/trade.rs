@@ -4,10 +4,12 @@ use super::options::{CacheOptions, DeviceOptions, SurfaceOptions, check_lights, 
 use super::stage::{Exact, References, Stage, shown};
 use super::{baselines, prepare, profile, say, write};
 use crate::error::{Error, Result};
+use crate::files::Files;
 use crate::measure::error::PixelErrors;
 use crate::measure::profile::measure;
 use crate::measure::trade::{self, GRATING, Row, THESIS};
 use crate::optics::coherence::Coherence;
+use crate::optics::spectrum::Illuminant;
 use crate::render::picture::Painter;
 use crate::render::shading::Shading;
 use crate::scene::Light;
@@ -90,7 +92,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let stage = Stage::set(&setting(arguments, "")?)?;
     // Nothing is made before there is something to write.
     if folder.exists() {
-        FILES.iter().try_for_each(|name| output::check(&file(name)))?;
+        let illuminant = Some(&arguments.illuminant).filter(|name| !Illuminant::is_built_in(name));
+        Files::new()
+            .reads([&arguments.scene])
+            .reads(arguments.surface.files(None))
+            .reads(illuminant)
+            .reads(&stage.scene.files)
+            .writes(FILES.map(file))
+            .check()?;
     }
     let store = |rows: &[Row]| {
         std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, &e))?;

@@ -2,11 +2,11 @@
 
 use super::{Live, Saving};
 use crate::error::Result;
+use crate::picture_file::{self, Format, Notes};
 use crate::render::picture::Picture;
 use crate::viewer::app::Event;
 use crate::viewer::judge::Judge;
 use crate::viewer::pace::Degree;
-use crate::viewer::save;
 use crate::viewer::settings::Settings;
 use crate::viewer::studio::Word;
 use crate::viewer::worker::{Report, Role};
@@ -122,8 +122,10 @@ impl Live {
         }
         let Saving { stem, with_exr, command } = self.saving.remove(0);
         let (as_png, as_exr) = (stem.with_extension("png"), stem.with_extension("exr"));
-        let saved = save::png(&as_png, picture, &command)
-            .and_then(|()| if with_exr { save::exr(&as_exr, picture, &command) } else { Ok(()) });
+        let notes = Notes { command, ..Notes::default() };
+        let write = |path, format| picture_file::write(path, format, picture, &notes);
+        let saved = write(&as_png, Format::Png)
+            .and_then(|()| if with_exr { write(&as_exr, Format::Exr) } else { Ok(()) });
         match saved {
             Ok(()) => {
                 let more = if with_exr { " and .exr" } else { "" };
