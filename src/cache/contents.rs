@@ -62,7 +62,7 @@ fn entries(folder: &Path) -> std::io::Result<Vec<Entry>> {
         let kind = kind_of(name.to_str()?)?.to_owned();
         // Of the entry itself: a link is a link.
         let metadata = file.metadata().ok().filter(Metadata::is_file)?;
-        let used = metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+        let used = metadata.accessed().unwrap_or(SystemTime::UNIX_EPOCH);
         // A time in the future says that a clock was wrong, not that the file was used last.
         let used = if used > now { SystemTime::UNIX_EPOCH } else { used };
         Some(Entry { path: file.path(), kind, bytes: metadata.len(), used })

@@ -21,9 +21,11 @@ use crate::error::{Error, Result};
 use crate::memory;
 use crate::output;
 use serde::{Serialize, de::DeserializeOwned};
+use std::fs::FileTimes;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+use std::time::SystemTime;
 
 /// Most bytes that the folder holds unless `--cache-size` says otherwise: 2 GiB.
 pub const DEFAULT_LIMIT: u64 = 2 << 30;
@@ -95,8 +97,8 @@ impl Store {
         }
         memory::ensure_room(size, "what is kept").ok()?;
         let built = read(&mut file, size, format, key, memory_limit, build)?;
-        // A file that cannot be marked is only forgotten earlier.
-        let _ = file.set_modified(std::time::SystemTime::now());
+        // A file that cannot be marked is only forgotten earlier. When it was written stays.
+        let _ = file.set_times(FileTimes::new().set_accessed(SystemTime::now()));
         Some(built)
     }
 

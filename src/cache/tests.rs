@@ -52,7 +52,8 @@ impl Folder {
     }
 
     fn set_time(&self, key: &Key, time: SystemTime) {
-        File::options().write(true).open(self.path(key)).unwrap().set_modified(time).unwrap();
+        let times = FileTimes::new().set_accessed(time);
+        File::options().write(true).open(self.path(key)).unwrap().set_times(times).unwrap();
     }
 
     fn names(&self) -> usize {
