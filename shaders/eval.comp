@@ -1,9 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Answers queries of directions with the optics that the frame shades with.
-#include "interface.glsl"
-#include "spectrum.glsl"
-#include "diffraction.glsl"
+// Answers queries of directions from the source that frames shade with. The Rust side is src/render/evaluator.rs.
+#include "brdf.glsl"
+#include "reads.glsl"
+#include "source.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -12,8 +12,8 @@ struct Query {
     vec4 view;  // xyz: to the viewer
 };
 
-layout(set = 0, binding = 7, std430) readonly buffer Queries { Query queries[]; };
-layout(set = 0, binding = 8, std430) writeonly buffer Answers { vec4 answers[]; }; // f cos(theta_i): value or XYZ
+layout(set = 0, binding = 0, std430) readonly buffer Queries { Query queries[]; };
+layout(set = 0, binding = 1, std430) writeonly buffer Answers { vec4 answers[]; }; // f cos(theta_i): value or XYZ
 
 layout(push_constant) uniform Count { uint count; } total;
 
@@ -23,7 +23,7 @@ void main() {
         return;
     }
     Query query = queries[i];
-    Pair pair = pair_of(query.light.xyz, query.view.xyz);
-    answers[i] = query.light.w > 0.0 ? vec4(cosine_weighted(pair, query.light.w))
-                                     : vec4(cosine_weighted_xyz(pair), 0.0);
+    Pair pair = pair_of(query.light.xyz, query.view.xyz, source.normal_reflectance);
+    vec4 answer = query.light.w > 0.0 ? vec4(source_spectral(pair, query.light.w)) : vec4(source_xyz(pair, POINT), 0.0);
+    answers[i] = pair.factor > 0.0 ? answer : vec4(0.0);
 }

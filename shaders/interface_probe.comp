@@ -1,7 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Reads every field of the shared blocks and writes it out in order: the tests compare with what Rust wrote.
-#include "interface.glsl"
+#include "frame.glsl"
+#include "brdf.glsl"
+#include "reads.glsl"
+#include "source_window.glsl"
 
 layout(local_size_x = 1) in;
 
@@ -18,15 +21,11 @@ void main() {
     }
     answers[n++] = frame.base_color;
     answers[n++] = vec4(frame.counts);
-    answers[n++] = vec4(optics.texture_size, optics.origin);
-    answers[n++] = vec4(optics.texels_per_frequency, optics.band);
-    answers[n++] = vec4(optics.sigma, optics.normal_reflectance, optics.bands_per_z, optics.last_column);
-    answers[n++] = vec4(optics.pairs_per_z, optics.fewest_pairs, float(MAX_LIGHTS), float(UV_BINS));
-    answers[n++] = vec4(lines_at.across, lines_at.along);
-    answers[n++] = vec4(lines_at.origin, lines_at.from, lines_at.unit);
-    answers[n++] = vec4(lines_at.first_column, lines_at.columns_per_wavenumber, lines_at.first_row, lines_at.rows_per_octave);
-    answers[n++] = vec4(lines_at.last_column, lines_at.nearest, float(OCTAVES), FINER);
-    for (int i = 0; i < OCTAVES; ++i) {
-        answers[n++] = lines_at.near[i];
-    }
+    answers[n++] = vec4(frame.at.jitter, frame.at.footprint, float(frame.at.index));
+    answers[n++] = vec4(float(frame.at.count), float(frame.at.seed), 0.0, 0.0);
+    answers[n++] = vec4(source.texture_size, source.origin);
+    answers[n++] = vec4(source.texels_per_frequency, source.band);
+    answers[n++] = vec4(source.sigma, source.normal_reflectance, source.column);
+    answers[n++] = vec4(source.pairs_per_z, source.fewest_pairs, source.half_range, 0.0);
+    answers[n++] = vec4(float(MAX_LIGHTS), float(UV_BINS), 0.0, 0.0);
 }

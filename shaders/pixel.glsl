@@ -2,10 +2,16 @@
 // -N, two numbers each: a frame writes and reads them for every pixel. Its twin is `Directions` of src/render/picture.rs.
 
 // Written by the geometry pass: to the viewer (xy) and to the first light (zw).
-layout(set = 0, binding = 9) uniform sampler2D directions;
-layout(set = 0, binding = 10) uniform sampler2D albedos;      // where there is a pigment texture
-layout(set = 0, binding = 11) uniform sampler2D more_lights_0; // to the second and to the third light
-layout(set = 0, binding = 12) uniform sampler2D more_lights_1; // to the fourth
+layout(set = 0, binding = 2) uniform sampler2D directions;
+layout(set = 0, binding = 3) uniform sampler2D albedos;      // where there is a pigment texture
+layout(set = 0, binding = 4) uniform sampler2D more_lights_0; // to the second and to the third light
+layout(set = 0, binding = 5) uniform sampler2D more_lights_1; // to the fourth
+
+// Where footprints are asked for: du/dx, dv/dx, du/dy, dv/dy of each light's (u, v) = -(w_i + w_r).xy, per pixel; x to the right, y downward.
+layout(set = 0, binding = 6) uniform sampler2D footprints_0;
+layout(set = 0, binding = 7) uniform sampler2D footprints_1;
+layout(set = 0, binding = 8) uniform sampler2D footprints_2;
+layout(set = 0, binding = 9) uniform sampler2D footprints_3;
 
 // What the pass clears to: farther out than any direction is projected.
 const float UNCOVERED = 100.0;
@@ -33,4 +39,18 @@ vec3 light_direction(vec4 stored, int light, ivec2 pixel) {
 
 vec3 albedo_of(ivec2 pixel) {
     return frame.base_color.w > 0.0 ? texelFetch(albedos, pixel, 0).rgb : frame.base_color.rgb;
+}
+
+// Of light number `light`, where the geometry pass was asked for footprints: what the part of the pixel filter covers that shading averages
+// over.
+Footprint footprint_of(int light, ivec2 pixel) {
+    vec4 change;
+    switch (light) {
+    case 0: change = texelFetch(footprints_0, pixel, 0); break;
+    case 1: change = texelFetch(footprints_1, pixel, 0); break;
+    case 2: change = texelFetch(footprints_2, pixel, 0); break;
+    default: change = texelFetch(footprints_3, pixel, 0); break;
+    }
+    change *= frame.at.footprint;
+    return Footprint(change.xy, change.zw);
 }

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Takes view and lights into the tangent frame of each vertex; the fragment stage interpolates and normalises them.
-#include "interface.glsl"
+#include "frame.glsl"
 
 layout(constant_id = 0) const int LIGHTS = MAX_LIGHTS; // of the scene
 

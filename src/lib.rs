@@ -5,6 +5,7 @@
 
 #![deny(unsafe_code)]
 
+pub mod brdf;
 pub mod cache;
 pub mod cli;
 pub mod error;
@@ -21,7 +22,10 @@ pub mod precompute;
 pub mod random;
 pub mod render;
 pub mod scene;
+pub mod setup;
+pub mod spectra;
 pub mod surface;
+pub mod table;
 pub mod units;
 pub mod viewer;
 #[allow(unsafe_code, reason = "calls Vulkan; every block says why it is sound")]

@@ -12,9 +12,9 @@ use std::path::Path;
 /// A picture file's format, by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// 8-bit sRGB, as displayed.
+    /// 8-bit sRGB, as displayed over the background; alpha is the coverage.
     Png,
-    /// Linear radiance, signed 32-bit float RGBA, before exposure.
+    /// Linear radiance, signed 32-bit float RGBA, before exposure; alpha is the coverage, and colours are premultiplied by it.
     Exr,
 }
 
@@ -84,17 +84,23 @@ pub fn quoted(word: &str) -> String {
 
 fn png(file: &mut impl Write, picture: &Picture, notes: &Notes) -> std::result::Result<(), IoError> {
     let [width, height] = picture.size;
-    let rgb: Vec<u8> = picture.display.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
     let mut encoder = png::Encoder::new(file, width, height);
-    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     for (name, value) in notes.all() {
         encoder.add_itxt_chunk(name, value)?;
     }
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&rgb)?;
+    writer.write_image_data(&codes(picture))?;
     Ok(writer.finish()?)
+}
+
+/// RGBA of a PNG: what is displayed, over the background, and in alpha how much of each pixel the mesh covers. A program that drops alpha
+/// shows the whole picture with smooth edges.
+fn codes(picture: &Picture) -> Vec<u8> {
+    let pixels = picture.display.iter().zip(&picture.radiance);
+    pixels.flat_map(|(&[r, g, b, _], radiance)| [r, g, b, (radiance[3] * 255.0).round() as u8]).collect()
 }
 
 fn exr(file: &mut (impl Write + Seek), picture: &Picture, notes: &Notes) -> std::result::Result<(), IoError> {
@@ -132,7 +138,7 @@ mod tests {
         let number = |i: usize| (i as f32 * 0.37).sin();
         Picture {
             size,
-            radiance: (0..count).map(|i| [number(i), -number(i + 1), 2.0, 1.0]).collect(),
+            radiance: (0..count).map(|i| [number(i), -number(i + 1), 2.0, (i % 5) as f32 / 4.0]).collect(),
             display: (0..count).map(|i| [i as u8, (i / 7) as u8, 3, 255]).collect(),
         }
     }
@@ -154,8 +160,10 @@ mod tests {
         let picture = picture([5, 3]);
         write(&as_png, Format::of(&as_png).unwrap(), &picture, &notes()).unwrap();
         write(&as_exr, Format::of(&as_exr).unwrap(), &picture, &notes()).unwrap();
-        let pixels = image::open(&as_png).unwrap().to_rgb8();
-        assert!(pixels.pixels().zip(&picture.display).all(|(a, b)| a.0 == b[..3]));
+        let image::DynamicImage::ImageRgba8(pixels) = image::open(&as_png).unwrap() else { panic!("RGBA") };
+        assert!(pixels.pixels().zip(&picture.display).all(|(a, b)| a.0[..3] == b[..3]));
+        // Alpha is the coverage.
+        assert!(pixels.pixels().zip(&picture.radiance).all(|(a, b)| a.0[3] == (b[3] * 255.0).round() as u8));
         let radiance = image::open(&as_exr).unwrap().to_rgba32f();
         assert_eq!(radiance.as_raw(), bytemuck::cast_slice::<_, f32>(&picture.radiance));
 

@@ -1,15 +1,15 @@
-//! Numbers with their units, as they are written on the command line and in scene files.
+//! Parses numbers with units, as on the command line and in scene files.
 //!
-//! Lengths become micrometres and angles degrees. A unit is part of its number: a bare length is an error that says so.
+//! Lengths become micrometres and angles degrees. A length without a unit is an error.
 //! Every function is a plain `&str -> Result`, so that it can be an argument's value parser.
 
 use crate::error::{Error, Result};
 
-/// Length units and what one of them is \[µm\]. Both micro signs, U+00B5 and the Greek letter U+03BC, are common.
+/// Units of length in micrometres. Both micro signs, U+00B5 and the Greek letter U+03BC, are common.
 const LENGTHS: [(&str, f64); 6] =
     [("nm", 1e-3), ("um", 1.0), ("\u{b5}m", 1.0), ("\u{3bc}m", 1.0), ("mm", 1e3), ("m", 1e6)];
 
-/// Angle units and what one of them is \[degrees\].
+/// Units of angle in degrees.
 const ANGLES: [(&str, f64); 3] = [("deg", 1.0), ("\u{b0}", 1.0), ("rad", 180.0 / std::f64::consts::PI)];
 
 /// Units of size on disk, decimal and binary, and what one of them is \[bytes\].
@@ -26,33 +26,33 @@ const SIZES: [(&str, f64); 10] = [
     ("B", 1.0),
 ];
 
-/// Lengths that can be meant here, from a hundredth of an atom to a metre \[µm\]; sums of their powers stay numbers.
+/// Range of plausible lengths, 1 pm to 1 m \[µm\]; sums of their powers do not overflow.
 const MEANT: (f64, f64) = (1e-6, 1e6);
 
-/// The longest side of a picture, in pixels: what Vulkan devices commonly take.
+/// Largest side of a picture in pixels: the common limit of Vulkan devices.
 pub const MAX_PIXELS: u32 = 16_384;
 
-/// The most copies or windows along one axis.
+/// Largest number of copies or windows along one axis.
 pub const MAX_COUNT: u32 = 10_000;
 
-/// How bright a light may be, relative to one of intensity 1.
+/// Largest intensity of a light.
 const MAX_INTENSITY: f64 = 1e6;
 
-/// A light from one direction, as it is written: `THETA,PHI[,INTENSITY]`.
+/// A directional light: `THETA,PHI[,INTENSITY]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
     /// Angle from the surface normal \[degrees\], 0 ≤ theta ≤ 90.
     pub theta: f64,
     /// Angle from +x toward +y \[degrees\], −360 ≤ phi ≤ 360.
     pub phi: f64,
-    /// Relative brightness, above 0; 1 unless it is written.
+    /// Relative intensity, above 0; 1 by default.
     pub intensity: f64,
 }
 
 /// A positive length such as `65um`, `434.7nm`, `0.5mm` or `1µm` \[µm\].
 ///
 /// # Errors
-/// No number, no unit or an unknown one, a number that is not finite and positive, a length outside 1 pm … 1 m.
+/// No number, a missing or unknown unit, a number that is not finite and positive, a length outside 1 pm … 1 m.
 pub fn length(text: &str) -> Result<f64> {
     let value = with_unit(text, &LENGTHS, "12nm, 12um or 12mm")?;
     if value <= 0.0 {
@@ -78,7 +78,7 @@ pub fn length_pair(text: &str) -> Result<[f64; 2]> {
 /// A finite angle such as `30deg`, `-12.5°` or `0.5rad` \[degrees\].
 ///
 /// # Errors
-/// No number, no unit or an unknown one, a number that is not finite.
+/// No number, a missing or unknown unit, a number that is not finite.
 pub fn angle(text: &str) -> Result<f64> {
     with_unit(text, &ANGLES, "30deg")
 }
@@ -189,13 +189,13 @@ fn whole_pair(text: &str, example: &str, largest: u32) -> Result<[u32; 2]> {
     Ok([whole(x)?, whole(y)?])
 }
 
-/// The two sides of the one `x` or `×` in `text`.
+/// Splits `text` at its only `x` or `×`.
 fn split_pair(text: &str) -> Option<(&str, &str)> {
     let (first, second) = text.split_once(['x', '\u{d7}'])?;
     Some((first.trim(), second.trim()))
 }
 
-/// The number in front of one of `units`, times what the unit is.
+/// Parses a number followed by one of `units`.
 fn with_unit(text: &str, units: &[(&str, f64)], examples: &str) -> Result<f64> {
     let trimmed = text.trim();
     if trimmed.is_empty() {
@@ -208,7 +208,7 @@ fn with_unit(text: &str, units: &[(&str, f64)], examples: &str) -> Result<f64> {
     });
     if let Some((number, scale)) = fitting.into_iter().next() {
         let value = number * scale;
-        // A product that over- or underflows is not what was written.
+        // Reject products that overflow or underflow.
         let kept = value.is_finite() && (number == 0.0 || value != 0.0);
         let out_of_range =
             || Error::usage(format!("'{trimmed}' is out of range"), format!("write {examples}"));
@@ -231,7 +231,7 @@ fn with_own_number(number: &str, examples: &str) -> String {
     format!("write {}", examples.replace(placeholder, number))
 }
 
-/// A finite decimal number; Rust's own parser would take `inf` and `NaN` as well.
+/// Parses a finite decimal number. Rust's own parser accepts `inf` and `NaN` as well.
 fn plain_number(text: &str) -> Option<f64> {
     let decimal = text.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'.' | b'-' | b'+' | b'e' | b'E'));
     text.parse::<f64>().ok().filter(|value| decimal && value.is_finite())

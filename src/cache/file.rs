@@ -4,6 +4,7 @@
 use super::key::{Format, Key};
 use crate::error::{Error, Result};
 use bytemuck::Pod;
+use half::f16;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::io::{self, Read, Write};
 
@@ -162,6 +163,11 @@ impl Payload<'_> {
         numbers.resize(count, T::zeroed());
         self.fill(&mut numbers)?;
         Some(numbers)
+    }
+
+    /// The next `count` numbers of 16 bits; `None` as [`Payload::take`], and where one of them is not finite.
+    pub fn take_halves(&mut self, count: usize) -> Option<Vec<f16>> {
+        self.take::<f16>(count).filter(|numbers| numbers.iter().all(|x| x.is_finite()))
     }
 
     /// Reads `numbers` from the next bytes; `None` where fewer are left.

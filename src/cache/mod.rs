@@ -11,10 +11,12 @@
 mod contents;
 mod file;
 mod folder;
+mod kept;
 mod key;
 
 pub use contents::{Contents, Usage};
 pub use file::{Payload, read, seal};
+pub use kept::{Kept, count, positive};
 pub use key::{Format, Key};
 
 use crate::error::{Error, Result};

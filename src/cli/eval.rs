@@ -1,15 +1,18 @@
 //! `diffract eval`: BRDF numbers for the directions of a CSV file.
 
-use super::answers::{WAVELENGTHS, check_single_wavelengths, over_windows, shortest};
+use super::evaluation::{self, WAVELENGTHS, check_single_wavelengths};
 use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
-use super::write;
+use super::{prepare, write};
 use crate::error::{Error, Result};
 use crate::files::Files;
 use crate::input;
 use crate::optics::geometry::{Pair, direction};
+use crate::optics::spectrum::SHORTEST;
 use crate::render::evaluator::Query;
+use crate::setup::Settings;
 use clap::Args;
 use glam::DVec3;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Columns of every query file, in degrees.
@@ -64,11 +67,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     let shading = arguments.optics.shading(&arguments.colour, &field)?;
     let mut values = vec![DVec3::ZERO; table.queries.len()];
-    let by = (arguments.optics.method(), &arguments.device.wish());
-    let asked = (shortest(&table.queries), table.queries.len());
-    over_windows(by, &field, &shading, asked, |answers, share| {
-        let of_window = answers.brdf(&table.queries)?;
-        values.iter_mut().zip(of_window).for_each(|(sum, f)| *sum += f * share);
+    let shortest =
+        table.queries.iter().map(|q| q.wavelength.unwrap_or(SHORTEST)).fold(f64::INFINITY, f64::min);
+    let settings = Settings { shortest, ..Settings::new(arguments.optics.method(), shading) };
+    let groups = table.by_wavelength();
+    prepare::for_each_window(&field, &settings, &arguments.device.wish(), |brdf, share| {
+        let bar = evaluation::bar(table.queries.len());
+        for (wavelength, places) in &groups {
+            let pairs: Vec<Pair> = places.iter().map(|&place| table.queries[place].pair).collect();
+            let found = evaluation::ask(brdf, &pairs, *wavelength, &bar)?;
+            places.iter().zip(found).for_each(|(&place, f)| values[place] += f * share);
+        }
+        bar.finish_and_clear();
         Ok(())
     })?;
     write::text(arguments.output.as_deref(), &table.answered(&values)?)
@@ -143,6 +153,16 @@ impl Table {
             return Err(bad(1, "there are no queries".to_owned()));
         }
         Ok(table)
+    }
+
+    /// The rows of each wavelength that is asked for.
+    fn by_wavelength(&self) -> Vec<(Option<f64>, Vec<usize>)> {
+        let mut groups: BTreeMap<u64, (Option<f64>, Vec<usize>)> = BTreeMap::new();
+        for (place, query) in self.queries.iter().enumerate() {
+            let key = query.wavelength.map_or(0, f64::to_bits);
+            groups.entry(key).or_insert((query.wavelength, Vec::new())).1.push(place);
+        }
+        groups.into_values().collect()
     }
 
     /// The table with the answers: f, or XYZ.

@@ -1,33 +1,33 @@
 //! The command line: one file per command; raw arguments in, validated settings with units out.
 
-mod answers;
-mod baselines;
+mod autotune;
+mod benchmark;
 mod brdf;
 mod cache;
-mod choice;
+mod captions;
 mod devices;
 mod eval;
+mod evaluation;
 mod options;
 mod peaks;
 mod prepare;
 mod profile;
 mod range;
 mod render;
-mod repeated;
-mod spectral;
-mod stage;
+mod scale;
 mod surface;
 mod trade;
 pub mod untrusted;
 mod usage;
+mod verbosity;
 mod view;
-mod words;
 mod write;
 
 use crate::error::{Error, Result};
 use clap::{Parser, Subcommand};
 use std::io::Write;
 use std::process::ExitCode;
+use verbosity::{Verbosity, say};
 
 /// Structural colour from a measured height field.
 #[derive(Parser, Debug)]
@@ -47,6 +47,8 @@ Lengths are written with their unit: 65um, 434.7nm. `diffract COMMAND --help` sa
     disable_help_subcommand = true
 )]
 struct Arguments {
+    #[command(flatten)]
+    verbosity: Verbosity,
     #[command(subcommand)]
     command: Command,
 }
@@ -81,13 +83,14 @@ pub fn main() -> ExitCode {
     match usage::parse(std::env::args_os()).and_then(|arguments| arguments.map_or(Ok(()), run)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            say(&error);
+            print(&error);
             ExitCode::from(error.exit_code())
         }
     }
 }
 
 fn run(arguments: Arguments) -> Result<()> {
+    arguments.verbosity.apply();
     start_threads();
     match arguments.command {
         Command::View(arguments) => view::run(&arguments),
@@ -112,7 +115,7 @@ fn start_threads() {
 }
 
 /// One line on stderr; where nobody listens there, that is no reason to fail.
-fn say(line: &dyn std::fmt::Display) {
+fn print(line: &dyn std::fmt::Display) {
     let _ = writeln!(std::io::stderr(), "diffract: {line}");
 }
 

@@ -4,15 +4,17 @@ use super::say;
 use crate::cache;
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
-use crate::optics::coherence::Coherence;
+use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::spectrum::Illuminant;
-use crate::render::color_table::Filter;
 use crate::render::shading::Shading;
 use crate::scene::{Camera, Light, MAX_LIGHTS, Scene};
+use crate::setup;
+use crate::setup::Method;
 use crate::surface::synth::Kind;
 use crate::surface::{HeightField, Level, Source};
 use crate::units;
-use crate::vk::selection::Wish;
+use crate::vk::selection::DeviceChoice;
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use std::sync::Once;
@@ -33,16 +35,19 @@ const MAX_SAMPLED: usize = 1 << 28;
 const MAX_REPEATS: u32 = 10_000;
 const MAX_WINDOWS: u32 = 64;
 
-/// How the optics is computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Method {
-    /// Vulkan: sums wavelengths over precomputed spectra
-    #[default]
-    Spectral,
-    /// Vulkan: reads a colour table that the spectrum was summed into once
-    Table,
-    /// The direct sum in 64-bit floats, on the CPU
-    Reference,
+impl ValueEnum for Method {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::Spectral, Self::Table, Self::Reference]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self {
+            Self::Spectral => "Vulkan: sums wavelengths over precomputed spectra",
+            Self::Table => "Vulkan: reads a colour table that the spectrum was summed into once",
+            Self::Reference => "The direct sum in 64-bit floats, on the CPU",
+        };
+        Some(PossibleValue::new(self.name()).help(help))
+    }
 }
 
 /// The height field.
@@ -61,7 +66,7 @@ pub struct SurfaceOptions {
     /// What to subtract from the heights: none, mean or plane
     #[arg(long, value_name = "LEVEL", value_parser = level, default_value = "none")]
     pub level: Level,
-    /// Which one of the many skins of one kind
+    /// Which one of the many skins of one kind, and where in a pixel `--samples` look
     #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1")]
     pub seed: u64,
 }
@@ -109,34 +114,78 @@ impl SurfaceOptions {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Optics")]
 pub struct OpticsOptions {
-    /// How the optics is computed [default: spectral]
+    /// How the optics is computed [default: table for pictures of the mean, else spectral]
     #[arg(long, value_enum)]
     pub method: Option<Method>,
-    /// Which expansion the precomputed spectra hold: taylor (the thesis'), chebyshev or optimal (fewest terms) [default: optimal for
+    /// Which expansion the spectra of one window hold (--windows 1x1): taylor (the thesis') or optimal (fewest terms) [default: optimal for
     /// pictures; else taylor where 32-bit floats hold it]
     #[arg(long, value_name = "BASIS", value_parser = basis)]
     pub basis: Option<Basis>,
     /// Relative error that you accept; everything else follows from it unless named [default: 1e-2]
     #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
-    /// Terms of the expansion, instead of what the tolerance asks for
+    /// Terms of the expansion (--windows 1x1), instead of what the tolerance asks for
     #[arg(long, value_name = "N", value_parser = terms, allow_hyphen_values = true)]
     pub terms: Option<usize>,
-    /// What surrounds the patch: gaussian:LENGTH, or repeats:NxM copies of it and nothing else
+    /// Coherence of the light: gaussian:LENGTH, or grating:NxM for a finite grating of so many copies of the patch (also repeats:NxM)
     #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
     pub coherence: Coherence,
-    /// Window centres to average over (not in pictures by --method spectral)
-    #[arg(long, value_name = "NxM", value_parser = windows, allow_hyphen_values = true, default_value = "1x1")]
-    pub windows: [u32; 2],
+    /// Positions of the coherence window to average over: all (what a pixel sees), 1x1 (the thesis' one window, which shows speckle) or
+    /// NxM of them [default: all; 1x1 for a finite grating]
+    #[arg(long, value_name = "all|NxM", value_parser = windows, allow_hyphen_values = true)]
+    pub windows: Option<Windows>,
+    /// How the surface goes on beyond the patch (--windows all): copies (the patch tiles, and its orders show) or alike (it goes on with the
+    /// same statistics) [default: copies where the field tiles, else alike]
+    #[arg(long, value_name = "copies|alike", value_parser = beyond)]
+    pub beyond: Option<Beyond>,
     /// Refractive index of the surface
     #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true, default_value = "1.5")]
     pub ior: f64,
 }
 
 impl OpticsOptions {
-    /// How the optics is computed.
+    /// How the optics of single directions is computed.
     pub fn method(&self) -> Method {
-        self.method.unwrap_or_default()
+        self.method.unwrap_or(Method::Spectral)
+    }
+
+    /// How the optics of pictures is computed: where there is a mean, colours are tabulated.
+    pub fn picture_method(&self) -> Method {
+        let unless_named = if self.windows() == Windows::All { Method::Table } else { Method::Spectral };
+        self.method.unwrap_or(unless_named)
+    }
+
+    /// Positions of the window.
+    pub fn windows(&self) -> Windows {
+        let unless_named = match self.coherence {
+            Coherence::Gaussian { .. } => Windows::All,
+            Coherence::Repeats(_) => Windows::ONE,
+        };
+        self.windows.unwrap_or(unless_named)
+    }
+
+    /// Fails for options that do not go together.
+    ///
+    /// # Errors
+    /// With what to change.
+    pub fn check(&self) -> Result<()> {
+        let all = self.windows() == Windows::All;
+        let of_one_window = [("--basis", self.basis.is_some()), ("--terms", self.terms.is_some())];
+        if let Some((name, _)) = of_one_window.iter().find(|(_, named)| *named && all) {
+            return Err(Error::usage(
+                format!(
+                    "{name} is about the expansion for one window, and the mean over all windows has none"
+                ),
+                format!("add --windows 1x1, or leave {name} away"),
+            ));
+        }
+        if self.beyond.is_some() && !all {
+            return Err(Error::usage(
+                "--beyond is about the mean over all windows",
+                "use --windows all, or leave --beyond away",
+            ));
+        }
+        Ok(())
     }
 
     /// Relative error that the user accepts.
@@ -147,9 +196,10 @@ impl OpticsOptions {
     /// The settings that the options stand for, where single wavelengths of single directions of `field` are asked for.
     pub fn monochrome(&self, field: &HeightField) -> Shading {
         let shading = self.with_basis(Basis::Taylor);
+        let beyond = self.beyond.unwrap_or_else(|| setup::beyond_of(field));
         match self.basis {
-            Some(_) => shading,
-            None => Shading { basis: shading.suited_basis(field), ..shading },
+            Some(_) => Shading { beyond, ..shading },
+            None => Shading { basis: shading.suited_basis(field), beyond, ..shading },
         }
     }
 
@@ -160,7 +210,13 @@ impl OpticsOptions {
 
     /// The settings that the options stand for, where pictures are asked for.
     pub fn for_pictures(&self, colour: &ColourOptions) -> Result<Shading> {
+        self.check()?;
         Ok(colour.of(self.with_basis(self.basis_of_pictures()))?.for_pictures())
+    }
+
+    /// `shading` with the user's word on what is beyond the patch, or what `field` suggests.
+    pub fn beyond_of(&self, field: &HeightField, shading: Shading) -> Shading {
+        Shading { beyond: self.beyond.unwrap_or_else(|| setup::beyond_of(field)), ..shading }
     }
 
     /// The expansion of pictures: of every sweep that `trade` made, the one with the fewest reads for the same error.
@@ -171,7 +227,8 @@ impl OpticsOptions {
     fn with_basis(&self, unless_named: Basis) -> Shading {
         Shading {
             coherence: self.coherence,
-            windows: self.windows,
+            windows: self.windows(),
+            beyond: self.beyond.unwrap_or_default(),
             ior: self.ior,
             tolerance: self.tolerance(),
             basis: self.basis.unwrap_or(unless_named),
@@ -179,16 +236,6 @@ impl OpticsOptions {
             ..Shading::default()
         }
     }
-}
-
-/// How a picture reads a colour table.
-#[derive(Args, Clone, Copy, Debug)]
-#[command(next_help_heading = "Optics")]
-pub struct FilterOptions {
-    /// What a pixel of --method table shows: its centre, as the other methods do and the tolerance is promised for, or the average
-    /// over all that it sees
-    #[arg(long, value_name = "point|pixel", value_parser = filter, default_value = "point")]
-    pub filter: Filter,
 }
 
 /// From wavelengths to a colour.
@@ -234,13 +281,13 @@ fn tell_of_missing_light(illuminant: &Illuminant) {
 #[command(next_help_heading = "Device")]
 pub struct DeviceOptions {
     /// Vulkan device: a part of its name, its number in `diffract devices`, or cpu for a software one
-    #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = Wish::parse)]
-    pub device: Option<Wish>,
+    #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = DeviceChoice::parse)]
+    pub device: Option<DeviceChoice>,
 }
 
 impl DeviceOptions {
     /// What the user wishes for.
-    pub fn wish(&self) -> Wish {
+    pub fn wish(&self) -> DeviceChoice {
         self.device.clone().unwrap_or_default()
     }
 }
@@ -363,19 +410,9 @@ pub fn seed(text: &str) -> Result<u64> {
     })
 }
 
-fn filter(text: &str) -> Result<Filter> {
-    match text {
-        "pixel" => Ok(Filter::Pixel),
-        "point" => Ok(Filter::Point),
-        _ => Err(Error::usage(format!("there is no filter `{text}`"), "give point or pixel")),
-    }
-}
-
 fn basis(text: &str) -> Result<Basis> {
     let named = Basis::ALL.into_iter().find(|basis| basis.name() == text);
-    named.ok_or_else(|| {
-        Error::usage(format!("there is no basis `{text}`"), "give taylor, chebyshev or optimal")
-    })
+    named.ok_or_else(|| Error::usage(format!("there is no basis `{text}`"), "give taylor or optimal"))
 }
 
 /// A relative error.
@@ -406,8 +443,18 @@ pub fn exposure(text: &str) -> Result<f64> {
     real(text, (-40.0, 40.0), "exposure in stops")
 }
 
-fn windows(text: &str) -> Result<[u32; 2]> {
-    units::counts(text).and_then(|n| bounded(text, n, MAX_WINDOWS, "windows"))
+fn windows(text: &str) -> Result<Windows> {
+    if text == "all" {
+        return Ok(Windows::All);
+    }
+    units::counts(text).and_then(|n| bounded(text, n, MAX_WINDOWS, "windows")).map(Windows::Grid)
+}
+
+fn beyond(text: &str) -> Result<Beyond> {
+    [Beyond::Copies, Beyond::Alike]
+        .into_iter()
+        .find(|beyond| beyond.name() == text)
+        .ok_or_else(|| Error::usage(format!("unknown --beyond `{text}`"), "give copies or alike"))
 }
 
 fn bounded(text: &str, counts: [u32; 2], most: u32, what: &str) -> Result<[u32; 2]> {
@@ -419,7 +466,7 @@ fn bounded(text: &str, counts: [u32; 2], most: u32, what: &str) -> Result<[u32; 
 
 /// What surrounds the patch, as the command line has it.
 pub fn coherence(text: &str) -> Result<Coherence> {
-    const FORM: &str = "give gaussian:LENGTH as in gaussian:65um, or repeats:NxM as in repeats:3x3";
+    const FORM: &str = "give gaussian:LENGTH as in gaussian:65um, or grating:NxM as in grating:3x3";
     match text.split_once(':') {
         Some(("gaussian", length)) => {
             let length = units::length(length)?;
@@ -428,11 +475,11 @@ pub fn coherence(text: &str) -> Result<Coherence> {
             }
             Err(Error::usage(format!("the coherence length `{text}` is out of range"), "give 10nm to 100mm"))
         }
-        Some(("repeats", n)) => {
+        Some(("grating" | "repeats", n)) => {
             let n = units::counts(n).and_then(|n| bounded(text, n, MAX_REPEATS, "repeats"))?;
             Ok(Coherence::Repeats(n))
         }
-        _ => Err(Error::usage(format!("`{text}` is no coherence"), FORM)),
+        _ => Err(Error::usage(format!("invalid --coherence `{text}`"), FORM)),
     }
 }
 

@@ -1,21 +1,31 @@
-//! What commands need before they can shade: a device, and the layers, from the cache or made with a progress bar.
+//! What commands need before they can shade: a device, and a source, from the cache or made with a progress bar.
 
+use super::verbosity::detail;
+use super::verbosity::quiet;
 use super::{check_validation, say, validation};
+use crate::brdf::Brdf;
 use crate::error::Result;
 use crate::optics::sampling::{self, Limit};
-use crate::optics::spectrum::SHORTEST;
-use crate::precompute::{Layers, Settings, cache, compute_at};
-use crate::render::color_table::{self, ColorTable};
+use crate::render::footprints::Distribution;
+use crate::render::frame::View;
+use crate::render::picture::Painter;
+use crate::render::pigment::Pigment;
+use crate::render::sampling::Sample;
 use crate::render::shading::Shading;
+use crate::render::source::{ClassicalGrating, Source};
+use crate::scene::Scene;
+use crate::setup::{self, InUse, Settings, Target};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
-use crate::vk::selection::Wish;
+use crate::vk::selection::DeviceChoice;
 use indicatif::{ProgressBar, ProgressStyle};
+use std::cell::OnceCell;
 use std::sync::{Arc, Once};
+use std::time::Instant;
 
 /// Opens the device that `wish` means.
-pub fn device(wish: &Wish) -> Result<Arc<Device>> {
+pub fn device(wish: &DeviceChoice) -> Result<Arc<Device>> {
     Device::open(Arc::new(Instance::new(validation())?), wish)
 }
 
@@ -24,82 +34,98 @@ pub fn finish(device: &Device) -> Result<()> {
     check_validation(&device.instance().messages())
 }
 
-/// Layers of `field` for wavelengths from `shortest` \[µm\] on `device`.
-pub fn layers(field: &HeightField, shading: &Shading, shortest: f64, device: &Device) -> Result<Layers> {
-    layers_at(field, shading, Window::CENTRE, shortest, device)
-}
-
-/// Where a window stands.
-#[derive(Clone, Copy)]
-pub struct Window {
-    /// Its centre from that of the patch \[µm\].
-    pub shift: [f64; 2],
-    /// Whether its layers are worth a place in the cache.
-    pub kept: bool,
-}
-
-impl Window {
-    /// The one that most commands mean.
-    pub const CENTRE: Self = Self { shift: [0.0; 2], kept: true };
-}
-
-/// The layers of `window`.
-pub fn layers_at(
-    field: &HeightField,
-    shading: &Shading,
-    window: Window,
-    shortest: f64,
-    device: &Device,
-) -> Result<Layers> {
-    layers_for(field, &shading.layer_settings(shortest, device.candidate())?, window)
-}
-
-/// Layers of `field` under a Gaussian of standard deviation `sigma` \[µm\], or, where that is infinite, of one period alone.
-pub fn windowed_layers(
-    field: &HeightField,
-    shading: &Shading,
-    sigma: f64,
-    shortest: f64,
-    device: &Device,
-) -> Result<Layers> {
-    layers_for(field, &shading.windowed_settings(sigma, shortest, device.candidate())?, Window::CENTRE)
-}
-
-fn layers_for(field: &HeightField, settings: &Settings, window: Window) -> Result<Layers> {
-    warn_of_coarse_samples(field, settings.shortest_wavelength);
+/// The source of `field` under `settings` on `device`, from the cache or made with a progress bar.
+pub fn source(field: &HeightField, settings: &Settings, device: &Arc<Device>) -> Result<Source> {
+    warn_of_coarse_samples(field, settings.shortest);
+    let start = Instant::now();
     let bar = progress_bar("spectra");
-    let progress = |done: usize, of: usize| {
-        bar.set_length(of as u64);
-        bar.set_position(done as u64);
-        Ok(())
-    };
-    let (layers, not_kept) = if window.kept {
-        cache::obtain_at(field, settings, window.shift, &progress)?
-    } else {
-        (compute_at(field, settings, window.shift, &progress)?, None)
-    };
+    let progress = |what, done, of| show(&bar, what, done, of);
+    let made = setup::source(field, settings, Target::from(device), &mut InUse::default(), &progress)?;
     bar.finish_and_clear();
-    if let Some(error) = not_kept {
-        say(&format_args!("the spectra are not kept for next time: {error}"));
+    let (extent, summary) = (made.source.extent(), made.source.summary(&settings.shading));
+    const MIB: f64 = 1024.0 * 1024.0;
+    detail(&format_args!(
+        "{}: {} layers of {} x {} texels, {:.1} MiB, made in {:.2} s",
+        summary.method,
+        extent.layers,
+        extent.size[0],
+        extent.size[1],
+        extent.bytes as f64 / MIB,
+        start.elapsed().as_secs_f64()
+    ));
+    if let Some(note) = made.note {
+        say(&note);
     }
-    Ok(layers)
+    Ok(made.source)
 }
 
-/// The colour table of `field` on `device`, from the cache or baked with a progress bar.
-pub fn color_table(field: &HeightField, shading: &Shading, device: &Arc<Device>) -> Result<ColorTable> {
-    warn_of_coarse_samples(field, SHORTEST);
-    let bar = progress_bar("colours");
-    let (table, not_kept) = color_table::obtain(device, field, shading, &|what, done, of| {
-        bar.set_message(what);
-        bar.set_length(of as u64);
-        bar.set_position(done as u64);
-        Ok(())
-    })?;
+/// Lets `ask` have the BRDF of `field` under `settings` and its share in the mean, as [`setup::for_each_window`], on the device that `wish`
+/// means.
+pub fn for_each_window(
+    field: &HeightField,
+    settings: &Settings,
+    wish: &DeviceChoice,
+    ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
+) -> Result<()> {
+    warn_of_coarse_samples(field, settings.shortest);
+    let bar = progress_bar("spectra");
+    let progress = |what, done, of: usize| {
+        let shown = show(&bar, what, done, of);
+        if done >= of {
+            bar.finish_and_clear();
+        }
+        shown
+    };
+    let opened = OnceCell::new();
+    let open = || {
+        let device = device(wish)?;
+        Ok(opened.get_or_init(|| device).clone())
+    };
+    setup::for_each_window(field, settings, &open, &progress, &|note| say(&note), ask)?;
     bar.finish_and_clear();
-    if let Some(error) = not_kept {
-        say(&format_args!("the colour table is not kept for next time: {error}"));
-    }
-    Ok(table)
+    opened.get().map_or(Ok(()), |device| finish(device))
+}
+
+/// The least standard deviation of (u, v) that the finest level of a source has to resolve, for a picture of `size` pixels of `view`: that of
+/// the shorter axes of footprints, but for the smallest of them, which are few and are averaged with their longer axes.
+///
+/// # Errors
+/// Where the device is lost or has no room.
+pub fn least_footprint(
+    device: &Arc<Device>,
+    scene: &Scene,
+    view: &View,
+    size: [u32; 2],
+    sample: &Sample,
+) -> Result<f64> {
+    /// Share of the footprints whose shorter axis may be below.
+    const BELOW: f64 = 0.5;
+    let source = Source::ClassicalGrating(ClassicalGrating::default());
+    let (shading, pigment) = (Shading::default(), Pigment::white());
+    let lights = view.lights.len();
+    let mut painter = Painter::new(device, &source, &shading, &scene.mesh, &pigment, size, lights)?;
+    painter.ask_for_footprints()?;
+    let directions: Vec<_> =
+        (0..lights).map(|light| painter.directions_of(view, light, sample)).collect::<Result<_>>()?;
+    let distribution = Distribution::of(&directions);
+    let least = distribution.minor(BELOW) * sample.footprint;
+    detail(&format_args!(
+        "pixels average over standard deviations of (u, v) from {:.1e} to {:.1e} (5 % and 95 % of the shorter axes: {:.1e}, {:.1e}; median of the \
+         longer axis {:.1e}); the finest level resolves {least:.1e}",
+        distribution.minor(0.0) * sample.footprint,
+        distribution.major(1.0) * sample.footprint,
+        distribution.minor(0.05) * sample.footprint,
+        distribution.minor(0.95) * sample.footprint,
+        distribution.major(0.5) * sample.footprint,
+    ));
+    Ok(least)
+}
+
+fn show(bar: &ProgressBar, what: &'static str, done: usize, of: usize) -> Result<()> {
+    bar.set_message(what);
+    bar.set_length(of as u64);
+    bar.set_position(done as u64);
+    Ok(())
 }
 
 /// Tells, once a run, where `field` is sampled too coarsely for directions at wavelengths from `shortest` \[µm\].
@@ -120,7 +146,7 @@ pub fn warn_of_coarse_samples(field: &HeightField, shortest: f64) {
 
 /// A progress bar on stderr, drawn on a terminal only.
 pub fn progress_bar(what: &'static str) -> ProgressBar {
-    let bar = ProgressBar::new(1);
+    let bar = if quiet() { ProgressBar::hidden() } else { ProgressBar::new(1) };
     if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {
         bar.set_style(style);
     }

@@ -1,13 +1,12 @@
-//! Ranges of numbers, as in `380:780:1`.
+//! Ranges of numbers: `LO:HI:STEP`, as in `380:780:1`.
 
 use crate::error::{Error, Result};
 
-/// Most values in one range.
+/// Largest number of values in a range.
 const MAX_VALUES: f64 = 1e6;
-/// Smallest step: values are rounded to a thousandth of it.
+/// Smallest step. Values are rounded to a thousandth of it.
 const SMALLEST_STEP: f64 = 1e-6;
-/// Share of a step by which the last value may miss the end and still count: (780 − 380)/0.1 is no whole number in
-/// binary.
+/// Fraction of a step by which the last value may exceed the end: (780 − 380)/0.1 is not an integer in binary floating point.
 const SLACK: f64 = 1e-6;
 
 /// Values from `low` in equal steps.
@@ -19,13 +18,13 @@ pub struct Range {
 }
 
 impl Range {
-    /// `LO:HI:STEP`, both ends included where a step falls on them, within `limits`; `what` it is stands in the error.
+    /// Parses `LO:HI:STEP` with both ends within `limits`. HI is included if a step falls on it. `what` names the values in errors.
     ///
     /// # Errors
-    /// Another form, numbers that are none, LO above HI, a step that is not positive, too many values.
+    /// Not three finite numbers, LO above HI, a step below 1e-6, more than a million values.
     pub fn parse(text: &str, limits: (f64, f64), what: &str) -> Result<Self> {
         let refuse = |why: &str, remedy: &str| {
-            Err(Error::usage(format!("`{text}` is no range of {what}: {why}"), remedy.to_owned()))
+            Err(Error::usage(format!("`{text}` is not a range of {what}: {why}"), remedy.to_owned()))
         };
         let fields: Option<Vec<f64>> = text.split(':').map(number).collect();
         let Some([low, high, step]) = fields.as_deref() else {
@@ -50,19 +49,19 @@ impl Range {
         Ok(Self { low: *low, step: *step, count: (steps + SLACK).floor() as usize + 1 })
     }
 
-    /// The values, from the lowest.
+    /// The values in increasing order.
     pub fn values(&self) -> Vec<f64> {
-        // Rounded so that 0.01 steps print as such; a thousandth of the smallest step is far below what matters.
+        // Rounding makes steps of 0.01 print as such.
         let scale = 1e3 / SMALLEST_STEP;
         (0..self.count).map(|i| ((self.low + i as f64 * self.step) * scale).round() / scale).collect()
     }
 
-    /// Distance from value to value.
+    /// Distance between neighbouring values.
     pub fn step(&self) -> f64 {
         self.step
     }
 
-    /// How many values there are, at least one.
+    /// Number of values, at least 1.
     pub fn count(&self) -> usize {
         self.count
     }

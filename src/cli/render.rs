@@ -1,29 +1,28 @@
 //! `diffract render`: a scene into a file.
 
 use super::options::{
-    CacheOptions, ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions,
-    ViewOptions, check_lights, sample_pixels,
+    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, check_lights,
+    sample_pixels,
 };
-use super::spectral::Spectral;
-use super::{prepare, words};
+use super::{captions, prepare, scale};
 use crate::error::{Error, Result};
 use crate::files::Files;
 use crate::measure::error;
-use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::SHORTEST;
 use crate::picture_file::{self, Format};
-use crate::precompute::Layers;
-use crate::render::frame::View;
+use crate::render::frame::{Shown, View};
 use crate::render::picture::{Directions, Painter, Picture};
 use crate::render::pigment::Pigment;
-use crate::render::reference_picture::{self, displayed, reference_pixels};
-use crate::render::resources::Optics;
+use crate::render::reference_picture::{self, displayed, reference_mean};
+use crate::render::sampling::{Sample, Sampling};
 use crate::render::shading::Shading;
+use crate::render::source::{ClassicalGrating, Source};
 use crate::scene::Scene;
+use crate::setup::{self, Method, Settings};
 use crate::surface::HeightField;
 use crate::units;
-use crate::vk::device::Device;
 use clap::Args;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// Arguments of `render`.
@@ -31,12 +30,13 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   diffract render -o snake.png
   diffract render disc --surface blaze --light 20,90 --size 800x800 -o disc.png
-  diffract render --tolerance 1e-3 -o exact.exr        EXR: linear radiance, before exposure")]
+  diffract render --tolerance 1e-3 -o exact.exr        EXR: linear radiance, before exposure
+  diffract render --samples 64 -o fine.png             smoother edges and highlights than the default 16")]
 pub struct Arguments {
     /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
     scene: String,
-    /// Where the picture goes: .png as displayed, .exr linear and signed
+    /// Where the picture goes: .png as displayed, .exr linear and signed, premultiplied; alpha is the coverage of the pixel
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Width and height in pixels
@@ -44,6 +44,9 @@ pub struct Arguments {
     size: [u32; 2],
     #[command(flatten)]
     view: ViewOptions,
+    /// Samples a pixel, each with the camera moved inside the pixel: 1 to 4096; 1 looks at pixel centres only
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), allow_hyphen_values = true, default_value = "16")]
+    samples: u32,
     /// Shade only so many random pixels of those that the mesh covers (--method reference only)
     #[arg(long, value_name = "N", value_parser = sample_pixels, allow_hyphen_values = true)]
     sample_pixels: Option<usize>,
@@ -51,8 +54,6 @@ pub struct Arguments {
     surface: SurfaceOptions,
     #[command(flatten)]
     optics: OpticsOptions,
-    #[command(flatten)]
-    filter: FilterOptions,
     #[command(flatten)]
     colour: ColourOptions,
     #[command(flatten)]
@@ -72,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .writes([&arguments.output]);
     files.check()?;
     check_lights(&arguments.view.light)?;
-    if arguments.sample_pixels.is_some() && arguments.optics.method() != Method::Reference {
+    if arguments.sample_pixels.is_some() && arguments.optics.picture_method() != Method::Reference {
         return Err(Error::usage(
             "--sample-pixels is for the reference picture only",
             "add --method reference, or leave it away",
@@ -83,12 +84,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     files.reads(&scene.files).check()?;
     arguments.view.apply(&mut scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
+    let shading = arguments.optics.beyond_of(&field, shading);
     let picture = draw(arguments, &scene, &field, &shading)?;
-    picture_file::write(&arguments.output, format, &picture, &words::notes())
+    picture_file::write(&arguments.output, format, &picture, &captions::notes())
 }
 
 fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Shading) -> Result<Picture> {
-    let reference = arguments.optics.method() == Method::Reference;
+    let method = arguments.optics.picture_method();
+    let reference = method == Method::Reference;
     if reference && scene.pigment.is_some() {
         return Err(Error::usage(
             "--method reference knows no pigment texture",
@@ -99,73 +102,81 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
     let pigment = scene.pigment.as_deref().map(Pigment::read).transpose()?;
     let view = View { pigment: pigment.is_some(), ..View::of(scene, scene.lights.clone()) };
     let pigment = pigment.unwrap_or_else(Pigment::white);
-    let paint = |optics: Optics| {
-        let (size, lights) = (arguments.size, view.lights.len());
-        Painter::new(&device, optics, shading, &scene.mesh, &pigment, size, lights)
+    let sampling = Sampling { count: arguments.samples, seed: arguments.surface.seed };
+    let source = if reference {
+        // The frame's directions are all that the reference needs, and this source has no data.
+        Source::ClassicalGrating(ClassicalGrating::default())
+    } else {
+        let mut settings = Settings::new(method, shading.clone());
+        if setup::averages_footprints(&settings) {
+            let sample = sampling.sample(0);
+            settings.least_footprint =
+                prepare::least_footprint(&device, scene, &view, arguments.size, &sample)?;
+        }
+        prepare::source(field, &settings, &device)?
     };
-    let mut painter = match arguments.optics.method() {
-        Method::Spectral => {
-            let spectral = Spectral::prepare(field, shading, &device)?;
-            let mut painter = paint(spectral.optics())?;
-            if spectral.repeats() {
-                spectral.check(&directions_of(&mut painter, &view)?)?;
-            }
-            Ok(painter)
-        }
-        Method::Table => {
-            let table = prepare::color_table(field, shading, &device)?;
-            paint(Optics::Table(&table, arguments.filter.filter))
-        }
-        Method::Reference => paint((&directions_only(&device)?).into()),
-    }?;
+    let (size, lights) = (arguments.size, view.lights.len());
+    let mut painter = Painter::new(&device, &source, shading, &scene.mesh, &pigment, size, lights)?;
+    if source.has_limits(shading) {
+        source.check(shading, &directions_of(&mut painter, &view, &Sampling::ONE.sample(0))?)?;
+    }
+    scale::tell(&mut painter, &view, scene, shading.coherence)?;
     let picture = if reference {
-        let radiance = reference_radiance(&mut painter, &view, field, shading, arguments.sample_pixels)?;
+        let chosen = arguments.sample_pixels;
+        let radiance = reference_radiance(&mut painter, &view, &sampling, field, shading, chosen)?;
         let display = displayed(&radiance, scene.exposure, scene.background);
         Picture { size: arguments.size, radiance, display }
     } else {
-        painter.paint(&view, scene.exposure, scene.background)?
+        let bar = prepare::progress_bar("samples");
+        bar.set_length(sampling.count.into());
+        let shown = Shown { exposure: scene.exposure, background: scene.background };
+        let picture = painter.paint_samples(&view, &sampling, shown, &mut |done| {
+            bar.set_position(done.into());
+            Ok(())
+        });
+        bar.finish_and_clear();
+        picture?
     };
     drop(painter);
     prepare::finish(&device)?;
     Ok(picture)
 }
 
-/// The reference needs the frame's directions only: these layers are the smallest there are, and always the same.
-fn directions_only(device: &Device) -> Result<Layers> {
-    let flat = HeightField::new(1, 1, [SHORTEST / 4.0; 2], vec![0.0])?;
-    let coherence = Coherence::Gaussian { length: 1.0 };
-    let shading = Shading { coherence, tolerance: 1e-1, ..Shading::default() };
-    prepare::layers(&flat, &shading, SHORTEST, device)
+/// The directions that each light of `view` comes from in `sample`.
+fn directions_of(painter: &mut Painter, view: &View, sample: &Sample) -> Result<Vec<Directions>> {
+    (0..view.lights.len()).map(|light| painter.directions_of(view, light, sample)).collect()
 }
 
-/// The directions that each light of `view` comes from.
-fn directions_of(painter: &mut Painter, view: &View) -> Result<Vec<Directions>> {
-    (0..view.lights.len()).map(|light| painter.directions(view, light)).collect()
-}
-
+/// The f64 picture, of all pixels that a sample covers or of `count` random ones of them.
 fn reference_radiance(
     painter: &mut Painter,
     view: &View,
+    sampling: &Sampling,
     field: &HeightField,
     shading: &Shading,
-    samples: Option<usize>,
+    count: Option<usize>,
 ) -> Result<Vec<[f32; 4]>> {
     prepare::warn_of_coarse_samples(field, SHORTEST);
-    let directions = directions_of(painter, view)?;
-    let mut pixels = reference_picture::covered(&directions);
-    if let Some(count) = samples {
-        pixels = error::sample(&pixels, count);
-    }
+    let mut directions = |sample: &Sample| directions_of(painter, view, sample);
+    let chosen = match count {
+        Some(count) => {
+            let mut covered = BTreeSet::new();
+            for index in 0..sampling.count {
+                covered.extend(reference_picture::covered(&directions(&sampling.sample(index))?));
+            }
+            let covered: Vec<usize> = covered.into_iter().collect();
+            Some(error::sample(&covered, count))
+        }
+        None => None,
+    };
+    // The sample's pixels grow.
+    let chosen = |pixel| chosen.as_ref().is_none_or(|chosen| chosen.binary_search(&pixel).is_ok());
     let bar = prepare::progress_bar("pixels");
-    let colors = reference_pixels(field, shading, view, &directions, &pixels, &|done, of| {
+    let radiance = reference_mean(field, shading, view, sampling, &mut directions, &chosen, &|done, of| {
         bar.set_length(of as u64);
         bar.set_position(done as u64);
         Ok(())
     });
     bar.finish_and_clear();
-    let mut radiance = vec![[0.0; 4]; directions.first().map_or(0, |seen| seen.view.len())];
-    for (pixel, color) in pixels.into_iter().zip(colors?) {
-        radiance[pixel] = color.as_vec3().extend(1.0).to_array();
-    }
-    Ok(radiance)
+    radiance
 }

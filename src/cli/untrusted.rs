@@ -4,17 +4,19 @@
 //! it is given; it may not panic, overflow, hang, or take memory out of proportion.
 
 use super::{eval, options, range, usage};
-use crate::cache::{self, Format, Key};
+use crate::cache::{self, Kept, Key};
 use crate::error::{Error, Result};
 use crate::measure::trade;
 use crate::optics::spectrum::Illuminant;
-use crate::precompute;
-use crate::render::color_table::{self, Filter};
+use crate::precompute::Layers;
 use crate::render::pigment::Pigment;
 use crate::scene::{Scene, obj};
+use crate::spectra::power::{self, PowerSpectra};
 use crate::surface::image_file;
+use crate::table::{ColorTable, TableReader};
 use crate::units;
-use crate::vk::selection::Wish;
+use crate::vk::selection::DeviceChoice;
+use glam::DVec2;
 use std::ffi::OsString;
 use std::io::Cursor;
 use std::path::Path;
@@ -29,7 +31,7 @@ pub struct Reader {
 }
 
 /// All of them.
-pub const READERS: [Reader; 11] = [
+pub const READERS: [Reader; 12] = [
     Reader { name: "height_image", read: height_image },
     Reader { name: "pigment", read: |bytes| Pigment::from_bytes(bytes).map(drop) },
     Reader { name: "mesh", read: |bytes| obj::from_bytes(bytes).map(drop) },
@@ -37,6 +39,7 @@ pub const READERS: [Reader; 11] = [
     Reader { name: "queries", read: |bytes| eval::Table::parse(text(bytes)?).map(drop) },
     Reader { name: "illuminant", read: |bytes| Illuminant::from_text(text(bytes)?).map(drop) },
     Reader { name: "layers", read: layers },
+    Reader { name: "spectra", read: spectra },
     Reader { name: "colours", read: colours },
     Reader { name: "sweep", read: sweep },
     Reader { name: "values", read: values },
@@ -62,22 +65,14 @@ fn scene(bytes: &[u8]) -> Result<()> {
     Scene::parse(text(bytes)?, Path::new("/nowhere")).map(drop)
 }
 
-/// A file of the cache as it is, and one with a right check sum whose header is the first line of `bytes`, as JSON, and whose
-/// payload is the rest of them, filled up with zeros.
-fn kept<H: serde::de::DeserializeOwned, T>(
-    bytes: &[u8],
-    format: &Format,
-    build: impl Fn(H, &mut cache::Payload<'_>) -> Option<T>,
-) -> Option<T> {
+/// What the cache keeps as a `T`: from a file as it is, or from one with a right check sum whose parts `bytes` give: a line with a number of
+/// zero bytes, a line of JSON that is the header, and the payload, which the zeros follow.
+fn kept<T: Kept>(bytes: &[u8]) -> Option<T> {
     const MEMORY: u64 = 64 << 20;
-    /// Zeros behind the payload, as a number of bytes in front of the header.
     const MOST_ZEROS: usize = 1 << 20;
-    let key = Key::named(format.name);
+    let key = Key::named(T::FORMAT.name);
     let read = |file: &[u8]| {
-        let size = file.len() as u64;
-        cache::read(&mut Cursor::new(file), size, format, &key, MEMORY, |header, payload| {
-            build(header, payload)
-        })
+        cache::read(&mut Cursor::new(file), file.len() as u64, &T::FORMAT, &key, MEMORY, T::build)
     };
     if let Some(built) = read(bytes) {
         return Some(built);
@@ -87,40 +82,66 @@ fn kept<H: serde::de::DeserializeOwned, T>(
     let header = serde_json::from_slice(parts.next()?).ok()?;
     let mut payload = parts.next()?.to_vec();
     payload.resize(payload.len() + zeros.min(MOST_ZEROS), 0);
-    read(&cache::seal(format, &key, &header, &payload))
+    read(&cache::seal(&T::FORMAT, &key, &header, &payload))
 }
 
 fn layers(bytes: &[u8]) -> Result<()> {
-    let found = kept(bytes, &precompute::cache::FORMAT, precompute::cache::build);
-    let Some(layers) = found else { return Err(Error::failed("there are no layers in it", "make them")) };
+    let Some(layers) = kept::<Layers>(bytes) else {
+        return Err(Error::failed("there are no layers in it", "make them"));
+    };
     // What the shader's tables are counted from.
     let pairs = layers.pairs_at(layers.z_max);
-    let texels = layers.size[0] * layers.size[1] * 4 * layers.count();
+    let texels = layers.size[0] * layers.size[1] * 4 * layers.pairs();
     assert!(pairs <= layers.pairs() && texels == layers.texels.len(), "layers that do not fit their numbers");
     Ok(())
 }
 
+fn spectra(bytes: &[u8]) -> Result<()> {
+    let Some(spectra) = kept::<PowerSpectra>(bytes) else {
+        return Err(Error::failed("there are no power spectra in it", "make them"));
+    };
+    // What textures are made of, and what reads them.
+    let grid = &spectra.header.grid;
+    for (level, texels) in spectra.levels.iter().enumerate() {
+        let count = grid.size_of(level).into_iter().product::<usize>() * spectra.header.terms;
+        assert!(count > 0 && texels.len() == count, "power spectra that do not fit their numbers");
+    }
+    let reader = power::read::Reader::new(&spectra);
+    let mut coefficients = vec![[0f32; 4]; spectra.header.terms / 4];
+    for f in [DVec2::ZERO, DVec2::splat(1e3), DVec2::splat(-1e9)] {
+        reader.read(f, reader.level(1.0), &mut coefficients);
+    }
+    Ok(())
+}
+
 fn colours(bytes: &[u8]) -> Result<()> {
-    let found = kept(bytes, &color_table::cache::FORMAT, color_table::cache::build);
-    let Some(table) = found else { return Err(Error::failed("there is no colour table in it", "bake one")) };
-    // What textures are made of, and what shaders are specialised for.
-    let ([width, height], layers) = table.grid.texture(Filter::Point);
-    assert_eq!(table.levels[0].len(), width * height * layers * 4, "a table that does not fit its numbers");
-    assert!(table.grid.near().side <= table.grid.side && table.grid.near().extent().is_finite());
+    let Some(table) = kept::<ColorTable>(bytes) else {
+        return Err(Error::failed("there is no colour table in it", "bake one"));
+    };
+    // What textures are made of, and what reads them.
+    for (level, texels) in table.levels.iter().enumerate() {
+        let count = table.header.grid.side_of(level).pow(2) * table.header.pieces * 3 * 4;
+        assert!(count > 0 && texels.len() == count, "a table that does not fit its numbers");
+    }
+    let reader = TableReader::new(&table);
+    let level = table.header.grid.level(1e-2);
+    for place in [DVec2::ZERO, DVec2::splat(2.0), DVec2::splat(-1e9)] {
+        reader.at(place, 2.0, level);
+    }
     Ok(())
 }
 
 /// The rows of a sweep that goes on, and everything that is made of them.
 fn sweep(bytes: &[u8]) -> Result<()> {
-    let rows = trade::rows_of(text(bytes)?, "f");
+    let rows = trade::from_csv(text(bytes)?, "f");
     if rows.is_empty() {
         return Err(Error::failed("no row of it belongs to this sweep", "measure"));
     }
     let written = trade::csv(&rows)?;
-    assert_eq!(trade::rows_of(&written, "f"), rows, "rows that are not read back as they are");
+    assert_eq!(trade::from_csv(&written, "f"), rows, "rows that are not read back as they are");
     trade::markdown(&rows, "A machine.", &[]);
     trade::wanted(&rows, Some(1e-2), Some(15.0));
-    trade::figure(&rows, "Speed against accuracy", "A machine.").svg().map(drop)
+    super::trade::figure(&rows, "Speed against accuracy", "A machine.").svg().map(drop)
 }
 
 /// Every kind of value that options and scenes take.
@@ -141,7 +162,7 @@ fn values(bytes: &[u8]) -> Result<()> {
         options::exposure(text).map(drop),
         options::seed(text).map(drop),
         range::Range::parse(text, limits, "values").map(|range| drop(range.values())),
-        Wish::parse(text).map(drop),
+        DeviceChoice::parse(text).map(drop),
     ];
     results.into_iter().find(Result::is_ok).unwrap_or_else(|| Err(Error::usage("it is no value", "give one")))
 }

@@ -1,14 +1,13 @@
 //! `diffract view`: a scene in a window.
 
 use super::options::{
-    CacheOptions, ColourOptions, DeviceOptions, FilterOptions, Method, OpticsOptions, SurfaceOptions,
-    ViewOptions, real,
+    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, real,
 };
 use super::{check_validation, validation};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
-use crate::render::resources::Reads;
 use crate::scene::Scene;
+use crate::setup::{self, Method, Settings};
 use crate::surface::synth::Kind;
 use crate::units;
 use crate::viewer::{self, Start};
@@ -44,8 +43,6 @@ pub struct Arguments {
     #[command(flatten)]
     optics: OpticsOptions,
     #[command(flatten)]
-    filter: FilterOptions,
-    #[command(flatten)]
     colour: ColourOptions,
     #[command(flatten)]
     device: DeviceOptions,
@@ -72,26 +69,18 @@ fn fps(text: &str) -> Result<f64> {
 /// Opens the window.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
-    let method = match arguments.optics.method() {
-        Method::Spectral => Reads::Layers,
-        Method::Table => Reads::Table,
-        Method::Reference => {
-            return Err(Error::usage(
-                "--method reference is too slow for a window",
-                "use --method spectral or --method table; E in the window measures the error against the reference",
-            ));
-        }
-    };
+    let method = arguments.optics.picture_method();
+    if method == Method::Reference {
+        return Err(Error::usage(
+            "--method reference is too slow for a window",
+            "use --method spectral or --method table; E in the window measures the error against the reference",
+        ));
+    }
     let shading = arguments.optics.for_pictures(&arguments.colour)?;
     if matches!(shading.coherence, Coherence::Repeats(_)) {
         shading.check_wavelengths()?;
     }
-    if shading.windows != [1, 1] && method == Reads::Layers {
-        return Err(Error::usage(
-            "pictures by --method spectral do one window only",
-            "leave --windows away, or use --method table",
-        ));
-    }
+    setup::check(&Settings::new(method, shading.clone()))?;
     let plain = Scene::open(&arguments.scene)?;
     let mut scene = plain.clone();
     arguments.view.apply(&mut scene)?;
@@ -105,8 +94,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         plain,
         surface,
         method,
-        filter: arguments.filter.filter,
         windows: shading.windows,
+        beyond: shading.beyond,
         basis: shading.basis,
         tolerance: shading.tolerance,
         terms: shading.terms,
@@ -121,7 +110,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             Present::Mailbox => vk::PresentModeKHR::MAILBOX,
             Present::Immediate => vk::PresentModeKHR::IMMEDIATE,
         },
-        wish: arguments.device.wish(),
+        device: arguments.device.wish(),
         validation: validation(),
     })?;
     check_validation(&messages)

@@ -1,6 +1,6 @@
-//! The heights that a surface really has, and what an expansion leaves of the light that they scatter.
+//! The heights that a surface really has, and the light that they scatter.
 
-use super::{Expansion, HeightScale};
+use super::HeightScale;
 use crate::surface::HeightField;
 use rustfft::num_complex::Complex64;
 
@@ -55,29 +55,5 @@ impl Heights {
         let points = (24 + (2.5 * (to - from) * self.half_range) as usize).min(MOST);
         let angle = |q: usize| (q as f64 + 0.5) / points as f64 * std::f64::consts::PI;
         (0..points).map(|q| from + (1.0 - angle(q).cos()) / 2.0 * (to - from)).collect()
-    }
-
-    /// The largest RMS error over the heights that 1, 2, … `most` pairs of terms of `family` leave at any z of `z_range`,
-    /// relative to the light that is scattered there.
-    pub fn residuals(&self, family: &dyn Expansion, z_range: [f64; 2], most: usize) -> Vec<f64> {
-        let terms = (2 * most).min(family.most_terms());
-        let functions: Vec<Vec<Complex64>> =
-            (0..terms).map(|n| self.bins.iter().map(|&(t, _)| family.basis(n, t)).collect()).collect();
-        let mut c = vec![Complex64::ZERO; terms];
-        let mut worst = vec![0.0f64; terms.div_ceil(2)];
-        for z in self.points(z_range) {
-            family.coefficients(z, &mut c);
-            let mut left: Vec<Complex64> =
-                self.bins.iter().map(|(t, _)| Complex64::cis(z * self.half_range * t)).collect();
-            let scattered = self.scattered(z);
-            for ((c, functions), worst) in c.chunks(2).zip(functions.chunks(2)).zip(&mut worst) {
-                for (c, function) in c.iter().zip(functions) {
-                    left.iter_mut().zip(function).for_each(|(left, b)| *left -= c * b);
-                }
-                let square: f64 = left.iter().zip(&self.bins).map(|(e, (_, w))| e.norm_sqr() * w).sum();
-                *worst = worst.max((square / scattered).sqrt());
-            }
-        }
-        worst
     }
 }

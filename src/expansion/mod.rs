@@ -4,16 +4,11 @@
 //! t = (h − mid)/a ∈ \[−1, 1\] with a half the range, and b_n is a function of t. Where every b_n is real, the spectra
 //! F{g·b_n} are Hermitian and half of each is enough.
 
-pub mod anchored;
-pub mod chebyshev;
 pub mod heights;
 pub mod optimal;
-pub mod phase;
-pub mod shifted;
 pub mod taylor;
 
 use crate::surface::HeightField;
-use anchored::Series;
 use rustfft::num_complex::Complex64;
 use serde::Serialize;
 
@@ -23,26 +18,19 @@ pub enum Basis {
     /// Powers of the height (\[Single 2014\] C.1).
     #[default]
     Taylor,
-    /// Chebyshev polynomials, by the Jacobi–Anger expansion.
-    Chebyshev,
-    /// Singular functions of e^{izh} on the heights that the surface really has; in bands of z the functions that polynomials in z take,
-    /// which a shader computes.
+    /// Singular functions of e^{izh} on the heights that the surface really has.
     Optimal,
-    /// Polynomials in z, which colour tables are baked from.
-    Phase,
 }
 
 impl Basis {
     /// Every basis that a user chooses from.
-    pub const ALL: [Self; 3] = [Self::Taylor, Self::Chebyshev, Self::Optimal];
+    pub const ALL: [Self; 2] = [Self::Taylor, Self::Optimal];
 
     /// The word for it on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Taylor => "taylor",
-            Self::Chebyshev => "chebyshev",
             Self::Optimal => "optimal",
-            Self::Phase => "phase",
         }
     }
 
@@ -81,11 +69,6 @@ pub trait Expansion: Send + Sync {
 
     /// c_0 … c_{len−1} at z \[rad/µm\] into `out`.
     fn coefficients(&self, z: f64, out: &mut [Complex64]);
-
-    /// How c_n is computed from the place in a band of z; `None` where a table over z is read.
-    fn series(&self) -> Option<Series> {
-        None
-    }
 
     /// The largest number of terms that there is.
     fn most_terms(&self) -> usize;

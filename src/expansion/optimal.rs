@@ -15,8 +15,8 @@
 
 use super::Expansion;
 use super::heights::Heights;
+use crate::optics::svd::Svd;
 use crate::surface::HeightField;
-use nalgebra::DMatrix;
 use rustfft::num_complex::Complex64;
 
 /// Entries of the tables of b_n, linear between them: an error of (2/16384)²/8 · X² of the function.
@@ -47,22 +47,20 @@ impl Optimal {
     pub fn over(heights: &Heights, z_range: [f64; 2]) -> Self {
         let bins = &heights.bins;
         let rows: Vec<Row> = heights.points(z_range).iter().map(|&z| Row::new(heights, z_range, z)).collect();
-        let matrix =
-            DMatrix::from_fn(rows.len(), bins.len(), |q, j| rows[q].value(bins[j].0) * bins[j].1.sqrt());
-        let decomposed = matrix.svd(true, false);
+        let column =
+            |&(t, weight): &(f64, f64)| rows.iter().map(|row| row.value(t) * weight.sqrt()).collect();
+        let decomposed = Svd::of(bins.iter().map(column).collect());
         // Where the mean is left out of it, rows of a surface that is all but flat are 0 or noise: each is 1 long at most.
-        let noise = NOISE * decomposed.singular_values.max().max((rows.len() as f64).sqrt());
-        let kept: Vec<usize> =
-            (0..rows.len().min(MAX_TERMS)).filter(|&n| decomposed.singular_values[n] > noise).collect();
-        let mut tables = vec![vec![Complex64::ZERO; TABLE + 1]; kept.len()];
-        if let Some(u) = decomposed.u {
-            for entry in 0..=TABLE {
-                let t = 2.0 * entry as f64 / TABLE as f64 - 1.0;
-                let column: Vec<Complex64> = rows.iter().map(|row| row.value(t)).collect();
-                for (table, &n) in tables.iter_mut().zip(&kept) {
-                    let sum: Complex64 = column.iter().enumerate().map(|(q, k)| u[(q, n)].conj() * k).sum();
-                    table[entry] = sum / decomposed.singular_values[n];
-                }
+        let largest = decomposed.s.first().copied().unwrap_or(0.0);
+        let noise = NOISE * largest.max((rows.len() as f64).sqrt());
+        let kept = decomposed.s.iter().take_while(|s| **s > noise).count().min(MAX_TERMS);
+        let mut tables = vec![vec![Complex64::ZERO; TABLE + 1]; kept];
+        for entry in 0..=TABLE {
+            let t = 2.0 * entry as f64 / TABLE as f64 - 1.0;
+            let column: Vec<Complex64> = rows.iter().map(|row| row.value(t)).collect();
+            for (n, table) in tables.iter_mut().enumerate() {
+                let sum: Complex64 = column.iter().zip(&decomposed.u[n]).map(|(k, u)| u.conj() * k).sum();
+                table[entry] = sum / decomposed.s[n];
             }
         }
         if begins_at_zero(z_range) {

@@ -1,68 +1,37 @@
-//! Draws a panel: where its coordinates lie on the page, what is around them, what is in them.
+//! Draws a panel: lays out its plot, then draws axes, marks and colour bar.
 
 use super::axis::Axis;
+use super::layout::{Area, GAP, SAMPLE, TICK, TITLE, letters};
 use super::marks;
 use super::palette::{Color, ColorMap, FAINT, INK, PAPER, QUIET};
-use super::panel::{Frame, Panel};
+use super::panel::{Panel, PlotFrame};
 use super::raster::{self, Raster};
 use super::svg::{Anchor, Letters, Stroke, Svg};
 use super::text::{Weight, width};
 use crate::error::Result;
 use std::f64::consts::PI;
 
-/// Letters of titles, axis labels and ticks \[px\].
-pub(super) const TITLE: f64 = 15.0;
+/// Size of the letters of axis labels \[px\].
 const LABEL: f64 = 13.0;
-pub(super) const TICK: f64 = 12.0;
-/// Space between things \[px\].
-pub(super) const GAP: f64 = 8.0;
 /// Width of a colour bar \[px\].
 const BAR: f64 = 14.0;
-/// Lengths of ticks \[px\].
+/// Lengths of labelled and of unlabelled ticks \[px\].
 const LONG: f64 = 5.0;
 const SHORT: f64 = 3.0;
-/// Pixels that a labelled tick of an axis takes.
+/// Length of an axis per labelled tick, along x and along y \[px\].
 const PER_TICK: [f64; 2] = [85.0, 50.0];
-/// Half the width of a legend's sample \[px\].
-pub(super) const SAMPLE: f64 = 11.0;
-
-pub(super) fn letters(size: f64, color: Color, anchor: Anchor) -> Letters {
-    Letters { size, weight: Weight::Regular, color, anchor, upward: false }
-}
-
-/// A rectangle of the page.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Area {
-    pub(super) at: [f64; 2],
-    pub(super) size: [f64; 2],
-}
-
-impl Area {
-    pub(super) fn right(&self) -> f64 {
-        self.at[0] + self.size[0]
-    }
-    pub(super) fn bottom(&self) -> f64 {
-        self.at[1] + self.size[1]
-    }
-    /// The largest area of this height over width in the middle of it.
-    fn shaped(&self, height_per_width: f64) -> Self {
-        let width = self.size[0].min(self.size[1] / height_per_width);
-        let size = [width, width * height_per_width];
-        Self { at: [self.at[0] + (self.size[0] - size[0]) / 2.0, self.at[1]], size }
-    }
-}
 
 /// Draws `panel` within `area`.
 pub(super) fn panel(svg: &mut Svg, panel: &Panel, area: Area) -> Result<()> {
     let top = heading(svg, panel, area);
     let room = Area { at: [area.at[0], top], size: [area.size[0], area.bottom() - top] };
     let plot = match panel.frame {
-        Frame::Box { equal } => {
+        PlotFrame::Box { equal } => {
             let plot = inside_of_labels(panel, room);
             let ratio = (panel.y.high - panel.y.low).abs() / (panel.x.high - panel.x.low).abs();
             if equal { plot.shaped(ratio) } else { plot }
         }
-        Frame::Hemisphere => {
+        PlotFrame::Hemisphere => {
             let rim = TICK + GAP;
             let bar = bar_room(panel);
             let inner = [room.size[0] - 4.0 * rim - bar, room.size[1] - 2.0 * rim];
@@ -73,8 +42,8 @@ pub(super) fn panel(svg: &mut Svg, panel: &Panel, area: Area) -> Result<()> {
         picture(svg, raster, plot)?;
     }
     match panel.frame {
-        Frame::Box { .. } => axes(svg, panel, plot),
-        Frame::Hemisphere => hemisphere(svg, panel, plot),
+        PlotFrame::Box { .. } => axes(svg, panel, plot),
+        PlotFrame::Hemisphere => hemisphere(svg, panel, plot),
     }
     for (mark, _) in &panel.marks {
         marks::draw(svg, mark, panel, plot);
@@ -82,7 +51,7 @@ pub(super) fn panel(svg: &mut Svg, panel: &Panel, area: Area) -> Result<()> {
     scale_bar(svg, panel, plot);
     match panel.raster.as_ref().and_then(|r| r.scale.as_ref()) {
         Some(scale) => {
-            let shift = if panel.frame == Frame::Hemisphere { 2.0 * (TICK + GAP) } else { 2.0 * GAP };
+            let shift = if panel.frame == PlotFrame::Hemisphere { 2.0 * (TICK + GAP) } else { 2.0 * GAP };
             let at = [plot.right() + shift, plot.at[1]];
             color_bar(svg, scale, Area { at, size: [BAR, plot.size[1]] })
         }
@@ -90,7 +59,7 @@ pub(super) fn panel(svg: &mut Svg, panel: &Panel, area: Area) -> Result<()> {
     }
 }
 
-/// Title and legend; the y below them.
+/// Draws title and legend; returns the y below them.
 fn heading(svg: &mut Svg, panel: &Panel, area: Area) -> f64 {
     let mut y = area.at[1];
     if !panel.title.is_empty() {
@@ -114,7 +83,7 @@ fn heading(svg: &mut Svg, panel: &Panel, area: Area) -> f64 {
     y + if any { TICK + 1.5 * GAP } else { 0.0 }
 }
 
-/// What of `room` is left when ticks, labels and a colour bar have theirs.
+/// The part of `room` that ticks, labels and colour bar leave for the plot.
 fn inside_of_labels(panel: &Panel, room: Area) -> Area {
     let widest = widest_tick(&panel.y, room.size[1]);
     let left = widest + LONG + 0.5 * GAP + if panel.y.label.is_empty() { 0.0 } else { LABEL + GAP };
@@ -143,7 +112,7 @@ fn bar_room(panel: &Panel) -> f64 {
 }
 
 fn picture(svg: &mut Svg, raster: &Raster, plot: Area) -> Result<()> {
-    // Larger than its place, it has to be averaged; smaller, its pixels are what there is to see.
+    // Smooth when reduced; when enlarged, the pixels stay sharp.
     let smooth = raster.size[0] as f64 > plot.size[0] || raster.size[1] as f64 > plot.size[1];
     svg.image(plot.at, plot.size, &raster.png()?, smooth);
     Ok(())
@@ -219,15 +188,15 @@ fn hemisphere(svg: &mut Svg, panel: &Panel, plot: Area) {
     }
 }
 
-/// A length in the lower left corner: within a box, beside the rim of a hemisphere.
+/// Draws the scale bar in the lower left corner.
 fn scale_bar(svg: &mut Svg, panel: &Panel, plot: Area) {
     let Some((length, label)) = &panel.scale_bar else { return };
     let long = length / (panel.x.high - panel.x.low).abs() * plot.size[0];
     let [x, y] = match panel.frame {
-        Frame::Box { .. } => [plot.at[0] + 2.0 * GAP, plot.bottom() - 2.0 * GAP],
-        Frame::Hemisphere => [plot.at[0] - 2.0 * (TICK + GAP), plot.bottom() + 0.5 * GAP],
+        PlotFrame::Box { .. } => [plot.at[0] + 2.0 * GAP, plot.bottom() - 2.0 * GAP],
+        PlotFrame::Hemisphere => [plot.at[0] - 2.0 * (TICK + GAP), plot.bottom() + 0.5 * GAP],
     };
-    if panel.raster.is_some() && matches!(panel.frame, Frame::Box { .. }) {
+    if panel.raster.is_some() && matches!(panel.frame, PlotFrame::Box { .. }) {
         svg.line([x - 1.0, y], [x + long + 1.0, y], Stroke::new(PAPER, 5.0));
     }
     svg.line([x, y], [x + long, y], Stroke::new(INK, 3.0));

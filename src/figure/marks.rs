@@ -1,11 +1,11 @@
-//! Draws what stands in a panel.
+//! Draws the marks of a panel and their samples in the legend.
 
-use super::draw::{Area, GAP, SAMPLE, TICK, letters};
+use super::layout::{Area, GAP, SAMPLE, TICK, letters};
 use super::palette::{Color, PAPER};
 use super::panel::{Mark, Panel, Shape};
 use super::svg::{Anchor, Stroke, Svg};
 
-/// A legend's picture of `mark`.
+/// Draws the sample of `mark` in the legend.
 pub(super) fn sample(svg: &mut Svg, mark: &Mark, centre: [f64; 2]) {
     let [x, y] = centre;
     match mark {
@@ -25,8 +25,8 @@ fn stroke_of(color: Color, width: f64, dashed: bool) -> Stroke {
     Stroke { dash: dashed.then_some([6.0, 4.0]), ..Stroke::new(color, width) }
 }
 
-/// Draws `mark` in the coordinates of `panel`, which lie in `plot`: lines and areas as far as they lie within, points and
-/// words where their place does. What is not finite is left out.
+/// Draws `mark` in the coordinates of `panel`, whose plot is `plot`. Lines and areas are clipped; points and notes outside are
+/// left out, as is everything that is not finite.
 pub(super) fn draw(svg: &mut Svg, mark: &Mark, panel: &Panel, plot: Area) {
     let place = |[x, y]: [f64; 2]| {
         [plot.at[0] + panel.x.share(x) * plot.size[0], plot.bottom() - panel.y.share(y) * plot.size[1]]

@@ -14,6 +14,7 @@
 
 mod axis;
 mod draw;
+mod layout;
 mod marks;
 pub mod palette;
 mod panel;
@@ -23,13 +24,13 @@ mod text;
 
 pub use axis::{Axis, Scale, Tick, number};
 pub use palette::{Color, ColorMap};
-pub use panel::{Frame, Mark, Panel, Shape};
+pub use panel::{Mark, Panel, PlotFrame, Shape};
 pub use raster::{ColorScale, Raster};
 pub use svg::Anchor;
 
 use crate::error::{Error, Result};
 use crate::output;
-use draw::{Area, TITLE, letters};
+use layout::{Area, TITLE, letters};
 use palette::{INK, PAPER, QUIET};
 use resvg::{tiny_skia, usvg};
 use std::io::Write;

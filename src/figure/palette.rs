@@ -1,4 +1,4 @@
-//! Colours that readers with any colour vision tell apart.
+//! Colours that are distinguishable with any colour vision.
 
 /// An opaque sRGB colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +37,7 @@ pub const ORANGE: Color = Color([0xe6, 0x9f, 0x00]);
 /// Of [`SERIES`].
 pub const SKY: Color = Color([0x56, 0xb4, 0xe9]);
 
-/// A way from values to colours.
+/// A map from values to colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColorMap {
     /// Perceptually even from dark violet to yellow (van der Walt and Smith, matplotlib, CC0).

@@ -69,7 +69,7 @@ pub enum Mark {
 
 /// What is around the coordinates.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Frame {
+pub enum PlotFrame {
     /// A box with ticks on its left and lower sides.
     Box {
         /// Whether a length of x is as long as one of y.
@@ -90,7 +90,7 @@ pub struct Panel {
     /// Upward.
     pub y: Axis,
     /// What is around.
-    pub frame: Frame,
+    pub frame: PlotFrame,
     /// The picture under all marks.
     pub raster: Option<Raster>,
     /// A length in units of x, and what is written beside it.
@@ -105,7 +105,7 @@ impl Panel {
             title: String::new(),
             x,
             y,
-            frame: Frame::Box { equal: false },
+            frame: PlotFrame::Box { equal: false },
             raster: None,
             scale_bar: None,
             marks: Vec::new(),
@@ -115,7 +115,7 @@ impl Panel {
     /// The hemisphere of directions from above, filled by `raster`.
     pub fn hemisphere(raster: Raster) -> Self {
         let axis = |label: &str| Axis::linear(label, -1.0, 1.0);
-        Self { frame: Frame::Hemisphere, raster: Some(raster), ..Self::new(axis("x"), axis("y")) }
+        Self { frame: PlotFrame::Hemisphere, raster: Some(raster), ..Self::new(axis("x"), axis("y")) }
     }
 
     /// With words above.

@@ -1,11 +1,11 @@
-//! Values or colours on a grid, and the bar that says which colour is which value.
+//! Values or colours on a grid, and their colour scale.
 
 use super::axis::{Axis, Scale};
 use super::palette::{Color, ColorMap};
 use crate::error::{Error, Result};
 use image::{ExtendedColorType, ImageEncoder};
 
-/// From values to colours: the axis of the colour bar and the colours along it.
+/// A map from values to colours, with the axis of its colour bar.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColorScale {
     /// Name, unit, range and scale of the values.
@@ -84,7 +84,7 @@ impl Raster {
 
 /// The colours of a bar from its low end to its high one, bottom up.
 pub(super) fn bar(scale: &ColorScale) -> Raster {
-    /// More than eyes tell apart.
+    /// More steps than are distinguishable.
     const STEPS: usize = 256;
     let at = |i: usize| {
         let [r, g, b] = scale.map.at(1.0 - (i as f64 + 0.5) / STEPS as f64).0;

@@ -1,4 +1,4 @@
-//! The pieces of SVG that figures are made of. Lengths are pixels, y grows downward.
+//! The SVG elements of figures. Lengths are pixels, y grows downward.
 
 use super::palette::Color;
 use super::text::{Weight, escape};
@@ -50,7 +50,7 @@ impl Stroke {
     }
 }
 
-/// An SVG that grows.
+/// An SVG in progress.
 #[derive(Clone, Debug, Default)]
 pub struct Svg {
     body: String,
@@ -191,7 +191,7 @@ impl Svg {
         );
     }
 
-    /// What `draw` draws, as far as it lies in a rectangle.
+    /// Clips what `draw` draws to a rectangle.
     pub fn clipped(&mut self, at: [f64; 2], size: [f64; 2], draw: impl FnOnce(&mut Self)) {
         let id = self.clips;
         self.clips += 1;

@@ -114,7 +114,7 @@ fn everything_can_stand_in_one_figure() {
         .with_scale_bar(0.25, "Δ sin θ = 0.25")
         .mark(Mark::points(vec![[0.5, 0.0]], palette::ORANGE, Shape::Cross));
     let field = Panel {
-        frame: Frame::Box { equal: true },
+        frame: PlotFrame::Box { equal: true },
         ..Panel::new(Axis::linear("x [µm]", 0.0, 65.0), Axis::linear("y [µm]", 0.0, 65.0))
     }
     .over(Raster::values(

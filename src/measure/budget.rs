@@ -1,41 +1,55 @@
-//! Where the error of a setting comes from.
+//! The error budget of a setting: where its error comes from.
 
 use crate::precompute::Layers;
-use crate::render::color_table::{bake::COMB_SHARE, grid::GRID_SHARE, nodes::NODE_SHARE};
 use crate::render::shading::Shading;
+use crate::render::source::{Grating, Mean, Source, Table, Window};
+use crate::setup::READING_SHARE;
+use crate::spectra::power::Header;
 use serde::Serialize;
 
-/// One part of the error.
+/// One contribution to the error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Part {
-    /// What errs.
+    /// Its source.
     pub what: &'static str,
-    /// How much, relative to what the tolerance is promised for: single directions, or the colours of a picture.
+    /// Its size, relative to what the tolerance is defined for: single directions, or the colours of a picture. NaN if unknown.
     pub error: f64,
-    /// How that is known.
+    /// How the size is known.
     pub known: String,
 }
 
-/// All parts; their squares add up.
+/// All contributions; their squares add up.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Budget {
-    /// The parts.
+pub struct ErrorBudget {
+    /// The contributions.
     pub parts: Vec<Part>,
-    /// The tolerance that they are to stay below together.
+    /// The tolerance for their sum.
     pub tolerance: f64,
 }
 
-impl Budget {
-    /// The parts of `layers` under `shading`.
+impl ErrorBudget {
+    /// The budget of what is shaded from `source` with `shading`; empty for a baseline.
+    pub fn of(source: &Source, shading: &Shading) -> Self {
+        match source {
+            Source::Window(Window { layers }) | Source::Grating(Grating { layers, .. }) => {
+                Self::of_layers(layers, shading)
+            }
+            Source::Mean(Mean { spectra }) => Self::of_spectra(&spectra.header, shading),
+            Source::Table(Table { table }) => Self::of_table(table.header.cubic_error, shading),
+            Source::Thesis(_) | Source::ClassicalGrating(_) => Self::default(),
+        }
+    }
+
+    /// The budget of `layers` for `shading`.
     pub fn of_layers(layers: &Layers, shading: &Shading) -> Self {
-        let known_by_rule = "by the rule for the nodes, which tests hold to it";
+        let known_by_rule = "from the quadrature rule";
         let (quadrature, known) = match shading.wavelengths {
             None => (shading.quadrature(), known_by_rule),
-            Some(_) => (f64::NAN, "not known: the wavelengths are named; --error measures the sum of all"),
+            Some(_) => (f64::NAN, "unknown: the number of wavelengths is given; --error measures the total"),
         };
         let part = |what, error, known: &str| Part { what, error, known: known.to_owned() };
         let bounds = format!(
-            "measured against the transform of the exact phase; bounds of the amplitude, relative to the mirror's peak: truncation \
+            "measured against the transform of the exact phase; bounds of the amplitude, relative to the specular peak: truncation \
              {:.0e}, rounding of 32-bit floats {:.0e}",
             layers.errors.truncation_bound, layers.errors.rounding_bound
         );
@@ -45,7 +59,7 @@ impl Budget {
                 part(
                     "reading between texels",
                     layers.errors.interpolation / shading.gain(),
-                    "by the kernel's transform",
+                    "from the transform of the kernel",
                 ),
                 part("wavelengths of a colour", quadrature, known),
             ],
@@ -53,31 +67,49 @@ impl Budget {
         }
     }
 
-    /// The parts of a colour table for `shading`: relative L2 errors of colours at points.
-    pub fn of_table(shading: &Shading) -> Self {
-        let part = |what, share: f64, known: &str| {
-            let error = share * shading.tolerance;
-            Part { what, error, known: known.to_owned() }
-        };
+    /// The parts of power spectra under `shading`.
+    fn of_spectra(spectra: &Header, shading: &Shading) -> Self {
+        let part = |what, error, known: &str| Part { what, error, known: known.to_owned() };
         Self {
             parts: vec![
                 part(
-                    "reading between texels",
-                    GRID_SHARE,
-                    "by the window's autocorrelation, which sets their distance",
+                    "terms in z",
+                    spectra.series_error / shading.gain(),
+                    "measured on the surface's own orders",
                 ),
-                part("cubics in w", NODE_SHARE, "at most; judged on the layers"),
                 part(
-                    "wavelengths of a colour",
-                    shading.quadrature() / shading.tolerance * COMB_SHARE,
-                    "by the rule for the nodes",
+                    "reading between texels",
+                    spectra.reading_error / shading.gain(),
+                    "by the kernel's transform",
                 ),
+                part("wavelengths of a colour", shading.quadrature(), "by the rule for the nodes"),
             ],
             tolerance: shading.tolerance,
         }
     }
 
-    /// The sum of all parts that are known.
+    /// The parts of a colour table under `shading` whose cubics err by `cubics`.
+    fn of_table(cubics: f64, shading: &Shading) -> Self {
+        let part = |what, error, known: &str| Part { what, error, known: known.to_owned() };
+        Self {
+            parts: vec![
+                part(
+                    "reading between texels",
+                    READING_SHARE * shading.tolerance,
+                    "by the blur of the finest level",
+                ),
+                part(
+                    "cubics in w",
+                    cubics,
+                    "measured at directions spread evenly, each relative to its own value",
+                ),
+                part("wavelengths of a colour", shading.quadrature(), "by the rule for the nodes"),
+            ],
+            tolerance: shading.tolerance,
+        }
+    }
+
+    /// The root of the sum of squares of all known contributions.
     pub fn total(&self) -> f64 {
         self.known().map(|part| part.error * part.error).sum::<f64>().sqrt()
     }
@@ -86,7 +118,7 @@ impl Budget {
         self.parts.iter().filter(|part| part.error.is_finite())
     }
 
-    /// A line a part, with its share of the sum of squares.
+    /// One line per contribution, with its share of the sum of squares.
     pub fn to_text(&self) -> String {
         let squares = self.total().powi(2).max(f64::MIN_POSITIVE);
         let mut text = String::new();
@@ -109,7 +141,7 @@ mod tests {
     #[test]
     fn parts_add_up_as_squares_and_what_is_not_known_is_said() {
         let part = |what, error| Part { what, error, known: "so".to_owned() };
-        let mut budget = Budget { parts: vec![part("a", 3e-3), part("b", 4e-3)], tolerance: 1e-2 };
+        let mut budget = ErrorBudget { parts: vec![part("a", 3e-3), part("b", 4e-3)], tolerance: 1e-2 };
         assert!((budget.total() - 5e-3).abs() < 1e-12);
         let text = budget.to_text();
         assert!(

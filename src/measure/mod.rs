@@ -1,7 +1,6 @@
 //! What a setting costs: frame times, samples, the device's own limit.
 
 pub mod budget;
-pub mod cost;
 pub mod error;
 pub mod peaks;
 pub mod profile;

@@ -8,13 +8,13 @@ use crate::optics::grating;
 pub struct Peak {
     /// Wavelength \[µm\].
     pub wavelength: f64,
-    /// The angle of the sweep with the largest response \[degrees\]; `None` where nothing is reflected at all.
+    /// The angle of the sweep with the largest response \[degrees\]; `None` if nothing is reflected.
     pub angle: Option<f64>,
-    /// m λ/|sin α + sin θ_i| \[µm\] there; `None` also in the mirror direction, where every period fits.
+    /// m λ/|sin α + sin θ_i| \[µm\] there; `None` also in the specular direction, where every period fits.
     pub period: Option<f64>,
     /// The largest response \[sr⁻¹\].
     pub response: f64,
-    /// Whether the maximum lies inside the sweep: at an end, the true one may lie beyond.
+    /// Whether the maximum lies inside the sweep. At an end, the true maximum may lie beyond.
     pub clear: bool,
 }
 
@@ -67,14 +67,14 @@ impl Peak {
     }
 }
 
-/// Odd to the last bit, so that the mirror direction has a sum of exactly 0.
+/// Odd to the last bit, so that the specular direction has a sum of exactly 0.
 fn sine(angle: f64) -> f64 {
     sin_cos_degrees(angle.abs()).0 * angle.signum()
 }
 
 /// What the periods of many wavelengths say together.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Statistics {
+pub struct PeriodStatistics {
     /// Wavelengths with a period.
     pub count: usize,
     /// Wavelengths whose maximum lies inside the sweep.
@@ -85,7 +85,7 @@ pub struct Statistics {
     pub deviation: Option<f64>,
 }
 
-impl Statistics {
+impl PeriodStatistics {
     /// Over every peak that has a period, clear or not.
     pub fn of(peaks: &[Peak]) -> Self {
         let periods: Vec<f64> = peaks.iter().filter_map(|p| p.period).collect();
@@ -132,21 +132,21 @@ mod tests {
     }
 
     #[test]
-    fn the_mirror_direction_has_no_period_and_darkness_no_angle() {
+    fn the_specular_direction_has_no_period_and_darkness_no_angle() {
         let angles = [-31.0, -30.0, -29.0];
-        let mirror = Peak::find(0.5, 30.0, 1, &angles, &[1.0, 2.0, 1.0]);
-        assert_eq!((mirror.angle, mirror.period), (Some(-30.0), None));
+        let specular = Peak::find(0.5, 30.0, 1, &angles, &[1.0, 2.0, 1.0]);
+        assert_eq!((specular.angle, specular.period), (Some(-30.0), None));
         let dark = Peak::find(0.5, 30.0, 1, &angles, &[0.0; 3]);
         assert_eq!((dark.angle, dark.period, dark.response, dark.clear), (None, None, 0.0, false));
-        assert_eq!(Statistics::of(&[mirror, dark]).mean, None);
+        assert_eq!(PeriodStatistics::of(&[specular, dark]).mean, None);
     }
 
     #[test]
     fn statistics_are_those_of_the_periods() {
         let peak = |period, clear| Peak { wavelength: 0.5, angle: Some(1.0), period, response: 1.0, clear };
         let all = [peak(Some(1.0), true), peak(Some(2.0), false), peak(Some(3.0), true), peak(None, true)];
-        let s = Statistics::of(&all);
+        let s = PeriodStatistics::of(&all);
         assert_eq!((s.count, s.clear, s.mean, s.deviation), (3, 3, Some(2.0), Some(1.0)));
-        assert_eq!(Statistics::of(&all[..1]).deviation, None);
+        assert_eq!(PeriodStatistics::of(&all[..1]).deviation, None);
     }
 }

@@ -1,4 +1,4 @@
-//! Frame times: on the device's clock and on the wall, with the spread that tells whether to believe them.
+//! Frame times: on the device and in total, with their spread, which tells whether they are reliable.
 
 use crate::error::Result;
 use crate::render::frame::View;
@@ -8,15 +8,17 @@ use glam::DVec3;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Frames drawn before any is counted: the first compile shaders and fault memory in.
+/// Frames drawn before the first one is counted. They compile shaders and touch memory for the first time.
 const WARM_UP: usize = 3;
-/// Samples per pixel of the probe: long enough that its start does not count.
+/// Samples per pixel of the probe, enough to make its start-up time negligible.
 const PROBE_SAMPLES: u32 = 64;
-/// Frames that are measured however long they take.
+/// Smallest number of frames, however long they take.
 const FEWEST: usize = 3;
+/// A [`Times::spread`] beyond this means that the machine was busy with something else.
+pub const NOISY: f64 = 1.15;
 
 /// Order statistics of a series of milliseconds.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// Smallest.
     pub min: f64,
@@ -53,26 +55,26 @@ pub struct Times {
     pub gpu: Summary,
     /// Recording the commands, on the CPU \[ms\].
     pub record: Summary,
-    /// From the call to the finished frame, on the wall \[ms\].
+    /// Elapsed time from the call to the finished frame \[ms\].
     pub frame: Summary,
-    /// Largest over smallest of the medians of the series' thirds: 1 on a quiet machine.
+    /// Largest over smallest of the medians of three parts of the series: 1 on a quiet machine.
     pub spread: f64,
 }
 
-/// Bilinear samples of the layers a second that a device reaches with nothing else to do.
+/// Bilinear texture samples a second that the device reaches with nothing else to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
-    /// Where neighbouring pixels read neighbours.
+    /// If neighbouring pixels read neighbouring texels.
     pub coherent: f64,
-    /// Where every pixel reads somewhere else.
+    /// If every pixel reads elsewhere.
     pub scattered: f64,
 }
 
-/// Draws `view` `frames` times with `painter` and measures, but not for longer than `seconds` once there are three frames.
+/// Draws `view` `frames` times with `painter` and measures the times. Stops after `seconds` if there are at least three frames.
 /// `progress(done, of)` is called before each frame; an error from it ends the work.
 ///
 /// # Errors
-/// Where the device is lost, and what `progress` returns.
+/// When the device is lost, and what `progress` returns.
 pub fn measure(
     painter: &mut Painter,
     view: &View,
@@ -86,7 +88,7 @@ pub fn measure(
     for frame in 0..WARM_UP + frames {
         progress(frame, WARM_UP + frames)?;
         let times = painter.time(&watch, view, 0.0, DVec3::ZERO)?;
-        // A frame that alone takes the time that there is needs no second one to warm up.
+        // A frame that takes a large part of the time is counted even as the first one.
         if frame >= WARM_UP || times.wall * 1e-3 > seconds / 3.0 {
             series.push(times);
         }
@@ -111,7 +113,7 @@ pub fn measure(
     })
 }
 
-/// Measures what the device could do with `painter`'s layers, for pictures of `pixels` pixels.
+/// Measures the rates at which the device samples `painter`'s texture, for pictures of `pixels` pixels.
 ///
 /// # Errors
 /// Where the device is lost.
@@ -123,7 +125,7 @@ pub fn rates(painter: &mut Painter, pixels: usize) -> Result<Rates> {
     Ok(Rates { coherent: rate(false)?, scattered: rate(true)? })
 }
 
-/// What a frame waits for.
+/// What limits the frame rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Bound {
@@ -131,17 +133,27 @@ pub enum Bound {
     Samples,
     /// The arithmetic between the reads.
     Arithmetic,
-    /// Drawing the mesh and the display, which are a few reads and writes a pixel.
+    /// Drawing mesh and display, a few reads and writes per pixel.
     Fill,
     /// Recording, submitting and waiting.
     Cpu,
 }
 
 impl Bound {
-    /// What bounds frames of `times` that make `samples` reads on a device of `rates`.
+    /// What limits the frame rate, in words.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Samples => "reading the layers",
+            Self::Arithmetic => "the arithmetic between the reads",
+            Self::Fill => "drawing the mesh and the display, not the shading",
+            Self::Cpu => "the CPU: recording, submitting, waiting",
+        }
+    }
+
+    /// What limits frames that take `times` for `samples` reads, on a device that reads at `rates`.
     pub fn of(times: &Times, samples: usize, rates: &Rates) -> Self {
-        /// Of its time a frame reads this part at the least where reading bounds it; what it reads is neither as
-        /// scattered nor as coherent as the probes.
+        /// Smallest fraction of the shading time that the reads alone must take for the frame to be bound by them. The rate
+        /// is the geometric mean of the probes, because the reads are neither as coherent nor as scattered.
         const READING: f64 = 0.5;
         let host = times.frame.p50 - times.gpu.p50;
         if host > times.gpu.p50 {

@@ -1,55 +1,54 @@
-//! The trade between speed and accuracy: measured settings, the best of them, and what to take.
+//! Speed against accuracy: measured settings, their Pareto front, and advice.
 
 use crate::error::{Error, Result};
-use crate::figure::{Axis, Figure, Mark, Panel, Scale, Shape, palette};
 use serde::{Deserialize, Serialize};
 
-/// One setting, measured.
+/// Measured speed and accuracy of a setting.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Row {
-    /// What was drawn, on what: rows of other frames are not comparable.
+pub struct Measurement {
+    /// Key of frame and device. Measurements with other keys are not comparable.
     pub frame: String,
-    /// The options to type.
+    /// The setting as command line options.
     pub flags: String,
-    /// Method, and basis where it has one.
+    /// Method, and basis if it has one.
     pub series: String,
     /// Terms of the expansion.
     pub terms: usize,
     /// Layers of the texture.
     pub layers: usize,
-    /// How it reads between texels.
+    /// Interpolation between texels.
     pub kernel: String,
-    /// Wavelengths a covered pixel.
+    /// Wavelengths per covered pixel.
     pub wavelengths: f64,
-    /// Texture samples a covered pixel.
+    /// Texture samples per covered pixel.
     pub samples: f64,
-    /// Median frame on the wall \[ms\].
+    /// Median frame time \[ms\].
     pub frame_ms: f64,
-    /// Fastest frame on the wall \[ms\].
+    /// Shortest frame time \[ms\].
     pub fastest_ms: f64,
-    /// Median of all passes on the device \[ms\].
+    /// Median time on the device \[ms\].
     pub gpu_ms: f64,
-    /// Largest over smallest median of the series' thirds.
+    /// Largest over smallest of the medians of three parts of the series.
     pub spread: f64,
-    /// ‖a − b‖/‖b‖ of linear RGB over the covered pixels.
+    /// Relative L2 error of linear RGB over the covered pixels: ‖a − b‖/‖b‖.
     pub relative_l2: f64,
-    /// 99th percentile over pixels of each one's own relative error.
+    /// 99th percentile of the pixels' own relative errors.
     pub p99: f64,
     /// Mean FLIP of the displayed picture.
     pub flip: f64,
 }
 
-impl Row {
+impl Measurement {
     /// Frames a second.
     pub fn fps(&self) -> f64 {
         1e3 / self.frame_ms
     }
 
-    /// Whether its numbers are such as a measurement gives: figures have them on logarithmic scales.
+    /// Whether its numbers are plausible; figures show them on logarithmic axes.
     fn is_sound(&self) -> bool {
-        /// Milliseconds from a femtosecond to a century.
+        /// From a femtosecond to a century \[ms\].
         const TIMES: std::ops::RangeInclusive<f64> = 1e-12..=3e12;
-        /// Whatever else is counted or compared.
+        /// Range of all other numbers.
         const OTHERS: std::ops::RangeInclusive<f64> = 0.0..=1e15;
         [self.frame_ms, self.fastest_ms, self.gpu_ms].iter().all(|x| TIMES.contains(x))
             && [self.wavelengths, self.samples, self.spread, self.relative_l2, self.p99, self.flip]
@@ -58,21 +57,21 @@ impl Row {
     }
 }
 
-/// Series of what others do: they are compared with, but never advised, because no option asks for them.
+/// Series of baselines. They are compared with but never advised, because no option selects them.
 pub const GRATING: &str = "baseline: grating equation";
 /// See [`GRATING`].
 pub const THESIS: &str = "baseline: the thesis";
 
-impl Row {
-    /// Whether an option asks for it.
+impl Measurement {
+    /// Whether it is a setting of this program and not a baseline.
     fn is_own(&self) -> bool {
         self.series != GRATING && self.series != THESIS
     }
 }
 
-/// Whether each row is on the Pareto front: no other one is both as fast and as accurate, and better in one of them.
-pub fn pareto(rows: &[Row]) -> Vec<bool> {
-    let better = |a: &Row, b: &Row| {
+/// Whether each measurement is on the Pareto front: no other is at least as fast and as accurate, and better in one of both.
+pub fn pareto(rows: &[Measurement]) -> Vec<bool> {
+    let better = |a: &Measurement, b: &Measurement| {
         a.frame_ms <= b.frame_ms
             && a.relative_l2 <= b.relative_l2
             && (a.frame_ms < b.frame_ms || a.relative_l2 < b.relative_l2)
@@ -82,9 +81,9 @@ pub fn pareto(rows: &[Row]) -> Vec<bool> {
         .collect()
 }
 
-/// What to take: the fastest setting under each error, the most accurate one at each frame rate.
-pub fn advice(rows: &[Row]) -> String {
-    let rows: Vec<&Row> = rows.iter().filter(|row| row.is_own()).collect();
+/// Advice: the fastest setting within each error, the most accurate one at each frame rate.
+pub fn advice(rows: &[Measurement]) -> String {
+    let rows: Vec<&Measurement> = rows.iter().filter(|row| row.is_own()).collect();
     let mut lines = Vec::new();
     for error in [1e-1, 3e-2, 1e-2, 3e-3, 1e-3] {
         let fastest = rows
@@ -117,27 +116,28 @@ pub fn advice(rows: &[Row]) -> String {
     lines.join("\n") + "\n"
 }
 
-/// The setting for who asks for an error, a frame rate or both: the fastest that keeps the error, the most accurate that
-/// keeps the rate. Where no setting keeps both, that is said, with the nearest on either side.
-pub fn wanted(rows: &[Row], error: Option<f64>, fps: Option<f64>) -> String {
+/// The best setting within `error`, at `fps`, or both: the fastest that keeps the error, or the most accurate that keeps the
+/// frame rate. If none keeps both, names the nearest on either side.
+pub fn wanted(rows: &[Measurement], error: Option<f64>, fps: Option<f64>) -> String {
     let own = || rows.iter().filter(|row| row.is_own());
     let (error_kept, rate_kept) = (
-        |row: &&Row| error.is_none_or(|e| row.relative_l2 <= e),
-        |row: &&Row| fps.is_none_or(|f| row.fps() >= f),
+        |row: &&Measurement| error.is_none_or(|e| row.relative_l2 <= e),
+        |row: &&Measurement| fps.is_none_or(|f| row.fps() >= f),
     );
     let fastest = own().filter(error_kept).min_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms));
     let finest = own().filter(rate_kept).min_by(|a, b| a.relative_l2.total_cmp(&b.relative_l2));
     let both = own().filter(error_kept).filter(rate_kept);
-    // With a rate to keep, what is left over goes into accuracy; without one, into speed.
+    // With a frame rate to keep, spare time is spent on accuracy; without one, the fastest is best.
     let best = match fps {
         Some(_) => both.min_by(|a, b| a.relative_l2.total_cmp(&b.relative_l2)),
         None => both.min_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms)),
     };
-    let said = |row: &Row| format!("{} (error {:.1e}, {:.2} fps)", row.flags, row.relative_l2, row.fps());
+    let said =
+        |row: &Measurement| format!("{} (error {:.1e}, {:.2} fps)", row.flags, row.relative_l2, row.fps());
     if let Some(row) = best {
         return format!("asked for: {}\n", said(row));
     }
-    let side = |name: &str, row: Option<&Row>| match row {
+    let side = |name: &str, row: Option<&Measurement>| match row {
         Some(row) => format!("; {name}: {}", said(row)),
         None => String::new(),
     };
@@ -148,11 +148,11 @@ pub fn wanted(rows: &[Row], error: Option<f64>, fps: Option<f64>) -> String {
     format!("asked for: no measured setting does it here{}\n", nearest.concat())
 }
 
-/// The rows as CSV.
+/// The measurements as CSV.
 ///
 /// # Errors
-/// Never, where the rows are sound.
-pub fn csv(rows: &[Row]) -> Result<String> {
+/// Only on a bug.
+pub fn csv(rows: &[Measurement]) -> Result<String> {
     let bug = |e: &dyn std::fmt::Display| {
         Error::failed(format!("the table is no CSV ({e})"), "report this as a bug of diffract")
     };
@@ -162,18 +162,18 @@ pub fn csv(rows: &[Row]) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| bug(&e))
 }
 
-/// The rows of a CSV of [`csv()`] that belong to `frame`; what cannot be read counts as not measured.
-pub fn rows_of(text: &str, frame: &str) -> Vec<Row> {
+/// The measurements of `frame` in a CSV of [`csv()`]. Lines that cannot be read are skipped.
+pub fn from_csv(text: &str, frame: &str) -> Vec<Measurement> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     reader
         .deserialize()
-        .filter_map(|row: std::result::Result<Row, _>| row.ok())
+        .filter_map(|row: std::result::Result<Measurement, _>| row.ok())
         .filter(|row| row.frame == frame && row.is_sound())
         .collect()
 }
 
-/// The rows as a Markdown table, the fastest first.
-pub fn markdown(rows: &[Row], heading: &str, impossible: &[(String, String)]) -> String {
+/// The measurements as a Markdown table, the fastest first.
+pub fn markdown(rows: &[Measurement], heading: &str, impossible: &[(String, String)]) -> String {
     let front = pareto(rows);
     let mut order: Vec<usize> = (0..rows.len()).collect();
     order.sort_by(|&a, &b| rows[a].frame_ms.total_cmp(&rows[b].frame_ms));
@@ -208,49 +208,12 @@ pub fn markdown(rows: &[Row], heading: &str, impossible: &[(String, String)]) ->
     text + "\n## Advice\n\n" + &advice(rows).lines().map(|line| format!("- {line}\n")).collect::<String>()
 }
 
-/// Frame time against error, with the Pareto front and the thesis' own shader.
-pub fn figure(rows: &[Row], title: &str, caption: &str) -> Figure {
-    const SHAPES: [Shape; 5] = [Shape::Disc, Shape::Square, Shape::Triangle, Shape::Diamond, Shape::Ring];
-    let place = |row: &Row| [row.frame_ms, row.relative_l2];
-    let fit = |label: &str, values: Vec<f64>| Axis::fit(label, Scale::Log, values);
-    let mut panel = Panel::new(
-        fit("frame time [ms]", rows.iter().map(|r| r.frame_ms).collect()),
-        fit("relative L2 error of linear RGB", rows.iter().map(|r| r.relative_l2).collect()),
-    );
-    let mut front: Vec<[f64; 2]> =
-        rows.iter().zip(pareto(rows)).filter(|(_, on)| *on).map(|(row, _)| place(row)).collect();
-    front.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    panel = panel.named("Pareto front", Mark::line(front, palette::QUIET));
-    let mut series: Vec<&str> = Vec::new();
-    for row in rows {
-        // The thesis gets a mark of its own.
-        if row.series != THESIS && !series.contains(&row.series.as_str()) {
-            series.push(&row.series);
-        }
-    }
-    for (i, name) in series.iter().enumerate() {
-        let points = rows.iter().filter(|r| r.series == **name).map(place).collect();
-        let color = palette::SERIES[i % palette::SERIES.len()];
-        panel = panel.named(*name, Mark::points(points, color, SHAPES[i % SHAPES.len()]));
-    }
-    if let Some(thesis) = rows.iter().find(|row| row.series == THESIS) {
-        let ring = Mark::Points {
-            points: vec![place(thesis)],
-            color: palette::INK,
-            shape: Shape::Ring,
-            radius: 9.0,
-        };
-        panel = panel.named("the thesis: 37 terms, 81 wavelengths, 3 × 3 reads", ring);
-    }
-    Figure::new(title).row(vec![panel]).caption(caption).panel_size(760.0, 520.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn row(flags: &str, frame_ms: f64, relative_l2: f64) -> Row {
-        Row {
+    fn row(flags: &str, frame_ms: f64, relative_l2: f64) -> Measurement {
+        Measurement {
             frame: "f".into(),
             flags: flags.into(),
             series: "spectral, taylor".into(),
@@ -273,7 +236,7 @@ mod tests {
     fn the_front_holds_what_nothing_beats() {
         let rows = [row("a", 1.0, 1e-1), row("b", 2.0, 1e-2), row("c", 3.0, 2e-2), row("d", 2.0, 1e-2)];
         assert_eq!(pareto(&rows), [true, true, false, true]);
-        let other = Row { series: GRATING.into(), ..row("e", 0.1, 1e-9) };
+        let other = Measurement { series: GRATING.into(), ..row("e", 0.1, 1e-9) };
         let with_other = [&rows[..], &[other]].concat();
         assert_eq!(pareto(&with_other), [true, true, false, true, false]);
         assert_eq!(advice(&with_other), advice(&rows));
@@ -308,24 +271,17 @@ mod tests {
     fn a_table_is_read_back_bit_by_bit_and_other_frames_are_left_out() {
         let rows = vec![row("--a", 10.123_456_789, 5e-2 / 3.0), row("--b \"x,y\"", 60.0, 2e-3)];
         let text = csv(&rows).unwrap();
-        assert_eq!(rows_of(&text, "f"), rows);
-        assert!(rows_of(&text, "g").is_empty());
+        assert_eq!(from_csv(&text, "f"), rows);
+        assert!(from_csv(&text, "g").is_empty());
         for number in ["NaN", "inf", "-1.0", "0.0", "1e300"] {
             let changed = text.replace("10.123456789", number);
-            assert!(changed != text && rows_of(&changed, "f") == rows[1..], "{number}");
+            assert!(changed != text && from_csv(&changed, "f") == rows[1..], "{number}");
         }
         let half = &text[..text.len() - 20];
-        assert_eq!(rows_of(half, "f"), rows[..1]);
+        assert_eq!(from_csv(half, "f"), rows[..1]);
         let page = markdown(&rows, "A machine.", &[("--c".into(), "no".into())]);
         assert!(
             page.contains("| `--a` | 10.1 ms") && page.contains("`--c`: no") && page.contains("## Advice")
         );
-    }
-
-    #[test]
-    fn the_figure_marks_the_thesis() {
-        let rows = [row("--a", 10.0, 5e-2), Row { series: THESIS.into(), ..row("its sum", 900.0, 2e-3) }];
-        let svg = figure(&rows, "Speed", "One machine.").svg().unwrap();
-        assert!(svg.contains("thesis") && svg.contains("Pareto"));
     }
 }

@@ -10,6 +10,59 @@ use std::f64::consts::PI;
 /// Where the Gaussian window is cut off, in standard deviations: g = e^(−24.5) = 2e-11 there.
 pub const GAUSSIAN_CUT: f64 = 7.0;
 
+/// Where the coherence window stands on the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Windows {
+    /// Everywhere: the mean over all positions, what a pixel sees that covers many coherence areas.
+    #[default]
+    All,
+    /// At n × m positions, (i T_x/n, j T_y/m) from the patch centre; 1 × 1 is the thesis' one window.
+    Grid([u32; 2]),
+}
+
+impl Windows {
+    /// One window in the middle of the patch.
+    pub const ONE: Self = Self::Grid([1, 1]);
+
+    /// The positions along each axis, where they can be counted.
+    pub fn grid(self) -> Option<[u32; 2]> {
+        match self {
+            Self::All => None,
+            Self::Grid(counts) => Some(counts),
+        }
+    }
+}
+
+impl std::fmt::Display for Windows {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::All => write!(f, "all"),
+            Self::Grid([n, m]) => write!(f, "{n}x{m}"),
+        }
+    }
+}
+
+/// How the surface goes on beyond the measured patch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Beyond {
+    /// The patch repeats without end. Its orders are those of the tiling.
+    #[default]
+    Copies,
+    /// The surface goes on with the same statistics: the patch is tapered by a Hann window in each axis, and a Gaussian lag window
+    /// multiplies its autocorrelation (Blackman and Tukey, *The Measurement of Power Spectra*, 1958).
+    Alike,
+}
+
+impl Beyond {
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Copies => "copies",
+            Self::Alike => "alike",
+        }
+    }
+}
+
 /// The coherence of the light at the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Coherence {

@@ -45,8 +45,18 @@ pub const DISPLAY_BLACK: f64 = 0.5 / 255.0 / 12.92;
 
 /// The 8-bit display value of a linear colour at `exposure` stops: exposure, gamut, transfer, rounding.
 pub fn display(rgb: DVec3, exposure: f64) -> [u8; 3] {
-    let mapped = map_to_gamut(rgb * exposure.exp2());
-    [0, 1, 2].map(|i| (srgb_transfer(mapped[i]) * 255.0).round() as u8)
+    code(map_to_gamut(rgb * exposure.exp2()))
+}
+
+/// The same where `rgb` covers the part `coverage` (0 … 1) of a pixel and `background`, linear sRGB that no exposure changes, the rest. What is
+/// seen of both is mixed in linear light, as it reaches a sensor. The twin of `display.frag`.
+pub fn display_over(rgb: DVec3, exposure: f64, coverage: f64, background: DVec3) -> [u8; 3] {
+    code(map_to_gamut(background).lerp(map_to_gamut(rgb * exposure.exp2()), coverage))
+}
+
+/// The 8-bit code of a linear colour within 0 … 1.
+fn code(linear: DVec3) -> [u8; 3] {
+    [0, 1, 2].map(|i| (srgb_transfer(linear[i]) * 255.0).round() as u8)
 }
 
 #[cfg(test)]

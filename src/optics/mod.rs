@@ -5,12 +5,13 @@
 pub mod brdf;
 pub mod coherence;
 pub mod color;
-pub mod fine;
+
 pub mod geometry;
 pub mod grating;
+pub mod nufft;
 pub mod orders;
 pub mod quadrature;
 pub mod reference;
 pub mod sampling;
-pub mod sliding;
 pub mod spectrum;
+pub mod svd;

@@ -30,36 +30,8 @@ pub struct PlaneTerms {
 pub const PLANES: usize = 9;
 
 /// The audited k|w|, as parts of the largest, growing: from grazing directions, where only scattering is left, to the
-/// mirror direction at the shortest wavelength.
-fn places(bands: usize) -> [f64; PLANES] {
-    const ONE_BAND: [f64; PLANES] = [0.02, 0.08, 0.24, 0.33, 0.49, 0.66, 0.74, 0.87, 0.995];
-    if bands == 1 {
-        return ONE_BAND;
-    }
-    // Functions err most at the ends of their band, and at the lower end beside less scattered light: planes stand just inside.
-    // Low bands scatter least, and all are of one width.
-    const INSIDE: f64 = 0.03;
-    let end = bands as f64;
-    let start = |part: f64| (part * end).floor().min(end - 1.0) + INSIDE;
-    let mut places = [
-        0.25,
-        1.0 - INSIDE,
-        1.0 + INSIDE,
-        (1.0 / 6.0 * end).floor().max(1.0) + 1.0 - INSIDE,
-        start(1.0 / 3.0),
-        start(0.5),
-        start(0.75),
-        start(1.0),
-        end - INSIDE,
-    ];
-    places.sort_by(f64::total_cmp);
-    places.map(|place| (place / end).min(0.999))
-}
-
-/// Which of `bands` equal parts of 0 … `z_max` `z` lies in.
-pub(super) fn band_of(z: f64, z_max: f64, bands: usize) -> usize {
-    ((z / z_max * bands as f64) as usize).min(bands - 1)
-}
+/// specular direction at the shortest wavelength.
+const PLACES: [f64; PLANES] = [0.02, 0.08, 0.24, 0.33, 0.49, 0.66, 0.74, 0.87, 0.995];
 
 /// The layers' judge: at a few z, texels that directions can reach, with the transform of e^{izh} there.
 pub(super) struct Audit {
@@ -70,8 +42,6 @@ pub(super) struct Plane {
     pub z: f64,
     /// Intensity below which it is not judged.
     faint: f64,
-    /// The band of z that it lies in.
-    band: usize,
     /// Kept column and row of each judged texel.
     texels: Vec<[usize; 2]>,
     exact: Vec<Complex64>,
@@ -91,11 +61,10 @@ impl Audit {
         heights: &[f64],
         half_range: f64,
         z_max: f64,
-        bands: usize,
         progress: impl Fn(usize) -> Result<()>,
     ) -> Result<Self> {
         let mut planes = Vec::new();
-        for (index, share) in places(bands).into_iter().enumerate() {
+        for (index, share) in PLACES.into_iter().enumerate() {
             progress(index)?;
             let z = share * z_max;
             let spectrum = transformer.spectrum(|i| Complex64::cis(z * half_range * heights[i]));
@@ -104,14 +73,7 @@ impl Audit {
             texels.extend(brightest(transformer, &spectrum, radius, Self::BRIGHTEST));
             let exact = texels.iter().map(|&[c, r]| spectrum.at(c, r)).collect();
             transformer.take_back([spectrum]);
-            planes.push(Plane {
-                z,
-                faint: faint(share),
-                band: band_of(z, z_max, bands),
-                texels,
-                exact,
-                terms: Vec::new(),
-            });
+            planes.push(Plane { z, faint: faint(share), texels, exact, terms: Vec::new() });
         }
         planes
             .try_into()
@@ -119,9 +81,9 @@ impl Audit {
             .map_err(|_| Error::failed("the audit lost a plane", "report this as a bug of diffract"))
     }
 
-    /// Takes a pair of terms of the family of z number `band` in: by kept column and row.
-    pub fn add(&mut self, band: usize, pair: &Pair) {
-        for plane in self.planes.iter_mut().filter(|plane| plane.band == band) {
+    /// Takes a pair of terms in: by kept column and row.
+    pub fn add(&mut self, pair: &Pair) {
+        for plane in &mut self.planes {
             let stored = |v: Complex64| Complex32::new(v.re as f32, v.im as f32);
             let pairs = plane.texels.iter().map(|&[c, r]| pair.at(c, r));
             let (even, odd) = pairs.map(|[a, b]| (stored(a), stored(b))).unzip();
@@ -129,13 +91,13 @@ impl Audit {
         }
     }
 
-    /// The worst plane's RMS relative intensity error with `terms` terms of `families`, one for each band of z.
-    pub fn error(&self, families: &[Box<dyn Expansion>], terms: usize) -> f64 {
-        self.planes.iter().map(|plane| plane.error(families, terms)).fold(0.0, f64::max)
+    /// The worst plane's RMS relative intensity error with `terms` terms of `family`.
+    pub fn error(&self, family: &dyn Expansion, terms: usize) -> f64 {
+        self.planes.iter().map(|plane| plane.error(family, terms)).fold(0.0, f64::max)
     }
 
     /// The same with every number rounded to 16 bits.
-    pub fn error_of_halves(&self, families: &[Box<dyn Expansion>], terms: usize) -> f64 {
+    pub fn error_of_halves(&self, family: &dyn Expansion, terms: usize) -> f64 {
         let rounded = |v: &Complex32| Complex32::new(Texels::halved(v.re), Texels::halved(v.im));
         let error = |plane: &Plane| {
             let terms_there = plane
@@ -143,22 +105,17 @@ impl Audit {
                 .iter()
                 .map(|term| term.iter().map(rounded).collect::<Vec<_>>())
                 .collect::<Vec<_>>();
-            plane.error_of(&terms_there, families, terms)
+            plane.error_of(&terms_there, family, terms)
         };
         self.planes.iter().map(error).fold(0.0, f64::max)
     }
 
     /// The smallest number of terms, of `terms`, that keeps each plane within `allowed`; never fewer than a lower plane.
-    pub fn terms_by_z(
-        &self,
-        families: &[Box<dyn Expansion>],
-        terms: usize,
-        allowed: f64,
-    ) -> [PlaneTerms; PLANES] {
+    pub fn terms_by_z(&self, family: &dyn Expansion, terms: usize, allowed: f64) -> [PlaneTerms; PLANES] {
         let mut least = 1;
         std::array::from_fn(|i| {
             let plane = &self.planes[i];
-            least = (least..terms).find(|&n| plane.error(families, n) <= allowed).unwrap_or(terms);
+            least = (least..terms).find(|&n| plane.error(family, n) <= allowed).unwrap_or(terms);
             PlaneTerms { z: plane.z, terms: least }
         })
     }
@@ -166,14 +123,14 @@ impl Audit {
 
 impl Plane {
     /// RMS relative intensity error with the first `terms` terms, summed in f32 as the shader does.
-    fn error(&self, families: &[Box<dyn Expansion>], terms: usize) -> f64 {
-        self.error_of(&self.terms, families, terms)
+    fn error(&self, family: &dyn Expansion, terms: usize) -> f64 {
+        self.error_of(&self.terms, family, terms)
     }
 
     /// The same of terms that are stored as `stored`.
-    fn error_of(&self, stored: &[Vec<Complex32>], families: &[Box<dyn Expansion>], terms: usize) -> f64 {
+    fn error_of(&self, stored: &[Vec<Complex32>], family: &dyn Expansion, terms: usize) -> f64 {
         let mut c = vec![Complex64::ZERO; terms];
-        families[self.band].coefficients(self.z, &mut c);
+        family.coefficients(self.z, &mut c);
         let c: Vec<Complex32> = c.iter().map(|c| Complex32::new(c.re as f32, c.im as f32)).collect();
         // Where nothing is seen, nothing can be wrong: such texels would only dilute the mean.
         let seen = self.exact.iter().enumerate().filter(|(_, exact)| exact.norm_sqr() >= self.faint);

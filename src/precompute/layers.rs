@@ -2,17 +2,15 @@
 //! by comparing against the transform of e^{izh} itself.
 
 use super::audit::{Audit, FAINT, PLANES};
-use super::bands::Bands;
 use super::coefficients::Coefficients;
 use super::kernel::Interpolation;
-use super::lines::{self, Lines};
-use super::near::Centre;
 use super::pairs::PairRule;
 use super::plan::{Plan, bands_of, too_large};
 use super::texels::Texels;
 use super::transform::{Pair, Transformer};
 use crate::error::{Error, Result};
-use crate::expansion::taylor::{F32_ROUNDOFF, terms_for};
+use crate::expansion::optimal::Optimal;
+use crate::expansion::taylor::{F32_ROUNDOFF, Taylor, terms_for};
 use crate::expansion::{Basis, Expansion, HeightScale};
 use crate::memory;
 use crate::surface::HeightField;
@@ -34,24 +32,11 @@ pub struct Settings {
     pub basis: Basis,
     /// Number of terms, where the user names it.
     pub terms: Option<usize>,
-    /// What there shall be little of.
-    pub aim: Aim,
-    /// Lines for colours, where nothing else is asked of the layers.
-    pub lines: Option<lines::Spacing>,
     /// Most bytes that the layers may take. Not part of their key: it decides whether they are made.
     #[serde(skip)]
     pub memory_limit: usize,
     /// Most texels along a side of a layer.
     pub side_limit: usize,
-}
-
-/// What layers are made to save.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub enum Aim {
-    /// Fourier transforms: for single directions.
-    FewTransforms,
-    /// Samples of a wavelength, for more layers: for pictures.
-    FewSamples,
 }
 
 /// The relative intensity errors that layers may bring, RMS over single directions and wavelengths.
@@ -97,9 +82,7 @@ pub struct Layers {
     pub sigma: f64,
     /// Whether only f_x ≥ 0 is stored.
     pub half_plane: bool,
-    /// Equal parts of 0 … z_max, each with functions and layers of its own.
-    pub z_bands: usize,
-    /// Number of terms K in each.
+    /// Number of terms K.
     pub terms: usize,
     /// c_n over k|w|.
     pub coefficients: Coefficients,
@@ -111,27 +94,20 @@ pub struct Layers {
     pub interpolation: Interpolation,
     /// What it is accurate to.
     pub errors: Errors,
-    /// RGBA texels (Re, Im of term 2p; Re, Im of term 2p + 1), pair by pair, in each band by band, row by row in growing
-    /// f_y; in units of the flat mirror's peak amplitude.
+    /// RGBA texels (Re, Im of term 2p; Re, Im of term 2p + 1), pair by pair, row by row in growing f_y; in units of the flat mirror's
+    /// peak amplitude.
     pub texels: Texels,
-    /// The same on lines, for colours alone; then `texels` are one a layer, and nobody reads them.
-    pub lines: Option<Lines>,
 }
 
 impl Layers {
-    /// Pairs of terms of a band of z.
+    /// Pairs of terms, one a layer of the texture.
     pub fn pairs(&self) -> usize {
         self.terms.div_ceil(2)
     }
 
-    /// Layers of the texture.
-    pub fn count(&self) -> usize {
-        self.pairs() * self.z_bands
-    }
-
     /// Bytes of all texels.
     pub fn bytes(&self) -> usize {
-        self.texels.bytes().len() + self.lines.as_ref().map_or(0, |lines| lines.texels.bytes().len())
+        self.texels.bytes().len()
     }
 
     /// Pairs of terms that are summed at k|w| = `z` \[rad/µm\].
@@ -163,22 +139,6 @@ pub fn compute_at(
     shift: [f64; 2],
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<Layers> {
-    if let Some(layers) = make(field, settings, shift, progress)? {
-        return Ok(layers);
-    }
-    // Lines take up to half as much again as the plane alone, which shows the same picture with more reads.
-    let plane_alone = Settings { lines: None, ..*settings };
-    make(field, &plane_alone, shift, progress)?
-        .ok_or_else(|| too_large(settings.memory_limit as f64, settings))
-}
-
-/// The layers for `settings`; `None` where they outgrow the memory limit with lines, which can be left away.
-fn make(
-    field: &HeightField,
-    settings: &Settings,
-    shift: [f64; 2],
-    progress: &dyn Fn(usize, usize) -> Result<()>,
-) -> Result<Option<Layers>> {
     let scale = HeightScale::of(field);
     let z_max = largest_z(settings.shortest_wavelength);
     let budget = settings.budget;
@@ -197,108 +157,57 @@ fn make(
             "ask for a larger --tolerance, or use --method reference",
         ));
     }
-    let plan = Plan::new(field, settings, interpolation, shift)?;
-    // Of a layer: the plane's, or those of both sets of lines.
-    let texels_of = |half_plane: bool| match plan.extent(settings, half_plane) {
-        Some(extent) => 2 * extent.size().into_iter().product::<usize>(),
-        None => plan.plane.iter().map(|axis| axis.kept()).product(),
-    };
-    let room = settings.memory_limit / (texels_of(false) * TEXEL);
-    let mut bands = Bands::choose(field, settings, z_max, room);
-    if settings.basis == Basis::Taylor && settings.terms.is_none() && bands.real {
+    let Plan { plane: [x, y] } = Plan::new(field, settings, interpolation, shift)?;
+    if settings.basis == Basis::Taylor && settings.terms.is_none() {
         // Refuses what is hopeless before any work.
         terms_for(z_max * scale.half_range, budget.expansion, F32_ROUNDOFF)?;
     }
-    let most_terms = most_terms(&bands, settings, z_max);
-    let count = bands.families.len();
-    let half_plane = bands.real;
+    let family = family(field, settings.basis, z_max);
+    let family = family.as_ref();
+    let most_terms = most_terms(family, settings, z_max);
+    let half_plane = settings.basis.is_real();
     // Texels left of f_x = 0 exist for the kernel alone where the other half plane follows.
-    let extent = plan.extent(settings, half_plane);
-    let Plan { plane: [x, y], interpolation, lines } = plan;
-    let guard = interpolation.kernels[0].guard();
-    let first_column = if half_plane { x.bins - guard } else { 0 };
-    // Beside lines nobody reads the plane: it is but a texel, since devices bind no empty textures.
-    let (size, origin) = match extent {
-        Some(_) => ([1, 1], [0, 0]),
-        None => ([x.kept() - first_column, y.kept()], [x.bins - first_column, y.bins]),
+    let first_column = if half_plane { x.bins - interpolation.kernels[0].guard() } else { 0 };
+    let (size, origin) = ([x.kept() - first_column, y.kept()], [x.bins - first_column, y.bins]);
+    let layer_bytes = TEXEL * size[0] * size[1];
+    let room_for = |layers: usize| {
+        if layers * layer_bytes <= settings.memory_limit {
+            return Ok(());
+        }
+        Err(too_large((layers * layer_bytes) as f64, settings))
     };
-    let layer_bytes =
-        TEXEL * extent.as_ref().map_or(size[0] * size[1], |extent| 2 * extent.size()[0] * extent.size()[1]);
-    let outgrows = |layers: usize| layers * layer_bytes > settings.memory_limit;
-    let without_lines = lines.is_none();
-    let no_room = |layers: usize| {
-        if without_lines { Err(too_large((layers * layer_bytes) as f64, settings)) } else { Ok(None) }
-    };
-    let least = if settings.terms.is_some() { most_terms.div_ceil(2) } else { bands.layers() };
-    if outgrows(least) {
-        return no_room(least);
-    }
-    let spacing = lines.as_ref().map(|(spacing, _)| *spacing);
-    let mut maker = spacing.zip(extent).map(|(spacing, extent)| lines::Maker::new(&spacing, extent, count));
+    room_for(if settings.terms.is_some() { most_terms.div_ceil(2) } else { 1 })?;
     let transformer = Transformer::new(field, x, y);
-    let along_lines = lines.map(|(_, axes)| axes.map(|[x, y]| Transformer::new(field, x, y)));
-    // Lines hold every frequency, where the plane may be its centre alone.
-    let judged = along_lines.as_ref().map_or(&transformer, |[first, _]| first);
     let heights: Vec<f64> = field.heights().iter().map(|&h| scale.normalise(h)).collect();
-
-    let guess = if half_plane { settings.terms.unwrap_or(GUESSED_TERMS).div_ceil(2) } else { bands.layers() };
+    let guess = settings.terms.unwrap_or(GUESSED_TERMS).div_ceil(2);
     let steps = |layers: usize| PLANES + guess.max(layers);
-    let mut audit = Audit::new(judged, &heights, scale.half_range, z_max, count, |i| progress(i, steps(0)))?;
+    let mut audit = Audit::new(&transformer, &heights, scale.half_range, z_max, |i| progress(i, steps(0)))?;
     let mut texels: Vec<f32> = Vec::new();
     let mut made = 0;
     let terms = loop {
-        let wanted = bands.layers();
-        while made < wanted {
-            progress(PLANES + made, steps(wanted))?;
-            if outgrows(made + 1) {
-                return no_room(made + 1);
-            }
-            let (first_term, band) = (made / count * 2, made % count);
-            let family = &bands.families[band];
-            let value = |n: usize, i: usize| family.basis(first_term + n, heights[i]);
-            let pair = transformer.pair(half_plane, value);
-            // Asked for as it grows: how many layers there will be is known at the end alone.
-            memory::ensure_room(layer_bytes as u64, "the spectra")?;
-            let begin = texels.len();
-            texels.reserve_exact(size[0] * size[1] * 4);
-            texels.resize(begin + size[0] * size[1] * 4, 0.0);
-            match (&mut maker, &along_lines) {
-                (Some(maker), Some(sets)) => {
-                    let axes = [&transformer.x, &transformer.y];
-                    let centre = Centre { pair: &pair, axes, kernels: interpolation.kernels };
-                    for (set, transformer) in sets.iter().enumerate() {
-                        let pair = transformer.pair(half_plane, value);
-                        maker.add(set, &pair, &centre);
-                        if set == 0 {
-                            audit.add(band, &pair);
-                        }
-                        transformer.take_back(pair);
-                    }
-                }
-                _ => {
-                    pack(&pair, size[0], first_column, &mut texels[begin..]);
-                    audit.add(band, &pair);
-                }
-            }
-            transformer.take_back(pair);
-            made += 1;
-        }
-        let terms = (2 * bands.pairs).min(most_terms);
-        let enough = settings.terms.is_none() && audit.error(&bands.families, terms) <= budget.expansion;
+        progress(PLANES + made, steps(made + 1))?;
+        room_for(made + 1)?;
+        let pair = transformer.pair(half_plane, |n, i| family.basis(2 * made + n, heights[i]));
+        // Asked for as it grows: how many layers there will be is known at the end alone.
+        memory::ensure_room(layer_bytes as u64, "the spectra")?;
+        let begin = texels.len();
+        texels.reserve_exact(size[0] * size[1] * 4);
+        texels.resize(begin + size[0] * size[1] * 4, 0.0);
+        pack(&pair, size[0], first_column, &mut texels[begin..]);
+        audit.add(&pair);
+        transformer.take_back(pair);
+        made += 1;
+        let terms = (2 * made).min(most_terms);
+        let enough = settings.terms.is_none() && audit.error(family, terms) <= budget.expansion;
         if enough || terms == most_terms {
             break terms;
         }
-        bands.pairs += 1;
     };
-    let families = &bands.families;
-    // Half the memory to keep and to read, where the rounding is within the budget too; powers of the height about z = 0 cancel
-    // each other by orders of magnitude.
-    let in_halves = audit.error_of_halves(families, terms);
-    let half = in_halves <= budget.expansion
-        && settings.terms.is_none()
-        && Texels::fit_halves(&texels)
-        && maker.as_ref().is_none_or(lines::Maker::fit_halves);
-    let expansion_error = if half { in_halves } else { audit.error(families, terms) };
+    // Half the memory to keep and to read, where the rounding is within the budget too; powers of the height cancel each other by orders of
+    // magnitude.
+    let in_halves = audit.error_of_halves(family, terms);
+    let half = in_halves <= budget.expansion && settings.terms.is_none() && Texels::fit_halves(&texels);
+    let expansion_error = if half { in_halves } else { audit.error(family, terms) };
     if settings.terms.is_none() && expansion_error > budget.expansion {
         return Err(Error::failed(
             format!(
@@ -311,49 +220,61 @@ fn make(
         ));
     }
     progress(steps(made), steps(made))?;
-    // What is made now stands beside what it is made from.
-    let lines_bytes = if maker.is_some() { made * layer_bytes } else { 0 };
-    let finished = if half { (lines_bytes + texels.len() * size_of::<f32>()) / 2 } else { lines_bytes };
+    // The halves stand beside what they are made from.
+    let finished = if half { texels.len() * size_of::<f32>() / 2 } else { 0 };
     memory::ensure_room(finished as u64, "the spectra")?;
-    let worst =
-        |of: &dyn Fn(&dyn Expansion) -> f64| families.iter().map(|f| of(f.as_ref())).fold(0.0, f64::max);
-    Ok(Some(Layers {
+    Ok(Layers {
         size,
         origin,
         length: [transformer.x.length, transformer.y.length],
         band: bands_of(field, settings.shortest_wavelength),
         sigma: settings.sigma,
         half_plane,
-        z_bands: count,
         terms,
-        coefficients: Coefficients::new(families, terms, z_max, scale.half_range, budget.expansion),
+        coefficients: Coefficients::new(
+            settings.basis,
+            family,
+            terms,
+            z_max,
+            scale.half_range,
+            budget.expansion,
+        ),
         z_max,
         pairs_needed: match settings.terms {
+            None => PairRule::over(&audit.terms_by_z(family, terms, budget.expansion)),
             // What the user names is done everywhere.
-            None if half_plane => PairRule::over(&audit.terms_by_z(families, terms, budget.expansion)),
-            _ => PairRule::constant(terms.div_ceil(2)),
+            Some(_) => PairRule::constant(terms.div_ceil(2)),
         },
         interpolation,
         errors: Errors {
             expansion: expansion_error,
-            interpolation: spacing.map_or(interpolation_error, |spacing| spacing.interpolation_error()),
-            truncation_bound: worst(&|f| f.truncation_bound(z_max, terms)),
-            rounding_bound: worst(&|f| f.rounding_bound(z_max, F32_ROUNDOFF)),
+            interpolation: interpolation_error,
+            truncation_bound: family.truncation_bound(z_max, terms),
+            rounding_bound: family.rounding_bound(z_max, F32_ROUNDOFF),
         },
         texels: Texels::of(half, texels),
-        lines: maker.map(|maker| maker.finish(terms.div_ceil(2), half, settings.side_limit)),
-    }))
+    })
+}
+
+/// The expansion of `basis` for the heights of `field` and |z| up to `z_max` \[rad/µm\].
+fn family(field: &HeightField, basis: Basis, z_max: f64) -> Box<dyn Expansion> {
+    let half_range = HeightScale::of(field).half_range;
+    match basis {
+        Basis::Taylor => Box::new(Taylor { half_range }),
+        Basis::Optimal => Box::new(Optimal::new(field, [0.0, z_max])),
+    }
 }
 
 /// Where the audit may stop looking for the number of terms.
-fn most_terms(bands: &Bands, settings: &Settings, z_max: f64) -> usize {
-    let most = bands.families.iter().map(|f| f.most_terms()).max().unwrap_or(1);
+fn most_terms(family: &dyn Expansion, settings: &Settings, z_max: f64) -> usize {
+    let most = family.most_terms();
     // No judged texel is fainter than FAINT, so a sup error of its square root times the tolerance is more than enough.
     let enough = settings.budget.expansion * FAINT.sqrt() * 0.1;
     match settings.terms {
         Some(terms) => terms.clamp(1, most),
-        None if bands.real => {
-            (1..most).find(|&n| bands.families[0].truncation_bound(z_max, n) <= enough).unwrap_or(most)
+        // The bound of the others is measured, which takes longer than a term.
+        None if settings.basis.is_real() => {
+            (1..most).find(|&n| family.truncation_bound(z_max, n) <= enough).unwrap_or(most)
         }
         None => most,
     }
@@ -395,8 +316,6 @@ mod tests {
             budget: Budget { interpolation: 0.7 * tolerance, expansion: 0.35 * tolerance },
             basis: Basis::Taylor,
             terms: None,
-            aim: Aim::FewTransforms,
-            lines: None,
             memory_limit: 1 << 30,
             side_limit: 16_384,
         }

@@ -1,17 +1,14 @@
 //! From a height field to the layers that the shader reads: expansion × window → spectra, judged as they are made.
 
 pub mod audit;
-mod bands;
 pub mod cache;
 pub mod coefficients;
 pub mod kernel;
 pub mod layers;
-pub mod lines;
-pub mod near;
 pub mod pairs;
 mod plan;
 pub mod texels;
 pub mod thesis;
 mod transform;
 
-pub use layers::{Aim, Budget, Layers, Settings, compute, compute_at};
+pub use layers::{Budget, Layers, Settings, compute, compute_at};

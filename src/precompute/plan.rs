@@ -1,9 +1,7 @@
 //! Which frequencies are transformed, how finely, and whether there is room for it.
 
-use super::bands::may_be_many;
 use super::kernel::Interpolation;
 use super::layers::Settings;
-use super::lines;
 use super::transform::{PaddedAxis, Samples, Transformer};
 use crate::error::{Error, Result};
 use crate::memory;
@@ -11,16 +9,12 @@ use crate::surface::HeightField;
 
 /// The transforms' axes for `settings`.
 pub(super) struct Plan {
-    /// Of the whole plane, or of its centre where there are lines.
+    /// Of the whole plane.
     pub plane: [PaddedAxis; 2],
-    /// How the plane is read between its bins.
-    pub interpolation: Interpolation,
-    /// Of the lines of constant f_x and of constant f_y.
-    pub lines: Option<(lines::Spacing, [[PaddedAxis; 2]; 2])>,
 }
 
 impl Plan {
-    /// The axes, checked against the memory limit of `settings` before any of it is taken.
+    /// The axes for spectra that are read by `interpolation`, checked against the memory limit of `settings` before any of it is taken.
     pub fn new(
         field: &HeightField,
         settings: &Settings,
@@ -30,23 +24,6 @@ impl Plan {
         let band = bands_of(field, settings.shortest_wavelength);
         let own = Samples::of(field, shift);
         let sigma = settings.sigma;
-        if let Some(spacing) = settings.lines.filter(|_| sigma.is_finite()) {
-            /// Part of the error of reading between texels: what is made of the centre is read between its own texels again.
-            const CENTRE: f64 = 0.05;
-            let interpolation = Interpolation::for_tolerance(CENTRE * settings.budget.interpolation);
-            let plan = Self {
-                interpolation,
-                plane: [0, 1].map(|i| {
-                    let reach = band[i].min(spacing.centre(sigma, settings.shortest_wavelength));
-                    let length = interpolation.ratios[i] * sigma;
-                    PaddedAxis::new(&own[i], sigma, length, Some(interpolation.kernels[i]), reach)
-                }),
-                lines: Some((spacing, spacing.axes(&own, sigma, band))),
-            };
-            if plan.longest(settings) <= settings.side_limit {
-                return plan.checked(&own, settings).map(|()| plan);
-            }
-        }
         // Whether it fits is known before the axes, which are as long as the window, are made.
         let extent = |axis: usize| if sigma.is_finite() { sigma } else { own[axis].period() };
         let texels = |axis: usize| 2.0 * band[axis] * interpolation.ratios[axis] * extent(axis);
@@ -59,8 +36,8 @@ impl Plan {
             let length = interpolation.ratios[i] * extent(i);
             PaddedAxis::new(&own[i], sigma, length, Some(interpolation.kernels[i]), band[i])
         };
-        let plan = Self { plane: [axis(0), axis(1)], interpolation, lines: None };
-        let longest = plan.longest(settings);
+        let plan = Self { plane: [axis(0), axis(1)] };
+        let longest = plan.plane.iter().map(PaddedAxis::kept).max().unwrap_or(0);
         if longest > settings.side_limit {
             return Err(Error::failed(
                 format!(
@@ -73,33 +50,13 @@ impl Plan {
         plan.checked(&own, settings).map(|()| plan)
     }
 
-    /// Every pair of axes.
-    fn axes(&self) -> impl Iterator<Item = &[PaddedAxis; 2]> {
-        std::iter::once(&self.plane).chain(self.lines.iter().flat_map(|(_, axes)| axes))
-    }
-
-    /// What lines take of a texture, on the half plane or on the whole one.
-    pub fn extent(&self, settings: &Settings, half_plane: bool) -> Option<lines::Extent> {
-        let of = |(spacing, axes): &(lines::Spacing, _)| {
-            lines::Extent::new(spacing, axes, settings.shortest_wavelength, half_plane)
-        };
-        self.lines.as_ref().map(of)
-    }
-
-    /// Texels along the longest side of a layer.
-    fn longest(&self, settings: &Settings) -> usize {
-        match self.extent(settings, false) {
-            Some(extent) => extent.size().into_iter().max().unwrap_or(0),
-            None => self.plane.iter().map(PaddedAxis::kept).max().unwrap_or(0),
-        }
-    }
-
     /// Fails where the host has no room for the transforms of `settings`, whose rooms are kept from one to the next. The layers
     /// ask for theirs as they are made.
     fn checked(&self, own: &[Samples; 2], settings: &Settings) -> Result<()> {
-        // Real functions share a spectrum; bands of z have complex ones.
-        let spectra = if settings.basis.is_real() && !may_be_many(settings) { 1 } else { 2 };
-        let transforms: u64 = self.axes().map(|[x, y]| Transformer::memory(x, y, &own[1], spectra)).sum();
+        // Real functions share a spectrum.
+        let spectra = if settings.basis.is_real() { 1 } else { 2 };
+        let [x, y] = &self.plane;
+        let transforms = Transformer::memory(x, y, &own[1], spectra);
         // Beside them, every height once more, in units of their range.
         let heights = (own[0].count * own[1].count * size_of::<f64>()) as u64;
         memory::ensure_room(transforms.saturating_add(heights), "the Fourier transforms")

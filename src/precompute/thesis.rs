@@ -10,7 +10,7 @@ use super::texels::Texels;
 use super::transform::{PaddedAxis, Samples, Transformer};
 use crate::error::Result;
 use crate::expansion::taylor::{F32_ROUNDOFF, Taylor};
-use crate::expansion::{Expansion, HeightScale};
+use crate::expansion::{Basis, Expansion, HeightScale};
 use crate::memory;
 use crate::surface::HeightField;
 use rustfft::num_complex::Complex64;
@@ -68,9 +68,8 @@ pub fn layers(field: &HeightField, sigma: f64, shortest: f64) -> Result<Layers> 
         band,
         sigma,
         half_plane: true,
-        z_bands: 1,
         terms: TERMS,
-        coefficients: Coefficients::new(&[Box::new(expansion)], TERMS, z_max, scale.half_range, 1.0),
+        coefficients: Coefficients::new(Basis::Taylor, &expansion, TERMS, z_max, scale.half_range, 1.0),
         z_max,
         pairs_needed: PairRule::constant(pairs),
         interpolation: Interpolation { kernels: [Kernel::Linear; 2], ratios: [1.0; 2] },
@@ -81,6 +80,5 @@ pub fn layers(field: &HeightField, sigma: f64, shortest: f64) -> Result<Layers> 
             rounding_bound: expansion.rounding_bound(z_max, F32_ROUNDOFF),
         },
         texels: Texels::of(false, values),
-        lines: None,
     })
 }

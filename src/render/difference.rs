@@ -64,7 +64,7 @@ impl DifferencePass {
                 vertex,
                 fragment,
                 &drawing,
-                &descriptors,
+                &[&descriptors],
                 size_of::<f32>() as u32,
             )?,
             descriptors,
@@ -101,7 +101,7 @@ impl DifferencePass {
                 (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
             ]);
             record.render_over(&[(image, Some(displayed(background)))], &geometry.depth, |draw| {
-                draw.bind(&self.pipeline, &self.descriptors);
+                draw.bind(&self.pipeline, &[&self.descriptors]);
                 draw.push(&self.pipeline, bytemuck::bytes_of(&floor));
                 draw.draw(3);
             });

@@ -1,24 +1,23 @@
-//! Answers to single directions, by the same optics that frames shade with.
+//! Answers to single directions, from the same source that frames shade from.
 
-use super::interface::{CopiesBlock, QueryBlock, binding};
-use super::pigment::Pigment;
-use super::resources::{Optics, Reads, Resources};
-use super::shader;
 use super::shading::Shading;
+use super::source::{BoundSource, Source};
 use crate::error::{Error, Result};
 use crate::optics::geometry::Pair;
 use crate::vk::access::Access;
 use crate::vk::buffer::Buffer;
 use crate::vk::commands::Commands;
+use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
 use crate::vk::pipeline::Pipeline;
 use ash::vk;
+use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use gpu_allocator::MemoryLocation;
 use std::sync::Arc;
 
 /// Queries of one submission: a software device answers as many in a few seconds.
-const AT_ONCE: usize = 16_384;
+pub const AT_ONCE: usize = 16_384;
 /// `local_size_x` of `eval.comp`.
 const GROUP: usize = 64;
 
@@ -31,94 +30,124 @@ pub struct Query {
     pub wavelength: Option<f64>,
 }
 
+/// A query as `eval.comp` reads it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+struct QueryBlock {
+    /// To the light; w: wavenumber \[µm⁻¹\], or 0 for the colour.
+    light: [f32; 4],
+    /// To the viewer; w unused.
+    view: [f32; 4],
+}
+
+/// Binding numbers of set 0.
+mod binding {
+    pub const QUERIES: u32 = 0;
+    pub const ANSWERS: u32 = 1;
+}
+
+/// A set of two storage buffers for compute stages: what is asked and what is answered.
+pub(super) fn queries_and_answers(
+    device: &Arc<Device>,
+    queries: &Buffer,
+    answers: &Buffer,
+) -> Result<Descriptors> {
+    let binding = |number| Binding {
+        number,
+        kind: vk::DescriptorType::STORAGE_BUFFER,
+        stages: vk::ShaderStageFlags::COMPUTE,
+    };
+    let bindings = [binding::QUERIES, binding::ANSWERS].map(binding);
+    let set = Descriptors::new(device, "queries set", &bindings)?;
+    set.buffer(binding::QUERIES, queries);
+    set.buffer(binding::ANSWERS, answers);
+    Ok(set)
+}
+
 /// Evaluates queries on the device.
 pub struct Evaluator {
     asker: Asker,
-    resources: Resources,
+    source: BoundSource,
 }
 
 impl Evaluator {
-    /// Uploads `optics` and the small tables for `shading`. A colour table answers in colours only.
+    /// Uploads `source` and the small tables for `shading`.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn new<'a>(device: &Arc<Device>, optics: impl Into<Optics<'a>>, shading: &Shading) -> Result<Self> {
-        let resources = Resources::new(device, optics, shading, &Pigment::white())?;
-        Ok(Self { asker: Asker::new(device, &resources)?, resources })
+    pub fn new(device: &Arc<Device>, source: &Source, shading: &Shading) -> Result<Self> {
+        let source = source.bind(device, shading)?;
+        Ok(Self { asker: Asker::new(device, &source)?, source })
     }
 
     /// f·cos θ_i \[sr⁻¹\] of every query, in order: at a wavelength in the first component, as XYZ otherwise.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Where the device is lost, and where single wavelengths are asked of a source of colours.
     pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
-        self.asker.ask(&self.resources, queries)
+        self.asker.ask(&self.source, queries)
+    }
+
+    /// The same of one period of a grating, without the periodic factor.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub(super) fn of_one_period(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
+        self.asker.submit(&self.source, queries)
     }
 }
 
-/// Asks queries of resources that someone else holds.
+/// Asks queries of a source that someone else holds.
 pub struct Asker {
     commands: Commands,
     pipeline: Pipeline,
+    descriptors: Descriptors,
     queries: Buffer,
     answers: Buffer,
 }
 
 impl Asker {
-    /// For `resources`, whose set the device must not be using, and for no others.
+    /// For `source` and for no other.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn new(device: &Arc<Device>, resources: &Resources) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, source: &BoundSource) -> Result<Self> {
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let bytes = |one: usize| (AT_ONCE * one) as u64;
-        let queries = Buffer::new(
-            device,
-            "queries",
-            bytes(size_of::<QueryBlock>()),
-            storage,
-            MemoryLocation::CpuToGpu,
-        )?;
+        let location = MemoryLocation::CpuToGpu;
+        let queries = Buffer::new(device, "queries", bytes(size_of::<QueryBlock>()), storage, location)?;
         let answers = Buffer::new(device, "answers", bytes(16), storage, MemoryLocation::GpuToCpu)?;
-        resources.descriptors.buffer(binding::QUERIES, &queries);
-        resources.descriptors.buffer(binding::ANSWERS, &answers);
-        let (code, push_bytes) = match (resources.reads, &resources.copies) {
-            (Reads::Layers, None) => (shader!("eval.comp"), size_of::<u32>()),
-            (Reads::Layers, Some(_)) => (shader!("repeats_eval.comp"), size_of::<CopiesBlock>()),
-            (Reads::Table, _) => (shader!("table_eval.comp"), size_of::<u32>()),
-        };
-        let code = code.with(&resources.specialization);
-        let pipeline = Pipeline::compute(device, code, &resources.descriptors, push_bytes as u32)?;
-        Ok(Self { commands: Commands::new(device, "evaluation")?, pipeline, queries, answers })
+        let descriptors = queries_and_answers(device, &queries, &answers)?;
+        let code = source.eval().with(source.constants());
+        let sets = [&descriptors, &source.descriptors];
+        let pipeline = Pipeline::compute(device, code, &sets, size_of::<u32>() as u32)?;
+        let commands = Commands::new(device, "evaluation")?;
+        Ok(Self { commands, pipeline, descriptors, queries, answers })
     }
 
     /// As [`Evaluator::cosine_weighted`].
     ///
     /// # Errors
-    /// Where the device is lost, and where single wavelengths are asked of layers that hold lines, or through repeats.
-    pub fn ask(&mut self, resources: &Resources, queries: &[Query]) -> Result<Vec<DVec3>> {
-        let colours_alone = resources.combs.sliding.is_some() || resources.copies.is_some();
-        if colours_alone && queries.iter().any(|query| query.wavelength.is_some()) {
-            // The plane of layers with lines ends where the lines begin.
+    /// As [`Evaluator::cosine_weighted`].
+    pub fn ask(&mut self, source: &BoundSource, queries: &[Query]) -> Result<Vec<DVec3>> {
+        if !source.spectral && queries.iter().any(|query| query.wavelength.is_some()) {
             return Err(Error::failed(
-                "layers for colours alone are asked for a single wavelength",
+                "a source of colours alone is asked for a single wavelength",
                 "report this as a bug of diffract",
             ));
         }
+        self.submit(source, queries)
+    }
+
+    /// As [`Asker::ask`], whatever is asked.
+    fn submit(&mut self, source: &BoundSource, queries: &[Query]) -> Result<Vec<DVec3>> {
         let mut all = Vec::with_capacity(queries.len());
         for part in queries.chunks(AT_ONCE) {
             let blocks: Vec<QueryBlock> = part.iter().map(block).collect();
             self.queries.write(bytemuck::cast_slice(&blocks))?;
             self.commands.run(|record| {
-                record.bind(&self.pipeline, &resources.descriptors);
-                let count = part.len() as u32;
-                match resources.copies {
-                    Some(copies) => {
-                        let copies = CopiesBlock { queries: count, ..copies };
-                        record.push(&self.pipeline, bytemuck::bytes_of(&copies));
-                    }
-                    None => record.push(&self.pipeline, &count.to_ne_bytes()),
-                }
+                record.bind(&self.pipeline, &[&self.descriptors, &source.descriptors]);
+                record.push(&self.pipeline, &(part.len() as u32).to_ne_bytes());
                 record.dispatch(part.len().div_ceil(GROUP) as u32);
                 record.memory(Access::ComputeWrite, Access::HostRead);
                 Ok(())

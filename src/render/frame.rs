@@ -1,21 +1,23 @@
 //! A frame: depth, shading, display. The same commands draw offscreen and to a window.
 
-use super::interface::FrameBlock;
-use super::resources::{Reads, Resources};
-use super::target::{self, Geometry, Target};
+use super::frame_set::FrameBlock;
+use super::sampling::Sample;
+use super::source::BoundSource;
+use super::target::{self, Geometry, GeometrySettings, Target};
 use super::{shader, upload};
 use crate::error::{Error, Result};
 use crate::optics::color;
-use crate::scene::{Camera, Light, MAX_LIGHTS, Mesh, Scene, Vertex};
+use crate::scene::{Camera, Light, MAX_LIGHTS, Mesh, Scene, Vertex, camera};
 use crate::vk::access::Access;
 use crate::vk::buffer::Buffer;
 use crate::vk::commands::Recorder;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
 use crate::vk::image::Image;
-use crate::vk::pipeline::{Code, Drawing, Pipeline};
+use crate::vk::pipeline::{Code, Constant, Drawing, Pipeline};
 use crate::vk::sampler::Sampler;
 use ash::vk;
+use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use std::mem::offset_of;
 use std::sync::Arc;
@@ -84,18 +86,20 @@ impl View {
         }
     }
 
-    /// The `Frame` block for a picture of `size` pixels.
-    pub fn block(&self, size: [u32; 2]) -> FrameBlock {
+    /// The `Frame` block for a `sample` of a picture of `size` pixels.
+    pub fn block(&self, size: [u32; 2], sample: &Sample) -> FrameBlock {
         let mut lights = [[0.0, 0.0, 1.0, 0.0]; MAX_LIGHTS];
         for (slot, light) in lights.iter_mut().zip(&self.lights) {
             *slot = light.direction().extend(light.intensity as f32).to_array();
         }
+        let clip_from_world = self.camera.clip_from_world(size, self.centre, self.radius);
         FrameBlock {
-            clip_from_world: self.camera.clip_from_world(size, self.centre, self.radius).to_cols_array_2d(),
+            clip_from_world: camera::jittered(clip_from_world, size, sample.jitter).to_cols_array_2d(),
             eye: self.camera.eye().extend(0.0).to_array(),
             lights,
             base_color: self.base_color.extend(if self.pigment { 1.0 } else { 0.0 }).to_array(),
             counts: [self.lights.len().min(MAX_LIGHTS) as i32, 0, 0, 0],
+            sample: sample.block(),
         }
     }
 }
@@ -119,7 +123,7 @@ pub struct GeometryPass {
 }
 
 impl GeometryPass {
-    /// A pass for pictures of `lights` lights over the layout of `descriptors`.
+    /// A pass that draws into `geometry`, over the layout of `descriptors`.
     ///
     /// # Errors
     /// Where the device refuses.
@@ -127,13 +131,22 @@ impl GeometryPass {
         let drawing = Drawing {
             vertex_stride: size_of::<Vertex>() as u32,
             attributes: &attributes(),
-            colors: &vec![target::GEOMETRY; geometry.images().count()],
+            colors: &geometry.images().map(Image::format).collect::<Vec<_>>(),
             depth: Some((vk::CompareOp::LESS, true)),
         };
-        let constants = [geometry.lights as u32, geometry.textured.into()];
+        let GeometrySettings { lights, textured, footprints, .. } = geometry.settings;
+        // `constant_id`s of both stages.
+        const LIGHTS: u32 = 0;
+        const TEXTURED: u32 = 1;
+        const FOOTPRINTS: u32 = 2;
+        let constants = [
+            Constant::new(LIGHTS, lights as u32),
+            Constant::new(TEXTURED, textured),
+            Constant::new(FOOTPRINTS, footprints),
+        ];
         let fragment = Some(shader!("geometry.frag").with(&constants));
         let vertex = shader!("surface.vert").with(&constants);
-        Ok(Self { pipeline: Pipeline::graphics(device, vertex, fragment, &drawing, descriptors, 0)? })
+        Ok(Self { pipeline: Pipeline::graphics(device, vertex, fragment, &drawing, &[descriptors], 0)? })
     }
 
     /// Records the drawing of `mesh` into `geometry`, which it leaves readable by shaders.
@@ -149,10 +162,10 @@ impl GeometryPass {
         let mut before = change(Access::Nothing, Access::ColorAttachment);
         before.push((&geometry.depth, Access::Nothing, Access::DepthAttachment));
         record.images(&before);
-        let mark = geometry.marked.then_some([target::UNCOVERED; 4]);
+        let mark = geometry.settings.marked.then_some([target::UNCOVERED; 4]);
         let colors: Vec<_> = geometry.images().map(|image| (image, mark)).collect();
         record.render(&colors, Some(&geometry.depth), |draw| {
-            draw.bind(&self.pipeline, descriptors);
+            draw.bind(&self.pipeline, &[descriptors]);
             draw.draw_indexed(&mesh.vertices, &mesh.indices, mesh.count);
         });
         record.images(&change(Access::ColorAttachment, Access::ShaderRead));
@@ -167,93 +180,59 @@ pub(super) const COVERED: Option<(vk::CompareOp, bool)> = Some((vk::CompareOp::G
 /// device idle in a fragment stage of their own.
 pub struct PixelPass {
     pipeline: Pipeline,
-    // Push constants.
-    settings: Vec<u8>,
 }
 
 impl PixelPass {
-    /// The pass that shades what the geometry pass found under `lights` lights, with `resources`.
+    /// The pass that shades what the geometry pass found under `lights` lights, from `source`, over the layout of `frame`.
     ///
     /// # Errors
     /// Where the device refuses.
-    pub fn shading(device: &Arc<Device>, resources: &Resources, lights: usize) -> Result<Self> {
-        if let Some(half_range) = &resources.thesis {
-            let pass = Self::new(device, shader!("thesis.frag"), resources, size_of::<f32>() as u32)?;
-            return Ok(Self { settings: bytemuck::bytes_of(half_range).to_vec(), ..pass });
-        }
-        match (resources.reads, &resources.copies) {
-            (Reads::Layers, None) => Self::new(device, shader!("diffraction.frag"), resources, 0),
-            (Reads::Layers, Some(copies)) => {
-                let bytes = size_of_val(copies) as u32;
-                let pass = Self::new(device, shader!("repeats.frag"), resources, bytes)?;
-                Ok(Self { settings: bytemuck::bytes_of(copies).to_vec(), ..pass })
-            }
-            (Reads::Table, _) => {
-                let lights = [lights.min(MAX_LIGHTS) as u32];
-                let constants = [&resources.specialization, lights.as_slice()].concat();
-                Self::with(device, shader!("table.frag").with(&constants), resources, 0, COVERED)
-            }
-        }
+    pub fn shading(
+        device: &Arc<Device>,
+        frame: &Descriptors,
+        source: &BoundSource,
+        lights: usize,
+    ) -> Result<Self> {
+        let constants = source.shade_constants(lights.min(MAX_LIGHTS));
+        Self::new(device, source.shade().with(&constants), [frame, &source.descriptors], 0, COVERED)
     }
 
-    /// The pass that finds out how fast the device reads the layers; its push constants are the number of reads
-    /// and whether they are scattered.
+    /// The pass that finds out how fast the device reads the texture of `source`.
     ///
     /// # Errors
     /// Where the device refuses.
-    pub fn probe(device: &Arc<Device>, resources: &Resources) -> Result<Self> {
-        let code = shader!("probe.frag").with(&resources.specialization);
-        Self::with(device, code, resources, 8, None)
+    pub fn probe(device: &Arc<Device>, frame: &Descriptors, source: &BoundSource) -> Result<Self> {
+        let code = source.probe().with(source.constants());
+        let push_bytes = size_of::<Probe>() as u32;
+        Self::new(device, code, [frame, &source.descriptors], push_bytes, None)
     }
 
-    fn new(device: &Arc<Device>, code: Code<'_>, resources: &Resources, push_bytes: u32) -> Result<Self> {
-        Self::with(device, code.with(&resources.specialization), resources, push_bytes, COVERED)
-    }
-
-    fn with(
+    fn new(
         device: &Arc<Device>,
         code: Code<'_>,
-        resources: &Resources,
+        sets: [&Descriptors; 2],
         push_bytes: u32,
         depth: Option<(vk::CompareOp, bool)>,
     ) -> Result<Self> {
         let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth };
         let vertex = shader!("display.vert");
-        let descriptors = &resources.descriptors;
-        let pipeline = Pipeline::graphics(device, vertex, Some(code), &drawing, descriptors, push_bytes)?;
-        Ok(Self { pipeline, settings: Vec::new() })
-    }
-
-    /// The pass that shades as a classical grating shader does, for comparison: `axis` along which the heights repeat every
-    /// `period` \[µm\], and the radiance of the first order under a light of irradiance 1.
-    ///
-    /// # Errors
-    /// Where the device refuses.
-    pub fn grating(
-        device: &Arc<Device>,
-        resources: &Resources,
-        axis: [f32; 2],
-        period: f32,
-        strength: f32,
-    ) -> Result<Self> {
-        let pass = Self::new(device, shader!("grating.frag"), resources, 16)?;
-        let settings = bytemuck::cast_slice(&[axis[0], axis[1], period, strength]).to_vec();
-        Ok(Self { settings, ..pass })
+        let pipeline = Pipeline::graphics(device, vertex, Some(code), &drawing, &sets, push_bytes)?;
+        Ok(Self { pipeline })
     }
 
     /// Records the pass over what `geometry` covers into `target.radiance`, which it leaves as a colour attachment. What is not covered
-    /// holds anything: who reads radiance asks the depth.
+    /// holds anything: who reads radiance asks the depth. `sets`: the frame and the source.
     pub fn record(
         &self,
         record: &Recorder<'_>,
         (geometry, target): (&Geometry, &Target),
-        descriptors: &Descriptors,
+        sets: [&Descriptors; 2],
     ) {
         record.images(&[
             (&target.radiance, Access::Nothing, Access::ColorAttachment),
             (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
         ]);
-        self.go_on(record, (geometry, target), descriptors);
+        self.go_on(record, (geometry, target), sets);
     }
 
     /// Records another part of a pass that [`PixelPass::record`] began.
@@ -261,10 +240,11 @@ impl PixelPass {
         &self,
         record: &Recorder<'_>,
         (geometry, target): (&Geometry, &Target),
-        descriptors: &Descriptors,
+        sets: [&Descriptors; 2],
     ) {
         record.render_over(&[(&target.radiance, None)], &geometry.depth, |draw| {
-            self.draw(draw, descriptors, &self.settings);
+            draw.bind(&self.pipeline, &sets);
+            draw.draw(3);
         });
     }
 
@@ -273,20 +253,26 @@ impl PixelPass {
         &self,
         record: &Recorder<'_>,
         target: &Target,
-        descriptors: &Descriptors,
-        push: &[u8],
+        sets: [&Descriptors; 2],
+        probe: Probe,
     ) {
         record.images(&[(&target.radiance, Access::Nothing, Access::ColorAttachment)]);
-        record.render(&[(&target.radiance, Some([0.0; 4]))], None, |draw| self.draw(draw, descriptors, push));
+        record.render(&[(&target.radiance, Some([0.0; 4]))], None, |draw| {
+            draw.bind(&self.pipeline, &sets);
+            draw.push(&self.pipeline, bytemuck::bytes_of(&probe));
+            draw.draw(3);
+        });
     }
+}
 
-    fn draw(&self, draw: &Recorder<'_>, descriptors: &Descriptors, push: &[u8]) {
-        draw.bind(&self.pipeline, descriptors);
-        if !push.is_empty() {
-            draw.push(&self.pipeline, push);
-        }
-        draw.draw(3);
-    }
+/// Push constants of `probe.frag`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Probe {
+    /// Texture samples of a pixel.
+    pub samples: u32,
+    /// 1 where every pixel reads at a place of its own, 0 where neighbours read neighbours.
+    pub scattered: u32,
 }
 
 /// The pass that turns radiance into a displayed picture.
@@ -297,57 +283,104 @@ pub struct DisplayPass {
 }
 
 impl DisplayPass {
-    /// A pass that draws into images of `format`.
+    /// A pass that draws one sample into images of `format`.
     ///
     /// # Errors
     /// Where the device refuses.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Self> {
+        Self::with(device, format, false)
+    }
+
+    /// A pass that draws the mean of samples into images of `format`.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn of_mean(device: &Arc<Device>, format: vk::Format) -> Result<Self> {
+        Self::with(device, format, true)
+    }
+
+    fn with(device: &Arc<Device>, format: vk::Format, mean: bool) -> Result<Self> {
         let binding = Binding {
             number: 0,
             kind: vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
             stages: vk::ShaderStageFlags::FRAGMENT,
         };
         let descriptors = Descriptors::new(device, "display set", &[binding])?;
-        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[format], depth: COVERED };
-        let fragment = Some(shader!("display.frag"));
+        let depth = if mean { None } else { COVERED };
+        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[format], depth };
+        /// `constant_id` of `display.frag`.
+        const MEAN: u32 = 0;
+        let constants = [Constant::new(MEAN, mean)];
+        let fragment = Some(shader!("display.frag").with(&constants));
         let pipeline = Pipeline::graphics(
             device,
             shader!("display.vert"),
             fragment,
             &drawing,
-            &descriptors,
-            DISPLAY_BYTES,
+            &[&descriptors],
+            size_of::<DisplayBlock>() as u32,
         )?;
         let sampler = Sampler::linear(device, "display sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         Ok(Self { pipeline, descriptors, _sampler: sampler })
     }
 
-    /// Points the pass at the radiance of `target`. The device must not be using the pass.
-    pub fn read_from(&self, target: &Target) {
-        self.descriptors.image(0, &target.radiance, &self._sampler);
+    /// Points the pass at `radiance`, of a sample or summed. The device must not be using the pass.
+    pub fn read_from(&self, radiance: &Image) {
+        self.descriptors.image(0, radiance, &self._sampler);
     }
 
-    /// Records the display of `target.radiance` (a colour attachment until now) into `into`, at `exposure` stops where `geometry` covers,
-    /// else `background`; leaves radiance readable by shaders and `into` a colour attachment.
+    /// Records the display of `target.radiance` (a colour attachment until now) into `into` where `geometry` covers, over the
+    /// background; leaves radiance readable by shaders and `into` a colour attachment.
     pub fn record(
         &self,
         record: &Recorder<'_>,
         (geometry, target): (&Geometry, &Target),
         into: &Image,
-        exposure: f64,
-        background: DVec3,
+        shown: Shown,
     ) {
         record.images(&[
             (&target.radiance, Access::ColorAttachment, Access::ShaderRead),
             (into, Access::Nothing, Access::ColorAttachment),
         ]);
-        let background = Some(displayed(background));
-        record.render_over(&[(into, background)], &geometry.depth, |draw| {
-            draw.bind(&self.pipeline, &self.descriptors);
-            draw.push(&self.pipeline, bytemuck::bytes_of(&(exposure as f32)));
-            draw.draw(3);
-        });
+        let background = Some(displayed(shown.background));
+        record.render_over(&[(into, background)], &geometry.depth, |draw| self.draw(draw, 1, shown));
     }
+
+    /// Records the display of the mean of `samples` samples, whose sum the pass reads, into `into`, which it leaves a colour attachment.
+    pub fn record_mean(&self, record: &Recorder<'_>, into: &Image, samples: u32, shown: Shown) {
+        record.images(&[(into, Access::Nothing, Access::ColorAttachment)]);
+        let background = Some(displayed(shown.background));
+        record.render(&[(into, background)], None, |draw| self.draw(draw, samples, shown));
+    }
+
+    fn draw(&self, draw: &Recorder<'_>, samples: u32, shown: Shown) {
+        let block = DisplayBlock {
+            background: color::map_to_gamut(shown.background).as_vec3().to_array(),
+            exposure: shown.exposure as f32,
+            samples: samples as f32,
+        };
+        draw.bind(&self.pipeline, &[&self.descriptors]);
+        draw.push(&self.pipeline, bytemuck::bytes_of(&block));
+        draw.draw(3);
+    }
+}
+
+/// How radiance is displayed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// Exposure \[stops\].
+    pub exposure: f64,
+    /// What is displayed where nothing is covered, linear sRGB; no exposure changes it.
+    pub background: DVec3,
+}
+
+/// Push constants of `display.frag`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct DisplayBlock {
+    background: [f32; 3],
+    exposure: f32,
+    samples: f32,
 }
 
 /// What a display pass clears to: the code of `background`, which no exposure changes.
@@ -355,6 +388,3 @@ pub(super) fn displayed(background: DVec3) -> [f32; 4] {
     let [r, g, b] = color::display(background, 0.0).map(|code| f32::from(code) / 255.0);
     [r, g, b, 1.0]
 }
-
-/// Bytes of the display's push constants: the exposure.
-const DISPLAY_BYTES: u32 = 4;

@@ -1,22 +1,27 @@
 //! One picture, offscreen: what `diffract render` writes.
 
+use super::accumulate::Accumulation;
 use super::evaluator::{Asker, Query};
-use super::frame::{DeviceMesh, DisplayPass, GeometryPass, PixelPass, View};
+use super::frame::{DeviceMesh, DisplayPass, GeometryPass, PixelPass, Probe, Shown, View};
+use super::frame_set::FrameSet;
 use super::pigment::Pigment;
-use super::resources::{Optics, Reads, Resources};
+use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
-use super::tables::Combs;
-use super::target::{self, Geometry, Target};
+use super::source::{BoundSource, Source};
+use super::target::{self, Geometry, GeometrySettings, Target};
+use crate::brdf::mean::Covariance;
 use crate::error::{Error, Result};
 use crate::scene::{MAX_LIGHTS, Mesh};
 use crate::vk::access::Access;
 use crate::vk::commands::{Commands, FAR, Recorder};
 use crate::vk::device::Device;
+use crate::vk::image::Image;
 use crate::vk::queries::Timestamps;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::ops::Range;
 use std::sync::Arc;
 
+pub mod samples;
 pub mod timing;
 
 /// Draws pictures of one mesh with one surface.
@@ -30,12 +35,37 @@ pub struct Painter {
     mesh: DeviceMesh,
     timestamps: Timestamps,
     asker: Option<Asker>,
-    resources: Resources,
+    source: BoundSource,
+    frame: FrameSet,
     // Rows of a strip that take a fitting time.
     strip: u32,
-    // Whether all of radiance is of one picture, and displayed.
-    whole: bool,
+    // What the display shows.
+    shows: Content,
+    // Made with the first picture of several samples.
+    accumulation: Option<Accumulation>,
+    // What the samples in its sum are of.
+    summed: Option<samples::Summed>,
     device: Arc<Device>,
+}
+
+/// What can be displayed and read back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Content {
+    /// Nothing: radiance is of no picture, or of parts of several.
+    Nothing,
+    /// One sample: the radiance, where the depth says that the mesh covers.
+    Sample,
+    /// The mean of the samples that are summed.
+    Mean,
+}
+
+/// What follows the last row of a sample.
+#[derive(Clone, Copy)]
+enum Finish {
+    /// It is displayed.
+    Display,
+    /// It is added to the sum of so many samples, and their mean is displayed.
+    Add(u32),
 }
 
 /// A finished picture.
@@ -43,55 +73,78 @@ pub struct Painter {
 pub struct Picture {
     /// Width and height.
     pub size: [u32; 2],
-    /// Linear radiance, signed, RGBA, row by row from the top; alpha is 1 where the mesh covers.
+    /// Linear radiance, signed, RGBA, row by row from the top. Alpha is the part of the samples in which the mesh covers the pixel, and
+    /// colours are premultiplied by it.
     pub radiance: Vec<[f32; 4]>,
-    /// What is displayed, sRGB-encoded RGBA.
+    /// What is displayed, sRGB-encoded and opaque RGBA: the mesh over the background.
     pub display: Vec<[u8; 4]>,
 }
 
 /// The directions that a frame shades.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Directions {
     /// ω_i per pixel (w: covered).
     pub light: Vec<[f32; 4]>,
     /// ω_r per pixel (w: covered).
     pub view: Vec<[f32; 4]>,
+    /// du/dx, dv/dx, du/dy, dv/dy per pixel, as [`Geometry::footprints`] has them; zero where nothing is covered. Empty where the
+    /// painter was not asked for footprints.
+    pub footprints: Vec<[f32; 4]>,
+    /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
+    pub filter: f64,
+}
+
+impl Directions {
+    /// What shading averages over at pixel number `i`; nothing where the painter was not asked for footprints.
+    pub fn covariance(&self, i: usize) -> Covariance {
+        let Some(&footprint) = self.footprints.get(i) else { return Covariance::default() };
+        let [a, b, c, d] = footprint.map(f64::from);
+        Covariance::of_footprint(DVec2::new(a, b), DVec2::new(c, d), self.filter)
+    }
 }
 
 impl Painter {
-    /// Uploads everything for pictures of `size` pixels under at most `lights` lights, shaded from layers or from a colour table.
+    /// Uploads everything for pictures of `size` pixels under at most `lights` lights, shaded from `source`.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn new<'a>(
+    pub fn new(
         device: &Arc<Device>,
-        optics: impl Into<Optics<'a>>,
+        source: &Source,
         shading: &Shading,
         mesh: &Mesh,
         pigment: &Pigment,
         size: [u32; 2],
         lights: usize,
     ) -> Result<Self> {
-        let resources = Resources::new(device, optics, shading, pigment)?;
-        let looks = [pigment.is_textured(), resources.asks_what_is_covered()];
-        let geometry = Geometry::new(device, size, lights.min(MAX_LIGHTS), looks)?;
-        resources.read_from(&geometry);
+        let source = source.bind(device, shading)?;
+        let settings = GeometrySettings {
+            lights: lights.min(MAX_LIGHTS),
+            textured: pigment.is_textured(),
+            marked: source.asks_what_is_covered,
+            footprints: source.reads_footprints,
+        };
+        let geometry = Geometry::new(device, size, settings)?;
+        let frame = FrameSet::new(device, pigment, &geometry)?;
         let target = Target::new(device, size)?;
         let display = DisplayPass::new(device, target::DISPLAY)?;
-        display.read_from(&target);
+        display.read_from(&target.radiance);
         Ok(Self {
             commands: Commands::new(device, "frame")?,
-            find: GeometryPass::new(device, &resources.descriptors, &geometry)?,
-            shade: PixelPass::shading(device, &resources, lights)?,
+            find: GeometryPass::new(device, &frame.descriptors, &geometry)?,
+            shade: PixelPass::shading(device, &frame.descriptors, &source, lights)?,
             geometry,
             display,
             target,
             mesh: DeviceMesh::new(device, mesh)?,
             timestamps: Timestamps::new(device, 3)?,
             asker: None,
-            resources,
+            source,
+            frame,
             strip: 64,
-            whole: false,
+            shows: Content::Nothing,
+            accumulation: None,
+            summed: None,
             device: device.clone(),
         })
     }
@@ -101,55 +154,83 @@ impl Painter {
     /// # Errors
     /// Where the device has no room.
     pub fn resize(&mut self, size: [u32; 2], lights: usize) -> Result<()> {
-        let lights = lights.min(MAX_LIGHTS);
-        self.whole = false;
-        if lights != self.geometry.lights && self.resources.reads == Reads::Table {
-            self.shade = PixelPass::shading(&self.device, &self.resources, lights)?;
+        self.forget();
+        let old = self.geometry.settings;
+        let settings = GeometrySettings { lights: lights.min(MAX_LIGHTS), ..old };
+        if settings.lights != old.lights {
+            let frame = &self.frame.descriptors;
+            self.shade = PixelPass::shading(&self.device, frame, &self.source, settings.lights)?;
         }
-        if lights != self.geometry.lights || size != self.target.size() {
-            let looks = [self.geometry.textured, self.geometry.marked];
-            self.geometry = Geometry::new(&self.device, size, lights, looks)?;
-            self.resources.read_from(&self.geometry);
-            self.find = GeometryPass::new(&self.device, &self.resources.descriptors, &self.geometry)?;
+        if settings != old || size != self.target.size() {
+            self.find_anew(size, settings)?;
         }
         if size != self.target.size() {
             self.target = Target::new(&self.device, size)?;
-            self.display.read_from(&self.target);
+            self.display.read_from(&self.target.radiance);
+            if let Some(accumulation) = &mut self.accumulation {
+                accumulation.resize(&self.device, &self.target)?;
+            }
         }
         Ok(())
     }
 
-    /// Shades by `shading` from now on, from the very layers or table that the painter has, under at most `lights` lights: what
-    /// depends on the index, the illuminant or the number of copies is uploaded, and the rest stays.
+    /// Makes the images of the geometry pass, and the pass, for `size` pixels.
+    fn find_anew(&mut self, size: [u32; 2], settings: GeometrySettings) -> Result<()> {
+        self.geometry = Geometry::new(&self.device, size, settings)?;
+        self.frame.read_from(&self.geometry);
+        self.find = GeometryPass::new(&self.device, &self.frame.descriptors, &self.geometry)?;
+        Ok(())
+    }
+
+    /// From now on the geometry pass writes footprints, too, and [`Self::directions`] have them.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn shade_by<'a>(
-        &mut self,
-        optics: impl Into<Optics<'a>>,
-        shading: &Shading,
-        lights: usize,
-    ) -> Result<()> {
-        self.whole = false;
-        let copies = self.resources.copies;
-        self.resources.shade_by(&self.device, optics.into(), shading)?;
-        if copies != self.resources.copies {
-            self.shade = PixelPass::shading(&self.device, &self.resources, lights)?;
+    pub fn ask_for_footprints(&mut self) -> Result<()> {
+        let settings = GeometrySettings { footprints: true, ..self.geometry.settings };
+        if settings != self.geometry.settings {
+            self.forget();
+            self.find_anew(self.target.size(), settings)?;
         }
         Ok(())
     }
 
-    /// Draws `view` and leaves the result on the device; milliseconds that the device took for shading and display.
+    /// Nothing that was drawn is shown or added to from now on.
+    fn forget(&mut self) {
+        self.shows = Content::Nothing;
+        self.summed = None;
+    }
+
+    /// Shades by `shading` from now on, from `source`, whose data the painter has: what depends on the index, the illuminant or the number
+    /// of copies is uploaded, and the rest stays.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn shade_by(&mut self, source: &Source, shading: &Shading) -> Result<()> {
+        self.forget();
+        source.rebind(&self.device, &mut self.source, shading)
+    }
+
+    /// Draws one sample of `view` at the centres of pixels and leaves the result on the device; milliseconds that the device took for
+    /// shading and display.
     ///
     /// # Errors
     /// Where the device is lost.
     pub fn draw(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<[f64; 2]> {
-        let size = self.target.size();
-        self.write(view, size)?;
-        self.submit(size, 0..size[1], exposure, background)
+        self.draw_sample(view, &Sampling::ONE.sample(0), Shown { exposure, background })
     }
 
-    /// Draws `view` with `size` pixels, at most those of the pictures, in strips of some ten milliseconds each, between which
+    /// Draws `sample` alone of `view`, as [`Self::draw`] does.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<[f64; 2]> {
+        let size = self.target.size();
+        self.write(view, size, sample)?;
+        self.submit(size, 0..size[1], Finish::Display, shown)
+    }
+
+    /// Draws one sample of `view` with `size` pixels, at most those of the pictures, in strips of some ten milliseconds each, between which
     /// others get the device. `go_on` is asked before each strip; where it says no, the former display stays. Milliseconds
     /// that the device took, or `None` for a picture that was given up.
     ///
@@ -163,74 +244,108 @@ impl Painter {
         size: [u32; 2],
         go_on: &mut dyn FnMut() -> bool,
     ) -> Result<Option<f64>> {
+        self.write(view, size, &Sampling::ONE.sample(0))?;
+        let times = self.submit_strips(size, Finish::Display, Shown { exposure, background }, go_on)?;
+        Ok(times.map(|times| times[0] + times[1]))
+    }
+
+    /// Draws the sample that was written in strips, as [`Self::draw_while`] says; milliseconds for shading and for what follows it.
+    fn submit_strips(
+        &mut self,
+        size: [u32; 2],
+        finish: Finish,
+        shown: Shown,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<[f64; 2]>> {
         /// Long enough to keep a device busy, short enough for a hand not to feel it \[ms\].
         const STRIP: f64 = 30.0;
         /// Rows of a strip are a multiple of it, so that no group of neighbours is torn apart.
         const STEP: u32 = 16;
-        self.write(view, size)?;
-        let (mut row, mut total) = (0, 0.0);
+        let (mut row, mut total) = (0, [0.0; 2]);
         while row < size[1] {
             if !go_on() {
                 return Ok(None);
             }
             let end = (row + self.strip.max(STEP)).min(size[1]);
-            let times = self.submit(size, row..end, exposure, background)?;
+            let times = self.submit(size, row..end, finish, shown)?;
             let per_row = times[0].max(1e-3) / f64::from(end - row);
             self.strip = ((STRIP / per_row) as u32).next_multiple_of(STEP).min(1 << 16);
-            total += times[0] + times[1];
+            total = [total[0] + times[0], total[1] + times[1]];
             row = end;
         }
         Ok(Some(total))
     }
 
-    /// Shows the radiance that is there at another exposure or before another background; false where there is none.
+    /// Shows what was drawn last at another exposure or before another background; false where there is nothing whole.
     ///
     /// # Errors
     /// Where the device is lost.
     pub fn display_again(&mut self, size: [u32; 2], exposure: f64, background: DVec3) -> Result<bool> {
-        if !self.whole {
-            return Ok(false);
-        }
         let (geometry, target, display) = (&self.geometry, &self.target, &self.display);
-        self.commands.run(|record| {
-            record.images(&[(&target.radiance, Access::ShaderRead, Access::ColorAttachment)]);
-            let all = record.within(size, 0..size[1]);
-            record_display(&all, display, (geometry, target), exposure, background);
-            Ok(())
-        })?;
+        let shown = Shown { exposure, background };
+        let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
+        match self.shows {
+            Content::Nothing => return Ok(false),
+            Content::Sample => self.commands.run(|record| {
+                record.images(&[(&target.radiance, Access::ShaderRead, Access::ColorAttachment)]);
+                let all = record.within(size, 0..size[1]);
+                record_display(&all, target, |all| {
+                    display.record(all, (geometry, target), &target.display, shown);
+                });
+                Ok(())
+            })?,
+            Content::Mean => self.commands.run(|record| {
+                let all = record.within(size, 0..size[1]);
+                if let Some((accumulation, summed)) = sum {
+                    record_display(&all, target, |all| {
+                        accumulation.record_display(all, &target.display, summed.samples, shown);
+                    });
+                }
+                Ok(())
+            })?,
+        }
         Ok(true)
     }
 
-    /// Draws `rows` of a picture of `size`: with the first row goes the geometry, with the last the display.
-    fn submit(
-        &mut self,
-        size: [u32; 2],
-        rows: Range<u32>,
-        exposure: f64,
-        background: DVec3,
-    ) -> Result<[f64; 2]> {
+    /// Draws `rows` of a sample of `size`: with the first row goes the geometry, with the last the `finish`.
+    fn submit(&mut self, size: [u32; 2], rows: Range<u32>, finish: Finish, shown: Shown) -> Result<[f64; 2]> {
         let (geometry, target) = (&self.geometry, &self.target);
-        let (display, resources) = (&self.display, &self.resources);
+        let (display, accumulation) = (&self.display, &self.accumulation);
+        let frame = &self.frame.descriptors;
+        let sets = [frame, &self.source.descriptors];
         let (first, last) = (rows.start == 0, rows.end == size[1]);
-        self.whole = false;
+        if self.shows == Content::Sample {
+            self.shows = Content::Nothing;
+        }
         self.commands.run(|record| {
             let (all, some) = (record.within(size, 0..size[1]), record.within(size, rows));
             record.reset(&self.timestamps);
             record.timestamp(&self.timestamps, 0);
             if first {
-                self.find.record(&all, geometry, &resources.descriptors, &self.mesh);
-                self.shade.record(&some, (geometry, target), &resources.descriptors);
+                self.find.record(&all, geometry, frame, &self.mesh);
+                self.shade.record(&some, (geometry, target), sets);
             } else {
-                self.shade.go_on(&some, (geometry, target), &resources.descriptors);
+                self.shade.go_on(&some, (geometry, target), sets);
             }
             record.timestamp(&self.timestamps, 1);
-            if last {
-                record_display(&all, display, (geometry, target), exposure, background);
+            match (finish, accumulation) {
+                (Finish::Add(before), Some(accumulation)) if last => {
+                    accumulation.record(&all, (geometry, target), before == 0);
+                    record_display(&all, target, |all| {
+                        accumulation.record_display(all, &target.display, before + 1, shown);
+                    });
+                }
+                _ if last => record_display(&all, target, |all| {
+                    display.record(all, (geometry, target), &target.display, shown);
+                }),
+                _ => {}
             }
             record.timestamp(&self.timestamps, 2);
             Ok(())
         })?;
-        self.whole = last;
+        if last {
+            self.shows = if matches!(finish, Finish::Add(_)) { Content::Mean } else { Content::Sample };
+        }
         let times = self.timestamps.intervals()?;
         Ok([times[0], times[1]])
     }
@@ -252,28 +367,28 @@ impl Painter {
     pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
         let asker = match &mut self.asker {
             Some(asker) => asker,
-            none => none.insert(Asker::new(&self.device, &self.resources)?),
+            none => none.insert(Asker::new(&self.device, &self.source)?),
         };
-        asker.ask(&self.resources, queries)
+        asker.ask(&self.source, queries)
     }
 
-    /// Milliseconds in which the device reads `samples` bilinear samples per pixel of the layers with nothing else to do: what
+    /// Milliseconds in which the device reads `samples` bilinear samples per pixel of its texture with nothing else to do: what
     /// it could reach, with neighbours for neighbouring pixels or, `scattered`, with a place of its own for each pixel.
     ///
     /// # Errors
     /// Where the device is lost.
     pub fn probe(&mut self, samples: u32, scattered: bool) -> Result<f64> {
-        let push = [samples, u32::from(scattered)];
-        let pass = PixelPass::probe(&self.device, &self.resources)?;
+        let probe = Probe { samples, scattered: scattered.into() };
+        let pass = PixelPass::probe(&self.device, &self.frame.descriptors, &self.source)?;
+        self.forget();
         let target = &self.target;
-        self.whole = false;
+        let sets = [&self.frame.descriptors, &self.source.descriptors];
         let mut best = f64::INFINITY;
         for _ in 0..5 {
             self.commands.run(|record| {
                 record.reset(&self.timestamps);
                 record.timestamp(&self.timestamps, 0);
-                let push = bytemuck::cast_slice(&push);
-                pass.record_probe(record, target, &self.resources.descriptors, push);
+                pass.record_probe(record, target, sets, probe);
                 record.timestamp(&self.timestamps, 1);
                 record.timestamp(&self.timestamps, 2);
                 Ok(())
@@ -283,21 +398,7 @@ impl Painter {
         Ok(best)
     }
 
-    /// From now on shades as a classical grating shader does, by [`PixelPass::grating`].
-    ///
-    /// # Errors
-    /// Where the device refuses.
-    pub fn shade_as_grating(&mut self, axis: [f32; 2], period: f32, strength: f32) -> Result<()> {
-        self.shade = PixelPass::grating(&self.device, &self.resources, axis, period, strength)?;
-        Ok(())
-    }
-
-    /// The wavelength combs that the pictures use.
-    pub fn combs(&self) -> &Combs {
-        &self.resources.combs
-    }
-
-    /// Draws `view` and reads the picture back.
+    /// Draws one sample of `view` at the centres of pixels and reads the picture back.
     ///
     /// # Errors
     /// Where the device is lost.
@@ -311,42 +412,56 @@ impl Painter {
     /// # Errors
     /// Where the device is lost.
     pub fn picture(&self) -> Result<Picture> {
-        let radiance = target::read_back(&self.device, &self.target.radiance, Access::ShaderRead)?;
-        let mut radiance: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&radiance);
-        for (pixel, _) in radiance.iter_mut().zip(self.covered()?).filter(|(_, covered)| !covered) {
-            *pixel = [0.0; 4];
-        }
+        let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
+        let radiance = match sum.filter(|_| self.shows == Content::Mean) {
+            Some((accumulation, summed)) => {
+                let mut sum = self.read(&accumulation.sum)?;
+                let samples = summed.samples as f32;
+                sum.iter_mut().flatten().for_each(|x| *x /= samples);
+                sum
+            }
+            None => {
+                let mut radiance = self.read(&self.target.radiance)?;
+                let uncovered = self.covered()?.into_iter().map(|covered| !covered);
+                radiance.iter_mut().zip(uncovered).filter(|(_, u)| *u).for_each(|(p, _)| *p = [0.0; 4]);
+                radiance
+            }
+        };
         let display = target::read_back(&self.device, &self.target.display, Access::ShaderRead)?;
         Ok(Picture { size: self.target.size(), radiance, display: bytemuck::pod_collect_to_vec(&display) })
     }
 
-    /// The directions of light number `light` in `view`, as the shading has them.
+    /// The texels of an image of four floats that shaders may read.
+    fn read(&self, image: &Image) -> Result<Vec<[f32; 4]>> {
+        let bytes = target::read_back(&self.device, image, Access::ShaderRead)?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+
+    /// The directions of light number `light` in one sample of `view` at the centres of pixels, as the shading has them.
     ///
     /// # Errors
     /// Where the device is lost, and where the pictures have no such light.
     pub fn directions(&mut self, view: &View, light: usize) -> Result<Directions> {
-        if light >= self.geometry.lights {
+        self.directions_of(view, light, &Sampling::ONE.sample(0))
+    }
+
+    /// The directions of light number `light` in `sample` of `view`, as the shading has them.
+    ///
+    /// # Errors
+    /// As [`Self::directions`].
+    pub fn directions_of(&mut self, view: &View, light: usize, sample: &Sample) -> Result<Directions> {
+        if light >= self.geometry.settings.lights {
             return Err(Error::failed(
                 format!("there is no light {light}"),
                 "report this as a bug of diffract",
             ));
         }
-        self.write(view, self.target.size())?;
-        // What is covered may be other pixels than those of the radiance that is there.
-        self.whole = false;
-        self.commands.run(|record| {
-            self.find.record(record, &self.geometry, &self.resources.descriptors, &self.mesh);
-            Ok(())
-        })?;
-        let read = |image| -> Result<Vec<[f32; 4]>> {
-            let bytes = target::read_back(&self.device, image, Access::ShaderRead)?;
-            Ok(bytemuck::pod_collect_to_vec(&bytes))
-        };
-        let first = read(&self.geometry.directions)?;
+        self.draw_geometry(view, sample)?;
+        let first = self.read(&self.geometry.directions)?;
         let lights = match light.checked_sub(1) {
             None => first.iter().map(|&[.., x, y]| [x, y]).collect(),
             Some(more) => {
-                let image = read(&self.geometry.more_lights[more / 2])?;
+                let image = self.read(&self.geometry.more_lights[more / 2])?;
                 image
                     .iter()
                     .map(|&[a, b, c, d]| if more % 2 == 0 { [a, b] } else { [c, d] })
@@ -355,27 +470,51 @@ impl Painter {
         };
         let covered = self.covered()?;
         let of = |(s, covered): ([f32; 2], &bool)| if *covered { unprojected(s) } else { [0.0; 4] };
+        let footprints = match self.geometry.footprints.get(light) {
+            Some(image) => self.read(image)?,
+            None => Vec::new(),
+        };
+        let kept = |(f, covered): ([f32; 4], &bool)| if *covered { f } else { [0.0; 4] };
         Ok(Directions {
             light: lights.into_iter().zip(&covered).map(of).collect(),
             view: first.iter().map(|stored| [stored[0], stored[1]]).zip(&covered).map(of).collect(),
+            footprints: footprints.into_iter().zip(&covered).map(kept).collect(),
+            filter: sample.footprint,
         })
+    }
+
+    /// Draws the geometry of a `sample` of `view` alone.
+    fn draw_geometry(&mut self, view: &View, sample: &Sample) -> Result<()> {
+        self.write(view, self.target.size(), sample)?;
+        // What is covered may be other pixels than those of the radiance that is there.
+        if self.shows == Content::Sample {
+            self.shows = Content::Nothing;
+        }
+        self.commands.run(|record| {
+            self.find.record(record, &self.geometry, &self.frame.descriptors, &self.mesh);
+            Ok(())
+        })
+    }
+
+    /// Depth of each pixel of what was found last; [`FAR`] where nothing is covered.
+    pub(super) fn depth(&self) -> Result<Vec<f32>> {
+        let depth = target::read_back(&self.device, &self.geometry.depth, Access::DepthAttachment)?;
+        Ok(bytemuck::pod_collect_to_vec(&depth))
     }
 
     /// Whether the mesh covers each pixel.
     fn covered(&self) -> Result<Vec<bool>> {
-        let depth = target::read_back(&self.device, &self.geometry.depth, Access::DepthAttachment)?;
-        let depth: Vec<f32> = bytemuck::pod_collect_to_vec(&depth);
-        Ok(depth.into_iter().map(|depth| depth < FAR).collect())
+        Ok(self.depth()?.into_iter().map(|depth| depth < FAR).collect())
     }
 
-    /// Writes the `Frame` block of `view` for pictures of `size`.
-    fn write(&mut self, view: &View, size: [u32; 2]) -> Result<()> {
-        let mut block = view.block(size);
-        if !self.geometry.textured {
+    /// Writes the `Frame` block of `view` for a `sample` of pictures of `size`.
+    fn write(&mut self, view: &View, size: [u32; 2], sample: &Sample) -> Result<()> {
+        let mut block = view.block(size, sample);
+        if !self.geometry.settings.textured {
             // There are no albedos to read.
             block.base_color[3] = 0.0;
         }
-        self.resources.frame.write(bytemuck::bytes_of(&block))
+        self.frame.write(&block)
     }
 }
 
@@ -385,15 +524,9 @@ fn unprojected(s: [f32; 2]) -> [f32; 4] {
     [k * s[0], k * s[1], k - 1.0, 1.0]
 }
 
-/// Records the display, which a window may be showing, and leaves it readable.
-fn record_display(
-    record: &Recorder<'_>,
-    pass: &DisplayPass,
-    (geometry, target): (&Geometry, &Target),
-    exposure: f64,
-    background: DVec3,
-) {
+/// Records with `display` what draws into the display, which a window may be showing, and leaves it readable.
+fn record_display(record: &Recorder<'_>, target: &Target, display: impl FnOnce(&Recorder<'_>)) {
     record.memory(Access::ShaderRead, Access::ColorAttachment);
-    pass.record(record, (geometry, target), &target.display, exposure, background);
+    display(record);
     record.images(&[(&target.display, Access::ColorAttachment, Access::ShaderRead)]);
 }

@@ -2,22 +2,26 @@
 
 use super::frame::View;
 use super::picture::Directions;
+use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
+use crate::brdf::mean::{Covariance, Mean, TabulatedMean};
 use crate::error::Result;
 use crate::optics::brdf::schlick;
+use crate::optics::coherence::Windows;
 use crate::optics::color::{self, xyz_to_linear_srgb};
-use crate::optics::fine::{self, Progress};
 use crate::optics::geometry::Pair;
+use crate::optics::nufft::{self, Progress};
 use crate::optics::reference::Reference;
+use crate::optics::spectrum::SHORTEST;
 use crate::surface::HeightField;
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 use std::f64::consts::PI;
 
 /// Shades `directions` (one entry per light of `view`) in f64. RGBA as [`super::picture::Picture::radiance`]. A pigment
 /// texture does not count.
 ///
 /// # Errors
-/// As [`fine::cosine_weighted_xyz`].
+/// As [`nufft::cosine_weighted_xyz`].
 pub fn reference_picture(
     field: &HeightField,
     shading: &Shading,
@@ -37,7 +41,7 @@ pub fn reference_picture(
 /// Linear sRGB of the pixels number `pixels` of a frame, as [`reference_picture`] has them.
 ///
 /// # Errors
-/// As [`fine::cosine_weighted_xyz`].
+/// As [`PixelReference::new`] and [`PixelReference::colors`].
 pub fn reference_pixels(
     field: &HeightField,
     shading: &Shading,
@@ -46,25 +50,83 @@ pub fn reference_pixels(
     pixels: &[usize],
     progress: Progress<'_>,
 ) -> Result<Vec<DVec3>> {
-    let reference = Reference::new(field, shading.coherence, shading.windows, shading.ior);
-    let pairs: Vec<Pair> = directions
-        .iter()
-        .flat_map(|seen| pixels.iter().map(|&i| Pair::new(unit(seen.light[i]), unit(seen.view[i]))))
-        .collect();
-    let diffracted = fine::cosine_weighted_xyz(&reference, &shading.illuminant, &pairs, progress)?;
-    let mut colors = vec![DVec3::ZERO; pixels.len()];
-    let lit = pairs.chunks(pixels.len().max(1)).zip(diffracted.chunks(pixels.len().max(1)));
-    for (light, (pairs, diffracted)) in view.lights.iter().zip(lit) {
-        for (color, (pair, xyz)) in colors.iter_mut().zip(pairs.iter().zip(diffracted)) {
-            if !pair.above_horizon() {
-                continue;
+    PixelReference::new(field, shading, progress)?.colors(view, directions, pixels, progress)
+}
+
+/// What shades pixels in f64.
+pub struct PixelReference<'a> {
+    shading: &'a Shading,
+    by: By<'a>,
+}
+
+enum By<'a> {
+    Windows(Reference<'a>),
+    Mean(Box<TabulatedMean<'a>>),
+}
+
+impl<'a> PixelReference<'a> {
+    /// For `field` under `shading`.
+    ///
+    /// # Errors
+    /// Where memory does not suffice; what `progress` returns.
+    pub fn new(field: &'a HeightField, shading: &'a Shading, progress: Progress<'_>) -> Result<Self> {
+        let by = match (shading.windows, shading.coherence.sigma()) {
+            (Windows::All, Some(sigma)) => {
+                let mean = Mean { field, sigma, beyond: shading.beyond, ior: shading.ior };
+                By::Mean(Box::new(TabulatedMean::new(mean, SHORTEST, progress)?))
             }
-            let reflectance = schlick(shading.ior, pair.cos_half_angle());
-            let pigmented = view.base_color.as_dvec3() * ((1.0 - reflectance) * pair.light.z / PI);
-            *color += (xyz_to_linear_srgb(*xyz) + pigmented) * (light.intensity * PI);
-        }
+            (windows, _) => {
+                let windows = windows.grid().unwrap_or([1, 1]);
+                By::Windows(Reference::new(field, shading.coherence, windows, shading.ior))
+            }
+        };
+        Ok(Self { shading, by })
     }
-    Ok(colors)
+
+    /// Linear sRGB of the pixels number `pixels` of a frame. The mean is averaged over the footprints that `directions` have; through windows
+    /// each pixel is its centre.
+    ///
+    /// # Errors
+    /// As [`nufft::cosine_weighted_xyz`].
+    pub fn colors(
+        &self,
+        view: &View,
+        directions: &[Directions],
+        pixels: &[usize],
+        progress: Progress<'_>,
+    ) -> Result<Vec<DVec3>> {
+        let asked: Vec<(Pair, Covariance)> = directions
+            .iter()
+            .flat_map(|seen| {
+                pixels
+                    .iter()
+                    .map(|&i| (Pair::new(unit(seen.light[i]), unit(seen.view[i])), seen.covariance(i)))
+            })
+            .collect();
+        let illuminant = &self.shading.illuminant;
+        let diffracted = match &self.by {
+            By::Mean(mean) => mean.xyz(illuminant, &asked, progress)?,
+            By::Windows(reference) => {
+                let pairs: Vec<Pair> = asked.iter().map(|(pair, _)| *pair).collect();
+                nufft::cosine_weighted_xyz(reference, illuminant, &pairs, progress)?
+            }
+        };
+        let mut colors = vec![DVec3::ZERO; pixels.len()];
+        let at_once = pixels.len().max(1);
+        for (light, (asked, diffracted)) in
+            view.lights.iter().zip(asked.chunks(at_once).zip(diffracted.chunks(at_once)))
+        {
+            for (color, ((pair, _), xyz)) in colors.iter_mut().zip(asked.iter().zip(diffracted)) {
+                if !pair.above_horizon() {
+                    continue;
+                }
+                let reflectance = schlick(self.shading.ior, pair.cos_half_angle());
+                let pigmented = view.base_color.as_dvec3() * ((1.0 - reflectance) * pair.light.z / PI);
+                *color += (xyz_to_linear_srgb(*xyz) + pigmented) * (light.intensity * PI);
+            }
+        }
+        Ok(colors)
+    }
 }
 
 /// The pixels that the mesh covers.
@@ -73,17 +135,51 @@ pub fn covered(directions: &[Directions]) -> Vec<usize> {
     (0..pixels).filter(|&i| directions.iter().any(|seen| seen.view[i][3] != 0.0)).collect()
 }
 
-/// What a display shows of `radiance`, by the f64 twin of the display pass.
+/// What a display shows of `radiance`, whose colours are premultiplied by their alpha, by the f64 twin of the display pass.
 pub fn displayed(radiance: &[[f32; 4]], exposure: f64, background: DVec3) -> Vec<[u8; 4]> {
-    let shown = |&[r, g, b, a]: &[f32; 4]| {
-        let [r, g, b] = if a > 0.0 {
-            color::display(DVec3::new(r.into(), g.into(), b.into()), exposure)
+    let shown = |pixel: &[f32; 4]| {
+        let [r, g, b, coverage] = pixel.map(f64::from);
+        let [r, g, b] = if coverage > 0.0 {
+            color::display_over(DVec3::new(r, g, b) / coverage, exposure, coverage, background)
         } else {
             color::display(background, 0.0)
         };
         [r, g, b, 255]
     };
     radiance.iter().map(shown).collect()
+}
+
+/// The mean of `sampling`'s samples, each shaded in f64, for the pixels that are `chosen` by their number; the others stay empty.
+/// `directions` gives those of a sample, one entry per light of `view`. RGBA as [`super::picture::Picture::radiance`]. The mean over
+/// windows is averaged over the footprint of each sample.
+///
+/// # Errors
+/// As [`nufft::cosine_weighted_xyz`], and what `directions` returns.
+pub fn reference_mean(
+    field: &HeightField,
+    shading: &Shading,
+    view: &View,
+    sampling: &Sampling,
+    directions: &mut dyn FnMut(&Sample) -> Result<Vec<Directions>>,
+    chosen: &dyn Fn(usize) -> bool,
+    progress: Progress<'_>,
+) -> Result<Vec<[f32; 4]>> {
+    let count = sampling.count.max(1);
+    let reference = PixelReference::new(field, shading, progress)?;
+    let mut sum: Vec<DVec4> = Vec::new();
+    for index in 0..count {
+        let seen = directions(&sampling.sample(index))?;
+        sum.resize(seen.first().map_or(0, |seen| seen.view.len()), DVec4::ZERO);
+        let mut pixels = covered(&seen);
+        pixels.retain(|&pixel| chosen(pixel));
+        let colors = reference.colors(view, &seen, &pixels, &|done, of| {
+            progress(index as usize * of + done, count as usize * of)
+        })?;
+        for (pixel, color) in pixels.into_iter().zip(colors) {
+            sum[pixel] += color.extend(1.0);
+        }
+    }
+    Ok(sum.into_iter().map(|pixel| (pixel / f64::from(count)).as_vec4().to_array()).collect())
 }
 
 /// A direction of the frame, in f64 and of unit length to its last bit.

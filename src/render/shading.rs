@@ -3,20 +3,16 @@
 use crate::error::{Error, Result};
 use crate::expansion::taylor::{F32_ROUNDOFF, rounding_bound};
 use crate::expansion::{Basis, HeightScale};
-use crate::optics::coherence::Coherence;
-use crate::optics::quadrature::{Rule, SPAN};
-use crate::optics::sliding::Sliding;
+use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::spectrum::{Illuminant, SHORTEST};
 use crate::precompute::kernel::SPECKLE;
 use crate::precompute::layers::largest_z;
-use crate::precompute::lines::Spacing;
-use crate::precompute::{Aim, Budget, Settings};
+use crate::precompute::{Budget, Settings};
 use crate::surface::HeightField;
 use crate::vk::selection::Candidate;
-use serde::Serialize;
 
 /// What a tolerance is promised for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Purpose {
     /// Single directions, each relative to its own value, at single wavelengths too (RMS over directions).
     #[default]
@@ -29,10 +25,6 @@ pub enum Purpose {
 /// the L2 error, is an intensity error of twice the amplitude error, where single dark directions err [`SPECKLE`] times as
 /// much as it.
 const PICTURE_GAIN: f64 = SPECKLE / 2.0;
-
-/// How much more reading along lines may err than reading between texels of the plane, where bright pixels stand alone, as the mirror's peak
-/// does: a colour on lines is read from many nodes at as many places between points, and even a grating's order from two.
-const AVERAGED_ON_LINES: f64 = std::f64::consts::SQRT_2;
 
 /// How much more linear interpolation errs midway between texels than on average (RMS): (1/8)/√(1/120). The one bright pixel
 /// of a picture may stand there.
@@ -47,14 +39,15 @@ struct Shares {
 }
 
 /// Settings of the optics, validated.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Shading {
     /// What surrounds the patch.
     pub coherence: Coherence,
-    /// Window centres to average over.
-    pub windows: [u32; 2],
-    /// Refractive index of the surface. Not part of the key of a colour table, whose reader multiplies by the reflectance.
-    #[serde(skip)]
+    /// Positions of the window to average over.
+    pub windows: Windows,
+    /// How the surface goes on beyond the patch, for the mean over all windows.
+    pub beyond: Beyond,
+    /// Refractive index of the surface.
     pub ior: f64,
     /// The light's spectrum.
     pub illuminant: Illuminant,
@@ -110,27 +103,6 @@ impl Shading {
         if holds { Basis::Taylor } else { Basis::Optimal }
     }
 
-    /// What the layers shall save: a picture reads them a hundred million times, a few directions hardly.
-    pub fn aim(&self) -> Aim {
-        match self.purpose {
-            Purpose::Directions => Aim::FewTransforms,
-            Purpose::Picture => Aim::FewSamples,
-        }
-    }
-
-    /// Lines for colours through a Gaussian of standard deviation `sigma` \[µm\]: where nothing but colours is asked for, at
-    /// wavelengths of the program's choice.
-    fn lines(&self, sigma: f64) -> Option<Spacing> {
-        let colours = self.purpose == Purpose::Picture && self.wavelengths.is_none();
-        if !colours || !sigma.is_finite() || self.quadrature() < LEAST_ON_LINES {
-            return None;
-        }
-        let rule = Rule::gaussian(&self.illuminant, sigma, self.quadrature());
-        let lines = (rule.level, Sliding::across(rule.level));
-        let interpolation = AVERAGED_ON_LINES * self.gain() * self.shares().interpolation * self.tolerance;
-        Spacing::new(sigma, lines, Sliding::fewest(&rule), SPAN, interpolation)
-    }
-
     /// What the sum over wavelengths may err by, relative to the colour.
     pub fn quadrature(&self) -> f64 {
         self.shares().quadrature * self.tolerance * self.looser_colours
@@ -148,7 +120,8 @@ impl Default for Shading {
     fn default() -> Self {
         Self {
             coherence: Coherence::SUNLIGHT,
-            windows: [1, 1],
+            windows: Windows::All,
+            beyond: Beyond::Copies,
             ior: 1.5,
             illuminant: Illuminant::D65,
             tolerance: 1e-2,
@@ -160,10 +133,6 @@ impl Default for Shading {
         }
     }
 }
-
-/// The smallest error of the sum over wavelengths that lines are for: their weights are read at the nearest of 4096 wavenumbers and of eight
-/// distances an octave, which leaves up to 4e-4 of a colour.
-const LEAST_ON_LINES: f64 = 4e-4;
 
 /// Share of the device's memory that the layers may take; pictures and the rest need some.
 const DEVICE_SHARE: f64 = 0.75;
@@ -202,10 +171,10 @@ impl Shading {
     /// # Errors
     /// For what layers cannot do.
     pub fn windowed_settings(&self, sigma: f64, shortest: f64, device: &Candidate) -> Result<Settings> {
-        if self.windows != [1, 1] {
+        if self.windows != Windows::ONE {
             return Err(Error::usage(
-                "pictures by --method spectral do one window only",
-                "leave --windows away, or use --method table or --method reference",
+                "spectra through a window are of one window",
+                "use --windows all or --windows 1x1, or --method reference",
             ));
         }
         Ok(Settings {
@@ -214,8 +183,6 @@ impl Shading {
             budget: self.budget(),
             basis: self.basis,
             terms: self.terms,
-            aim: self.aim(),
-            lines: self.lines(sigma),
             memory_limit: (device.memory as f64 * DEVICE_SHARE) as usize,
             side_limit: device.max_side as usize,
         })

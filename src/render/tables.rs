@@ -1,12 +1,13 @@
 //! The small tables that the shaders read beside the layers, computed in f64.
 
-use super::interface::UV_BINS;
 use super::shading::Shading;
 use crate::optics::orders::Colours;
 use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
-use crate::optics::sliding::Sliding;
 use crate::optics::spectrum::Illuminant;
 use crate::precompute::Layers;
+
+/// Bins of |(u, v)| over 0 … 2 for which a wavelength comb is chosen; `UV_BINS` of `shaders/source_window.glsl`.
+pub const UV_BINS: usize = 256;
 
 /// A table of four floats an entry, row by row: a texture.
 #[derive(Clone, Debug)]
@@ -24,45 +25,19 @@ pub struct Combs {
     pub bins: Vec<[i32; 2]>,
     /// A comb a row: XYZ weight and wavenumber of every node.
     pub nodes: Table,
-    /// Weights of nodes on lines, where the layers have them.
-    pub sliding: Option<Sliding>,
 }
 
 impl Combs {
     /// The wavelengths of colours from `layers` under `shading`.
     pub fn of(layers: &Layers, shading: &Shading) -> Self {
-        let Some(lines) = &layers.lines else {
-            return Self::new(&shading.illuminant, layers.sigma, shading.quadrature(), shading.wavelengths);
-        };
-        let [least, most] = [lines.across[0].min(lines.across[1]), lines.across[0].max(lines.across[1])];
-        // Rays of |u| = 2 meet lines the closest.
-        let (shortest, longest) = (1.0 / (2.0 * most), 1.0 / (lines.from * least));
-        let sliding = Sliding::new(&shading.illuminant, lines.level, shortest, longest);
-        Self { sliding: Some(sliding), ..Self::none() }
-    }
-
-    /// The weights of nodes on lines as a texture, with the squared wavenumber in them and the range in front; one texel
-    /// where there are none.
-    pub fn line_weights(&self) -> Table {
-        let Some(sliding) = &self.sliding else { return Table { size: [1, 1], values: vec![[0.0; 4]] } };
-        let [first, last] = sliding.columns;
-        let place = |column: usize| first + (last - first) * (column as f64 + 0.5) / Sliding::COLUMNS as f64;
-        let row = |row: &Vec<_>| -> Vec<[f32; 4]> {
-            let weight = |(column, weight): (usize, &glam::DVec3)| {
-                let w = *weight * place(column).powi(2);
-                [w.x as f32, w.y as f32, w.z as f32, sliding.range.get(column).map_or(0.0, |q| *q as f32)]
-            };
-            row.iter().enumerate().map(weight).collect()
-        };
-        let values = sliding.rows.iter().flat_map(row).collect();
-        Table { size: [Sliding::COLUMNS, sliding.rows.len()], values }
+        Self::new(&shading.illuminant, layers.sigma, shading.quadrature(), shading.wavelengths)
     }
 
     /// Combs by [`Rule`] for a relative error of the colour of `tolerance`, or one of `wavelengths` nodes for every direction.
     pub fn new(illuminant: &Illuminant, sigma: f64, tolerance: f64, wavelengths: Option<usize>) -> Self {
         if let Some(count) = wavelengths {
             let only = [Nodes::catmull_rom(illuminant, count).into()];
-            return Self { bins: vec![[0, count as i32]; UV_BINS], nodes: table(&only), sliding: None };
+            return Self { bins: vec![[0, count as i32]; UV_BINS], nodes: table(&only) };
         }
         let rule = Rule::gaussian(illuminant, sigma, tolerance);
         let levels = Ladder::new(illuminant, &rule).levels;
@@ -74,13 +49,13 @@ impl Combs {
                 [row as i32, levels[row].weights.len() as i32]
             })
             .collect();
-        Self { bins, nodes: table(&levels), sliding: None }
+        Self { bins, nodes: table(&levels) }
     }
 
     /// One comb of `count` nodes at equal steps of the wavelength, for every direction.
     pub fn even_wavelengths(illuminant: &Illuminant, count: usize) -> Self {
         let only = [Comb::even_wavelengths(illuminant, count)];
-        Self { bins: vec![[0, count as i32]; UV_BINS], nodes: table(&only), sliding: None }
+        Self { bins: vec![[0, count as i32]; UV_BINS], nodes: table(&only) }
     }
 
     /// The colour functions as a density over wavenumbers, in place of combs: wavelengths stand where the orders do.
@@ -94,7 +69,7 @@ impl Combs {
     pub fn none() -> Self {
         // Devices bind no empty textures.
         let nodes = Table { size: [1, 1], values: vec![[0.0; 4]] };
-        Self { bins: vec![[0, 0]; UV_BINS], nodes, sliding: None }
+        Self { bins: vec![[0, 0]; UV_BINS], nodes }
     }
 
     /// Row of `nodes` and number of nodes for a direction at |(u, v)| = `uv`.

@@ -23,6 +23,22 @@ pub const GEOMETRY: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 /// What the geometry pass clears directions to: farther out than any is projected (`UNCOVERED` of `shaders/pixel.glsl`).
 pub const UNCOVERED: f32 = 100.0;
 
+/// Format of footprints.
+pub const FOOTPRINTS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+
+/// What the geometry pass is asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GeometrySettings {
+    /// Lights.
+    pub lights: usize,
+    /// Whether the pigment is of a texture.
+    pub textured: bool,
+    /// Whether directions hold [`UNCOVERED`] where nothing is covered; else they hold anything there.
+    pub marked: bool,
+    /// Whether footprints are written for each light.
+    pub footprints: bool,
+}
+
 /// What the geometry pass finds at each pixel, directions in stereographic projection.
 pub struct Geometry {
     /// ω_r (xy) and the first light's ω_i (zw).
@@ -33,25 +49,20 @@ pub struct Geometry {
     pub more_lights: Vec<Image>,
     /// Depth; [`crate::vk::commands::FAR`] where nothing is covered.
     pub depth: Image,
-    /// Lights.
-    pub lights: usize,
-    /// Whether the pigment is of a texture.
-    pub textured: bool,
-    /// Whether directions hold [`UNCOVERED`] where nothing is covered; else they hold anything there.
-    pub marked: bool,
+    /// For each light how (u, v) = −(ω_i + ω_r).xy changes from pixel to pixel: du/dx, dv/dx, du/dy, dv/dy, x to the right and y downward.
+    /// Empty where they are not asked for; anything where nothing is covered.
+    pub footprints: Vec<Image>,
+    /// What the images are for.
+    pub settings: GeometrySettings,
 }
 
 impl Geometry {
-    /// Images of `size` pixels for `lights` lights; with albedos where the pigment is `textured`, and what is not covered `marked` or not.
+    /// Images of `size` pixels.
     ///
     /// # Errors
     /// Where the device has no room or does not make images of that size.
-    pub fn new(
-        device: &Arc<Device>,
-        size: [u32; 2],
-        lights: usize,
-        [textured, marked]: [bool; 2],
-    ) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, size: [u32; 2], settings: GeometrySettings) -> Result<Self> {
+        let GeometrySettings { lights, textured, footprints, .. } = settings;
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
             | vk::ImageUsageFlags::TRANSFER_SRC
             | vk::ImageUsageFlags::SAMPLED;
@@ -72,15 +83,21 @@ impl Geometry {
                 DEPTH,
                 vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
             )?,
-            lights,
-            textured,
-            marked,
+            footprints: (0..if footprints { lights } else { 0 })
+                .map(|_| make("footprints", FOOTPRINTS, usage))
+                .collect::<Result<_>>()?,
+            settings,
         })
     }
 
-    /// The colour images in the order of `geometry.frag`.
+    /// The colour images in the order of `geometry.frag`, without gaps for any number of lights; at most
+    /// [`crate::vk::selection::ATTACHMENTS`].
     pub fn images(&self) -> impl Iterator<Item = &Image> {
-        std::iter::once(&self.directions).chain(&self.albedo).chain(&self.more_lights)
+        let footprint = |light: usize| self.footprints.get(light);
+        let more = |place: usize| self.more_lights.get(place);
+        let others =
+            [footprint(0), self.albedo.as_ref(), more(0), footprint(1), footprint(2), more(1), footprint(3)];
+        std::iter::once(&self.directions).chain(others.into_iter().flatten())
     }
 }
 

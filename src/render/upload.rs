@@ -5,7 +5,7 @@ use crate::vk::access::Access;
 use crate::vk::buffer::Buffer;
 use crate::vk::commands::Commands;
 use crate::vk::device::Device;
-use crate::vk::image::Image;
+use crate::vk::image::{Description, Image};
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use std::sync::Arc;
@@ -33,6 +33,23 @@ pub fn into(device: &Arc<Device>, target: &Buffer, data: &[u8]) -> Result<()> {
         record.memory(Access::TransferWrite, Access::VertexRead);
         Ok(())
     })
+}
+
+/// A texture that holds tightly packed `data`, ready for shaders; an array where `layers` says of how many.
+pub fn texture(
+    device: &Arc<Device>,
+    name: &str,
+    format: vk::Format,
+    size: [usize; 2],
+    layers: Option<u32>,
+    data: &[u8],
+) -> Result<Image> {
+    let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+    let size = size.map(|n| n as u32);
+    let (array, layers) = (layers.is_some(), layers.unwrap_or(1));
+    let image = Image::new(device, &Description { name, format, size, layers, array, usage })?;
+    self::image(device, &image, layers, data)?;
+    Ok(image)
 }
 
 /// Fills every layer of `image` with tightly packed `data`, layer by layer, and leaves it ready for shaders.

@@ -49,7 +49,7 @@ impl WindowPass {
         let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[format], depth: None };
         let (vertex, fragment) = (shader!("display.vert"), Some(shader!("window.frag")));
         let push = size_of::<Place>() as u32;
-        let pipeline = Pipeline::graphics(device, vertex, fragment, &drawing, &layout, push)?;
+        let pipeline = Pipeline::graphics(device, vertex, fragment, &drawing, &[&layout], push)?;
         let sampler = Sampler::linear(device, "window sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         Ok(Self { pipeline, sampler, device: device.clone() })
     }
@@ -75,7 +75,7 @@ impl WindowPass {
 
     /// Draws `pictures` while rendering to the window is open.
     pub fn draw(&self, draw: &Recorder<'_>, pictures: &Pictures, place: &Place) {
-        draw.bind(&self.pipeline, &pictures.descriptors);
+        draw.bind(&self.pipeline, &[&pictures.descriptors]);
         draw.push(&self.pipeline, bytemuck::bytes_of(place));
         draw.draw(3);
     }

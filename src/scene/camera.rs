@@ -1,4 +1,4 @@
-//! An orbit camera: where it is, what it looks at, how wide.
+//! An orbit camera.
 
 use crate::error::{Error, Result};
 use glam::camera::rh::{proj::vulkan, view::look_at_mat4};
@@ -67,9 +67,36 @@ impl Camera {
     }
 }
 
+/// `clip_from_world` of a picture of `size` pixels, moved so that the centre of each pixel shows what lies `jitter` pixels from
+/// it: x to the right, y downward.
+pub fn jittered(clip_from_world: Mat4, size: [u32; 2], jitter: [f64; 2]) -> Mat4 {
+    // Clip space is two units wide. The picture moves against the place that is looked at.
+    let step = |axis: usize| (-2.0 * jitter[axis] / f64::from(size[axis])) as f32;
+    Mat4::from_translation(Vec3::new(step(0), step(1), 0.0)) * clip_from_world
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_jittered_camera_shows_at_a_pixel_s_centre_what_lies_beside_it() {
+        let camera = Camera::looking(Vec3::new(3.0, 1.0, 2.0), Vec3::new(0.5, 0.0, 0.1), 0.6).unwrap();
+        let size = [200, 100];
+        let clip = camera.clip_from_world(size, Vec3::ZERO, 1.0);
+        let moved = jittered(clip, size, [0.3, -1.25]);
+        for point in [Vec3::ZERO, Vec3::new(0.4, -0.3, 0.2)] {
+            let pixel = |clip: Mat4| {
+                let place = clip.project_point3(point);
+                [(place.x + 1.0) / 2.0 * 200.0, (place.y + 1.0) / 2.0 * 100.0]
+            };
+            let (still, seen) = (pixel(clip), pixel(moved));
+            // What was seen 0.3 pixels to the right of a place is seen at the place: it moved by 0.3 pixels to the left.
+            assert!((still[0] - seen[0] - 0.3).abs() < 1e-4 && (still[1] - seen[1] + 1.25).abs() < 1e-4);
+            assert_eq!(clip.project_point3(point).z, moved.project_point3(point).z);
+        }
+        assert_eq!(jittered(clip, size, [0.0; 2]), clip);
+    }
 
     #[test]
     fn the_target_is_in_the_middle_and_up_is_up() {

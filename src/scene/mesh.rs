@@ -1,9 +1,10 @@
 //! The triangle mesh with a tangent frame at every vertex.
 
-use super::{surfacing, tangents};
+use super::corner::Corner;
+use super::{normals, tangents};
 use crate::error::{Error, Result};
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
 /// The most triangles that a mesh may have: about a gigabyte while it is built.
@@ -19,7 +20,7 @@ const THINNEST: f64 = 1e-6;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Vertex {
-    /// Position in model space; which axis is up is the model's own affair.
+    /// Position in model space; any axis may be up.
     pub position: [f32; 3],
     /// Unit normal N.
     pub normal: [f32; 3],
@@ -27,17 +28,6 @@ pub struct Vertex {
     pub tangent: [f32; 4],
     /// Texture coordinates; T points along growing u, B along growing v.
     pub uv: [f32; 2],
-}
-
-/// One corner of a triangle before it has a frame. Normals and texture coordinates may be missing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Corner {
-    /// Position in model space; projected texture coordinates take y for up.
-    pub position: [f32; 3],
-    /// Normal of any length; missing or zero: the smooth one is computed.
-    pub normal: Option<[f32; 3]>,
-    /// Texture coordinates; missing: projected from the box side that the triangle faces, one unit per unit of length.
-    pub uv: Option<[f32; 2]>,
 }
 
 /// A sphere around a mesh.
@@ -82,9 +72,9 @@ impl Mesh {
                 "give it at least one real face",
             ));
         }
-        let surfaced = surfacing::complete(&triangles);
-        let tangents = tangents::generate(&surfaced);
-        Ok(weld(surfaced.iter().flatten().zip(tangents.iter().flatten()).map(|(corner, &tangent)| Vertex {
+        let corners = normals::complete(&triangles);
+        let tangents = tangents::generate(&corners);
+        Ok(weld(corners.iter().flatten().zip(tangents.iter().flatten()).map(|(corner, &tangent)| Vertex {
             position: corner.position.to_array(),
             normal: corner.normal.to_array(),
             tangent,
@@ -92,7 +82,7 @@ impl Mesh {
         })))
     }
 
-    /// A mesh whose frames are known already. The caller vouches for what [`Mesh`] promises.
+    /// A mesh with known frames. The caller guarantees the invariants of [`Mesh`].
     pub(super) fn from_parts(vertices: Vec<Vertex>, indices: Vec<u32>) -> Self {
         Self { vertices, indices }
     }
@@ -133,7 +123,7 @@ impl Mesh {
     }
 }
 
-/// Refuses coordinates that cannot be computed with.
+/// Rejects coordinates that are not finite or too large.
 fn check(corner: &Corner) -> Result<()> {
     let sane = |values: &[f32]| values.iter().all(|v| v.abs() <= MAX_COORDINATE);
     let wrong = |what: &str, values: &[f32]| {
@@ -161,7 +151,7 @@ fn has_area(triangle: &[Corner; 3]) -> bool {
     (b - a).cross(c - a).length() > THINNEST * longest
 }
 
-/// Shares equal vertices.
+/// Merges equal vertices.
 fn weld(corners: impl Iterator<Item = Vertex>) -> Mesh {
     let mut known: HashMap<[u32; 12], u32> = HashMap::new();
     let mut mesh = Mesh { vertices: Vec::new(), indices: Vec::new() };
@@ -176,14 +166,6 @@ fn weld(corners: impl Iterator<Item = Vertex>) -> Mesh {
         mesh.indices.push(index);
     }
     mesh
-}
-
-/// A corner that has everything but its tangent.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Surfaced {
-    pub position: Vec3,
-    pub normal: Vec3,
-    pub uv: Vec2,
 }
 
 #[cfg(test)]

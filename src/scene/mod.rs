@@ -1,16 +1,19 @@
-//! What is looked at: meshes with tangent frames, camera, lights, the scene file.
+//! The scene: meshes with tangent frames, camera, lights, scene files.
 
 pub mod camera;
+pub mod corner;
 pub mod light;
 pub mod mesh;
+mod normals;
 pub mod obj;
 pub mod primitives;
 pub mod scene_file;
 pub mod snake;
-mod surfacing;
+
 mod tangents;
 
 pub use camera::Camera;
+pub use corner::Corner;
 pub use light::{Light, MAX_LIGHTS};
-pub use mesh::{Bounds, Corner, Mesh, Vertex};
+pub use mesh::{Bounds, Mesh, Vertex};
 pub use scene_file::Scene;

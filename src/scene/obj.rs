@@ -4,7 +4,8 @@
 //! cut into fans, which suits convex ones. If a single face has no texture coordinates, those of the whole file are
 //! projected as [`Corner::uv`] says, so that one rule holds for all of it; normals likewise become smooth ones.
 
-use super::mesh::{Corner, MAX_TRIANGLES, Mesh};
+use super::corner::Corner;
+use super::mesh::{MAX_TRIANGLES, Mesh};
 use crate::error::{Error, Result};
 use crate::memory;
 use std::fs::{self, File};

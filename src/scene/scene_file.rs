@@ -18,6 +18,11 @@ pub const BUILT_IN: [(&str, &str); 4] = [
     ("disc", include_str!("../../assets/scenes/disc.toml")),
 ];
 
+/// Length of a unit of scenes that do not say it, as of OBJ files \[um\]: a metre.
+const UNIT: f64 = 1e6;
+/// What lengths with their unit are read as.
+const METRES_PER_MICROMETRE: f64 = 1e-6;
+
 /// A scene: everything that a picture shows, before any option changes it.
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -41,6 +46,8 @@ pub struct Scene {
     pub exposure: f64,
     /// What is displayed where nothing is covered, linear sRGB.
     pub background: DVec3,
+    /// Length of one unit of the scene's coordinates \[m\].
+    pub unit: f64,
     /// The files that the scene consists of: its own, those of mesh, surface and pigment.
     pub files: Vec<PathBuf>,
 }
@@ -61,6 +68,7 @@ struct File {
     exposure: f64,
     #[serde(default = "dark_grey")]
     background: Triple<f64>,
+    scale: Option<String>,
     camera: FileCamera,
     lights: Vec<String>,
 }
@@ -190,6 +198,7 @@ impl Scene {
             pigment,
             exposure: file.exposure,
             background: background.into(),
+            unit: file.scale.as_deref().map_or(Ok(UNIT), units::length)? * METRES_PER_MICROMETRE,
         })
     }
 }
@@ -227,6 +236,30 @@ mod tests {
         }
         let plate = Scene::open("plate").unwrap();
         assert_eq!(plate.mesh.vertices()[0].normal, [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn a_scene_says_how_long_its_unit_is_or_it_is_a_metre() {
+        let plate = BUILT_IN[1].1;
+        let unscaled: String = plate
+            .lines()
+            .filter(|line| !line.starts_with("scale"))
+            .map(|line| line.to_owned() + "\n")
+            .collect();
+        let unit = |line: &str| Scene::parse(&format!("{line}\n{unscaled}"), Path::new("")).map(|s| s.unit);
+        assert_eq!(unit("").unwrap(), 1.0);
+        assert_eq!(unit("scale = \"1 m\"").unwrap(), 1.0);
+        assert!((unit("scale = \"60mm\"").unwrap() - 0.06).abs() < 1e-15);
+        for wrong in ["scale = \"1\"", "scale = \"0 m\"", "scale = \"-1 m\"", "scale = 1"] {
+            assert!(unit(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn the_default_snake_is_about_a_metre_long() {
+        let scene = Scene::open("snake").unwrap();
+        let length = snake::length() * scene.unit;
+        assert!((0.9..1.1).contains(&length), "{length} m");
     }
 
     #[test]

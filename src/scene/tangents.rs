@@ -1,6 +1,6 @@
 //! Tangents after MikkTSpace, the convention that normal maps are baked with.
 
-use super::mesh::Surfaced;
+use super::corner::CompleteCorner;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::Vec3;
 use std::collections::HashMap;
@@ -10,8 +10,8 @@ const MOST_AROUND: usize = 1000;
 
 /// Tangent and handedness of every corner: unit, orthogonal to the corner's normal, w = ±1 with B = w · (N × T).
 /// Where the texture coordinates give no direction, any unit vector orthogonal to N with w = 1.
-pub(super) fn generate(triangles: &[[Surfaced; 3]]) -> Vec<[[f32; 4]; 3]> {
-    let place = Place::of(triangles);
+pub(super) fn generate(triangles: &[[CompleteCorner; 3]]) -> Vec<[[f32; 4]; 3]> {
+    let place = Normalization::of(triangles);
     let batches = batches(triangles, &place);
     let mut mikk =
         Mikk { triangles, place: &place, batch: &[], tangents: vec![[[0.0; 4]; 3]; triangles.len()] };
@@ -45,7 +45,7 @@ fn orthonormal(normal: Vec3, tangent: [f32; 4]) -> [f32; 4] {
 /// Numbers of the triangles to hand over together: all of a usual mesh. bevy_mikktspace recurses from triangle to
 /// triangle around a point, so where more than [`MOST_AROUND`] meet, the rest go into further batches; otherwise a fan
 /// of a hundred thousand overflows the stack.
-fn batches(triangles: &[[Surfaced; 3]], place: &Place) -> Vec<Vec<usize>> {
+fn batches(triangles: &[[CompleteCorner; 3]], place: &Normalization) -> Vec<Vec<usize>> {
     // For each point the latest batch that it is in, and how many triangles it has there.
     let mut met: HashMap<[u32; 3], (usize, usize)> = HashMap::new();
     let mut batches = vec![Vec::new()];
@@ -69,13 +69,13 @@ fn batches(triangles: &[[Surfaced; 3]], place: &Place) -> Vec<Vec<usize>> {
 }
 
 /// Moves the mesh to the origin and to unit size, where products of lengths neither overflow nor vanish.
-struct Place {
+struct Normalization {
     centre: Vec3,
     scale: f32,
 }
 
-impl Place {
-    fn of(triangles: &[[Surfaced; 3]]) -> Self {
+impl Normalization {
+    fn of(triangles: &[[CompleteCorner; 3]]) -> Self {
         let points = || triangles.iter().flatten().map(|c| c.position);
         let low = points().fold(Vec3::INFINITY, Vec3::min);
         let high = points().fold(Vec3::NEG_INFINITY, Vec3::max);
@@ -88,8 +88,8 @@ impl Place {
 }
 
 struct Mikk<'a> {
-    triangles: &'a [[Surfaced; 3]],
-    place: &'a Place,
+    triangles: &'a [[CompleteCorner; 3]],
+    place: &'a Normalization,
     batch: &'a [usize],
     tangents: Vec<[[f32; 4]; 3]>,
 }
@@ -126,14 +126,17 @@ mod tests {
     use glam::Vec2;
 
     /// A square in the xy plane facing +z, texture coordinates by `uv`.
-    fn square(uv: impl Fn(f32, f32) -> Vec2) -> Vec<[Surfaced; 3]> {
-        let corner =
-            |[x, y]: [f32; 2]| Surfaced { position: Vec3::new(x, y, 0.0), normal: Vec3::Z, uv: uv(x, y) };
+    fn square(uv: impl Fn(f32, f32) -> Vec2) -> Vec<[CompleteCorner; 3]> {
+        let corner = |[x, y]: [f32; 2]| CompleteCorner {
+            position: Vec3::new(x, y, 0.0),
+            normal: Vec3::Z,
+            uv: uv(x, y),
+        };
         let [a, b, c, d] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         vec![[a, b, c].map(corner), [a, c, d].map(corner)]
     }
 
-    fn only_tangent(triangles: &[[Surfaced; 3]]) -> [f32; 4] {
+    fn only_tangent(triangles: &[[CompleteCorner; 3]]) -> [f32; 4] {
         let all = generate(triangles);
         assert!(all.iter().flatten().all(|t| *t == all[0][0]), "{all:?}");
         all[0][0]
@@ -170,11 +173,11 @@ mod tests {
             let (y, x) = (0.001 * k as f32).sin_cos();
             Vec3::new(x, y, 0.0)
         };
-        let corner = |p: Vec3| Surfaced { position: p, normal: Vec3::Z, uv: p.truncate() };
+        let corner = |p: Vec3| CompleteCorner { position: p, normal: Vec3::Z, uv: p.truncate() };
         let fan: Vec<_> =
             (0..3 * MOST_AROUND).map(|k| [Vec3::ZERO, rim(k), rim(k + 1)].map(corner)).collect();
         assert_eq!(
-            batches(&fan, &Place::of(&fan)).iter().map(Vec::len).collect::<Vec<_>>(),
+            batches(&fan, &Normalization::of(&fan)).iter().map(Vec::len).collect::<Vec<_>>(),
             [MOST_AROUND; 3]
         );
         for t in generate(&fan).iter().flatten() {

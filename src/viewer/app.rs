@@ -1,10 +1,8 @@
-//! Between winit and the program: events in, redraws out.
+//! The event loop: window events in, redraws out.
 
-use super::Start;
-use super::judge::Verdict;
-use super::live::Live;
-use super::studio::{Stage, Word};
-use super::worker::Report;
+use super::event::Event;
+use super::start::{RENDER, Start};
+use super::window::ViewerWindow;
 use crate::error::{Error, Result};
 use crate::vk::instance::Instance;
 use std::sync::Arc;
@@ -15,41 +13,29 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::window::{Window, WindowId};
 
-/// What threads tell the window.
-pub enum Event {
-    /// The worker.
-    Worker(Report),
-    /// The studio.
-    Studio(Word),
-    /// The judge.
-    Judge(Result<Verdict>),
-    /// A scene was opened under its name.
-    Scene(String, Box<Result<Stage>>),
-}
-
-/// The program behind the event loop.
+/// The handler of the event loop.
 pub struct App {
     start: Start,
     proxy: EventLoopProxy<Event>,
-    live: Option<Live>,
+    window: Option<ViewerWindow>,
     instance: Option<Arc<Instance>>,
     error: Option<Error>,
 }
 
 impl App {
-    /// Before the window is there.
+    /// A handler that opens the window when the event loop starts.
     pub fn new(start: Start, proxy: EventLoopProxy<Event>) -> Self {
-        Self { start, proxy, live: None, instance: None, error: None }
+        Self { start, proxy, window: None, instance: None, error: None }
     }
 
-    /// Ends threads, frees the device, and tells how it went.
+    /// Ends the threads and frees the device; returns the instance and the first error.
     pub fn end(mut self) -> (Option<Arc<Instance>>, Result<()>) {
-        let lost = self.error.is_some().then(|| self.live.as_ref().map(Live::command)).flatten();
-        self.live = None;
-        let result = match (self.error, lost) {
+        let command = self.error.is_some().then(|| self.window.as_ref().map(ViewerWindow::command)).flatten();
+        self.window = None;
+        let result = match (self.error, command) {
             (None, _) => Ok(()),
-            // The scene is not lost: it can be drawn from this line.
-            (Some(e), Some(command)) => Err(e.or(format!("draw what was shown by: {command}"))),
+            // Name the command that draws the same picture, so that the settings are not lost.
+            (Some(e), Some(command)) => Err(e.or(format!("draw the same picture with: {command}"))),
             (Some(e), None) => Err(e),
         };
         (self.instance, result)
@@ -61,15 +47,15 @@ impl App {
             .with_title("diffract")
             .with_inner_size(PhysicalSize::new(width, height))
             .with_min_inner_size(PhysicalSize::new(1, 1));
-        let window = events
+        let opened = events
             .create_window(attributes)
-            .map_err(|e| Error::failed(format!("the display gives no window ({e})"), super::RENDER))?;
-        let live = Live::new(&self.start, Arc::new(window), self.proxy.clone(), &mut self.instance)?;
-        self.live = Some(live);
+            .map_err(|e| Error::failed(format!("the display gives no window ({e})"), RENDER))?;
+        let (proxy, instance) = (self.proxy.clone(), &mut self.instance);
+        self.window = Some(ViewerWindow::new(&self.start, Arc::new(opened), proxy, instance)?);
         Ok(())
     }
 
-    /// Ends the loop where something failed.
+    /// Ends the event loop on an error.
     fn check(&mut self, events: &ActiveEventLoop, result: Result<()>) {
         if let Err(e) = result {
             self.error.get_or_insert(e);
@@ -80,26 +66,26 @@ impl App {
 
 impl ApplicationHandler<Event> for App {
     fn resumed(&mut self, events: &ActiveEventLoop) {
-        if self.live.is_none() {
+        if self.window.is_none() {
             let opened = self.open(events);
             self.check(events, opened);
         }
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
-        let Some(live) = &mut self.live else { return };
+        let Some(window) = &mut self.window else { return };
         let result = match event {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => {
                 events.exit();
                 Ok(())
             }
-            WindowEvent::RedrawRequested => live.redraw(),
+            WindowEvent::RedrawRequested => window.redraw(),
             event => {
-                live.event(&event);
+                window.event(&event);
                 Ok(())
             }
         };
-        let close = live.closes();
+        let close = window.closes();
         self.check(events, result);
         if close {
             events.exit();
@@ -107,19 +93,19 @@ impl ApplicationHandler<Event> for App {
     }
 
     fn user_event(&mut self, events: &ActiveEventLoop, event: Event) {
-        let Some(live) = &mut self.live else { return };
-        let result = live.hear(event);
+        let Some(window) = &mut self.window else { return };
+        let result = window.handle(event);
         self.check(events, result);
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        let Some(live) = &mut self.live else { return };
-        let mut wake = live.wake();
+        let Some(window) = &mut self.window else { return };
+        let mut wake = window.wake();
         if wake.is_some_and(|at| at <= Instant::now()) {
-            live.request_redraw();
+            window.request_redraw();
             wake = None;
         }
-        let wake = wake.into_iter().chain(live.look()).min();
+        let wake = wake.into_iter().chain(window.poll()).min();
         events.set_control_flow(wake.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
     }
 }

@@ -1,5 +1,5 @@
-//! A texture of egui's on the device, glyphs mostly. What is new in it is copied by the commands of the frame that shows it
-//! first: barriers put the copy between the frames before, which may still read, and that one, and the host waits for nothing.
+//! A texture of egui on the device, mostly glyphs. The frame that first shows a change also copies it. Barriers order the copy
+//! after the reads of earlier frames, so the host never waits.
 
 use crate::error::{Error, Result};
 use crate::vk::access::Access;
@@ -14,29 +14,29 @@ use egui::ImageData;
 use egui::epaint::ImageDelta;
 use std::sync::Arc;
 
-/// A texture, and the descriptor set by which the panel's pipeline reads it.
+/// A texture and the descriptor set through which the panel's pipeline reads it.
 pub struct Atlas {
     // Before the image that it points to.
     descriptors: Descriptors,
     image: Image,
-    // How the commands recorded so far leave the image.
+    // The access of the commands recorded last.
     last: Access,
 }
 
-/// What is not needed beyond one frame: let go of when the device is done with that frame.
+/// Resources that one frame uses last. They are freed when the device has finished the frame.
 #[derive(Default)]
-pub struct Kept {
+pub struct FrameResources {
     staging: Vec<Buffer>,
     atlases: Vec<Atlas>,
 }
 
-impl Kept {
-    /// Keeps `atlas`, which this frame or one before it may read and no later one does.
+impl FrameResources {
+    /// Keeps `atlas`, which no later frame reads.
     pub fn keep(&mut self, atlas: Atlas) {
         self.atlases.push(atlas);
     }
 
-    /// Lets go of everything. The device must be done with the frame.
+    /// Frees everything. The device must have finished the frame.
     pub fn clear(&mut self) {
         self.staging.clear();
         self.atlases.clear();
@@ -44,10 +44,10 @@ impl Kept {
 }
 
 impl Atlas {
-    /// An atlas of `size` texels, read through `sampler`; its texels have yet to be written.
+    /// An atlas of `size` texels, read through `sampler`; its texels are undefined until they are written.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// When the device has no memory.
     pub fn new(device: &Arc<Device>, sampler: &Sampler, size: [u32; 2]) -> Result<Self> {
         let description = Description {
             name: "panel texture",
@@ -58,7 +58,7 @@ impl Atlas {
             usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
         };
         let image = Image::new(device, &description)?;
-        // As the pipeline layout of egui_ash_renderer has it.
+        // The binding of egui_ash_renderer's pipeline layout.
         let binding = Binding {
             number: 0,
             kind: vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
@@ -79,7 +79,7 @@ impl Atlas {
         self.image.size()
     }
 
-    /// Records the copy of what `delta` changes. The texels wait in `kept` until the device has read them.
+    /// Records the copy of `delta`. `resources` keeps the staging buffer until the device has read it.
     ///
     /// # Errors
     /// Where the device has no room, or the change lies outside of the atlas.
@@ -88,7 +88,7 @@ impl Atlas {
         device: &Arc<Device>,
         record: &Recorder<'_>,
         delta: &ImageDelta,
-        kept: &mut Kept,
+        resources: &mut FrameResources,
     ) -> Result<()> {
         let ImageData::Color(new) = &delta.image;
         let corner = delta.pos.unwrap_or([0, 0]);
@@ -104,12 +104,12 @@ impl Atlas {
         record.images(&[(&self.image, before, Access::TransferWrite)]);
         record.copy_to_part(&staging, &self.image, corner, size);
         record.images(&[(&self.image, Access::TransferWrite, self.last)]);
-        kept.staging.push(staging);
+        resources.staging.push(staging);
         Ok(())
     }
 }
 
-/// egui changes only what it has made.
+/// Only a bug in egui or here leads to this.
 pub(super) fn misplaced() -> Error {
     Error::failed("the panel changes a texture that is not there", "report this as a bug of diffract")
 }

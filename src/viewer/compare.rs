@@ -1,27 +1,26 @@
-//! What stands right of the movable split.
+//! The comparison: what is shown right of the movable split.
 
-use super::settings::Optics;
+use super::settings::OpticsSettings;
 use crate::expansion::Basis;
-use crate::render::color_table::Filter;
-use crate::render::resources::Reads;
+use crate::setup::Method;
 
-/// What the picture is compared with, and how.
+/// How the picture is compared with another setting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Compare {
-    /// The picture alone.
+    /// Not at all.
     #[default]
     Alone,
-    /// The same scene by another setting.
+    /// The scene drawn with the other setting is shown beside it.
     Beside,
-    /// How far the picture is from that setting, relative, in false colour.
+    /// The relative difference from the other setting is shown in false colour.
     Error,
 }
 
 impl Compare {
-    /// All, in the order of the key that steps through them.
+    /// All, in the order in which a key steps through them.
     pub const ALL: [Self; 3] = [Self::Alone, Self::Beside, Self::Error];
 
-    /// In a word.
+    /// The name on the panel.
     pub fn name(self) -> &'static str {
         match self {
             Self::Alone => "alone",
@@ -36,30 +35,29 @@ impl Compare {
     }
 }
 
-/// The setting to compare with until the user names another: ten times as strict, by the basis that can be.
-pub fn strict(own: &Optics) -> Optics {
-    optimal((own.tolerance / 10.0).max(1e-4))
+/// The setting to compare with until the user changes it: a tenth of the tolerance, by the most accurate basis.
+pub fn strict(own: &OpticsSettings) -> OpticsSettings {
+    optimal(own, (own.tolerance / 10.0).max(1e-4))
 }
 
-/// What is drawn while something moves: ten times as loose.
-pub fn coarse(own: &Optics) -> Optics {
-    optimal(loose(own))
+/// The setting for moving pictures: ten times the tolerance.
+pub fn coarse(own: &OpticsSettings) -> OpticsSettings {
+    optimal(own, loose(own))
 }
 
-/// By how much looser the sum over wavelengths is while something moves, before layers go too; `None` where it is loose enough.
-pub fn looser_colours(own: &Optics) -> Option<f64> {
+/// The factor on the tolerance of the sum over wavelengths in moving pictures; `None` if the setting is loose already.
+pub fn looser_colours(own: &OpticsSettings) -> Option<f64> {
     Some(loose(own) / own.tolerance).filter(|&factor| factor > 1.5)
 }
 
-fn loose(own: &Optics) -> f64 {
+fn loose(own: &OpticsSettings) -> f64 {
     (own.tolerance * 10.0).clamp(1e-1, 3e-1)
 }
 
-fn optimal(tolerance: f64) -> Optics {
-    Optics {
-        method: Reads::Layers,
-        filter: Filter::Point,
-        windows: [1, 1],
+fn optimal(own: &OpticsSettings, tolerance: f64) -> OpticsSettings {
+    OpticsSettings {
+        method: Method::Spectral,
+        windows: own.windows,
         basis: Basis::Optimal,
         tolerance,
         terms: None,
@@ -78,9 +76,9 @@ mod tests {
     }
 
     #[test]
-    fn the_judge_is_stricter_and_the_moving_picture_looser() {
+    fn the_compared_setting_is_stricter_and_the_moving_picture_looser() {
         for tolerance in [1e-3, 1e-2, 5e-2] {
-            let own = Optics { basis: Basis::Taylor, terms: Some(5), ..optimal(tolerance) };
+            let own = OpticsSettings { basis: Basis::Taylor, terms: Some(5), ..optimal(tolerance) };
             assert!(strict(&own).tolerance < tolerance && coarse(&own).tolerance > tolerance);
             assert_eq!(strict(&own).terms, None);
         }

@@ -5,21 +5,21 @@ use crate::measure::profile::Summary;
 use egui::{Align2, Color32, FontId, Rect, Stroke, Ui, pos2, vec2};
 use std::collections::VecDeque;
 
-/// Frames that the graph shows.
+/// Number of frames in the graph.
 const FRAMES: usize = 120;
-/// The frame times of the thesis' shader on the GPU of its day \[ms\]: 15 to 5 frames a second.
+/// Frame times of the thesis' shader on the GPU of its day \[ms\], from 15 to 5 frames a second.
 const THESIS: [f64; 2] = [1e3 / 15.0, 1e3 / 5.0];
 /// Ends of the logarithmic axis \[ms\].
 const AXIS: [f64; 2] = [4.0, 20_000.0];
 
-/// The times of the last frames.
+/// The times of the most recent frames.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     times: VecDeque<f64>,
 }
 
 impl History {
-    /// A frame took `milliseconds`.
+    /// Adds a frame that took `milliseconds`.
     pub fn push(&mut self, milliseconds: f64) {
         if self.times.len() == FRAMES {
             self.times.pop_front();
@@ -34,13 +34,13 @@ impl History {
     }
 }
 
-/// Where `milliseconds` lie on the axis, 0 … 1 from the bottom.
+/// Position of `milliseconds` on the axis, 0 … 1 from the bottom.
 fn height(milliseconds: f64) -> f32 {
     let [low, high] = AXIS.map(f64::ln);
     (((milliseconds.max(1e-9).ln() - low) / (high - low)) as f32).clamp(0.0, 1.0)
 }
 
-/// Draws the graph with its band and its numbers.
+/// Draws the graph, with the thesis' frame rates as a band and `budget` \[ms\] as a dashed line.
 pub fn show(ui: &mut Ui, history: &History, budget: f64) {
     const HEIGHT: f32 = 68.0;
     let (whole, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), egui::Sense::hover());

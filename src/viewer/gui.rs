@@ -1,6 +1,6 @@
-//! egui on this program's device: its memory, its textures, its drawing.
+//! Draws egui on this program's device, with this program's allocator and textures.
 
-use super::atlas::{Atlas, Kept, misplaced};
+use super::atlas::{Atlas, FrameResources, misplaced};
 use crate::error::{Error, Result};
 use crate::vk::buffer::Buffer;
 use crate::vk::commands::Recorder;
@@ -15,20 +15,20 @@ use gpu_allocator::MemoryLocation;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What egui is to draw.
-pub struct Painting {
+/// What egui wants drawn.
+pub struct PaintJobs {
     /// Triangles.
     pub primitives: Vec<ClippedPrimitive>,
-    /// Changed textures.
+    /// Textures to change or free.
     pub textures: TexturesDelta,
-    /// Pixels of a point.
+    /// Pixels per point.
     pub scale: f32,
 }
 
-/// Draws egui into images of one format.
+/// Draws egui to images of one format.
 pub struct Gui {
     renderer: Renderer<Memory>,
-    // By egui's names, each with the name that the renderer has for its descriptor set.
+    // By egui's id, each with the renderer's id of its descriptor set.
     atlases: HashMap<TextureId, (TextureId, Atlas)>,
     sampler: Sampler,
     device: Arc<Device>,
@@ -53,7 +53,7 @@ impl Gui {
         Ok(Self { renderer, atlases: HashMap::new(), sampler, device: device.clone() })
     }
 
-    /// Records, before rendering begins, what changes in textures. `kept` belongs to the frame.
+    /// Records the texture changes; must come before rendering begins. `resources` belongs to the frame.
     ///
     /// # Errors
     /// Where the device has no room.
@@ -61,39 +61,44 @@ impl Gui {
         &mut self,
         record: &Recorder<'_>,
         textures: &mut TexturesDelta,
-        kept: &mut Kept,
+        resources: &mut FrameResources,
     ) -> Result<()> {
         let device = self.device.clone();
         for (id, deltas) in textures.set.drain() {
             for delta in deltas {
-                self.atlas(id, &delta, kept)?.write(&device, record, &delta, kept)?;
+                self.atlas(id, &delta, resources)?.write(&device, record, &delta, resources)?;
             }
         }
         Ok(())
     }
 
-    /// What `delta` goes into: a new atlas where it is a whole one of a size that is not there yet.
-    fn atlas(&mut self, id: TextureId, delta: &ImageDelta, kept: &mut Kept) -> Result<&mut Atlas> {
+    /// The atlas that `delta` changes; a new one if `delta` is a whole texture of another size.
+    fn atlas(
+        &mut self,
+        id: TextureId,
+        delta: &ImageDelta,
+        resources: &mut FrameResources,
+    ) -> Result<&mut Atlas> {
         let size = delta.image.size().map(|n| n as u32);
         let there = self.atlases.get(&id).map(|(_, atlas)| atlas.size());
         if delta.pos.is_none() && there != Some(size) {
             let atlas = Atlas::new(&self.device, &self.sampler, size)?;
-            self.give_up(id, kept);
+            self.remove(id, resources);
             let name = self.renderer.add_user_texture(atlas.set());
             self.atlases.insert(id, (name, atlas));
         }
         self.atlases.get_mut(&id).map(|(_, atlas)| atlas).ok_or_else(misplaced)
     }
 
-    /// Forgets a texture, which the device may still be reading.
-    fn give_up(&mut self, id: TextureId, kept: &mut Kept) {
+    /// Removes a texture, which the device may still be reading.
+    fn remove(&mut self, id: TextureId, resources: &mut FrameResources) {
         if let Some((name, atlas)) = self.atlases.remove(&id) {
             self.renderer.remove_user_texture(name);
-            kept.keep(atlas);
+            resources.keep(atlas);
         }
     }
 
-    /// Draws while rendering to a window of `size` is open, and gives up the textures that nothing later shows.
+    /// Records the drawing within rendering to an image of `size`, and frees the textures that are not needed any more.
     ///
     /// # Errors
     /// Where the device has no room.
@@ -101,10 +106,10 @@ impl Gui {
         &mut self,
         draw: &Recorder<'_>,
         size: [u32; 2],
-        painting: &mut Painting,
-        kept: &mut Kept,
+        jobs: &mut PaintJobs,
+        resources: &mut FrameResources,
     ) -> Result<()> {
-        for primitive in &mut painting.primitives {
+        for primitive in &mut jobs.primitives {
             if let Primitive::Mesh(mesh) = &mut primitive.primitive
                 && let Some((name, _)) = self.atlases.get(&mesh.texture_id)
             {
@@ -112,10 +117,10 @@ impl Gui {
             }
         }
         let extent = vk::Extent2D { width: size[0], height: size[1] };
-        let drawn = self.renderer.cmd_draw(draw.raw(), extent, painting.scale, &painting.primitives);
+        let drawn = self.renderer.cmd_draw(draw.raw(), extent, jobs.scale, &jobs.primitives);
         drawn.map_err(failed)?;
-        for id in painting.textures.free.drain() {
-            self.give_up(id, kept);
+        for id in jobs.textures.free.drain() {
+            self.remove(id, resources);
         }
         Ok(())
     }
@@ -130,7 +135,7 @@ fn failed(e: RendererError) -> Error {
     }
 }
 
-/// Memory for egui from the program's own allocator.
+/// Gives egui's renderer memory from this program's allocator.
 struct Memory(Arc<Device>);
 
 fn no_room(e: Error) -> RendererError {

@@ -1,4 +1,4 @@
-//! The hemisphere of one light, small and live.
+//! The BRDF of one light over the hemisphere, as a small live picture.
 
 use crate::error::Result;
 use crate::optics::color;
@@ -28,7 +28,7 @@ fn view(index: usize) -> Option<DVec3> {
     (z > 0.0).then(|| DVec3::new(x, y, z.sqrt()))
 }
 
-/// The hemisphere that `light` makes, with the layers of `painter`. Exposed so that its brightest percent is white.
+/// Evaluates the BRDF for `light` with the texture of `painter`. The 97th percentile of brightness is exposed to white.
 ///
 /// # Errors
 /// Where the device is lost.

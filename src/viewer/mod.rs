@@ -1,92 +1,46 @@
 //! The window: winit events, a panel of egui, and the frames that `render` draws.
 //!
-//! Three threads beside the window's own: `worker` makes layers, `studio` draws the scene, `judge` measures errors. They
-//! say what they have done by events; the window's thread never waits for them.
+//! Three kinds of threads run beside the window's own: `worker` prepares layers and colour tables, `render_thread` draws the
+//! scene, `error_probe` measures errors. They reply by events; the window's thread never waits for them.
 
 mod app;
 pub mod atlas;
 mod compare;
-mod easel;
+mod error_probe;
+mod event;
+mod frame;
 mod graph;
 #[allow(unsafe_code, reason = "hands Vulkan objects to the panel's renderer")]
 pub mod gui;
-mod hand;
+mod input;
 mod inset;
-mod judge;
-mod live;
+mod job_queue;
 mod model;
 mod orbit;
 mod overlay;
-mod pace;
 mod panel;
+mod prepared;
+mod presenter;
+mod quality;
+mod render_thread;
+mod renderer;
 mod save;
-mod screen;
 mod settings;
-mod studio;
+mod start;
 mod style;
-mod words;
+mod text_dump;
+mod window;
 mod worker;
 
+pub use start::Start;
+
 use crate::error::{Error, Result};
-use crate::expansion::Basis;
-use crate::optics::coherence::Coherence;
-use crate::render::color_table::Filter;
-use crate::render::pigment::Pigment;
-use crate::render::resources::Reads;
-use crate::scene::Scene;
-use crate::surface::Source;
 use crate::vk::instance::Instance;
-use crate::vk::selection::Wish;
-use ash::vk;
-use settings::{Optics, Settings};
+use start::RENDER;
 use std::sync::Arc;
-use studio::Stage;
 use winit::event_loop::EventLoop;
 
-/// Everything that the command line says.
-#[derive(Clone, Debug)]
-pub struct Start {
-    /// Name of the scene.
-    pub name: String,
-    /// The scene, options applied.
-    pub scene: Scene,
-    /// The scene as it is without options.
-    pub plain: Scene,
-    /// The height field.
-    pub surface: Source,
-    /// By which method.
-    pub method: Reads,
-    /// What a pixel of a colour table shows.
-    pub filter: Filter,
-    /// Window centres that a colour table averages over.
-    pub windows: [u32; 2],
-    /// The basis.
-    pub basis: Basis,
-    /// Relative error that the user accepts.
-    pub tolerance: f64,
-    /// Terms, where the user names them.
-    pub terms: Option<usize>,
-    /// Wavelengths, where the user names them.
-    pub wavelengths: Option<usize>,
-    /// What surrounds the patch.
-    pub coherence: Coherence,
-    /// Refractive index.
-    pub ior: f64,
-    /// The light's spectrum: a name or a file.
-    pub illuminant: String,
-    /// Size of the window \[pixels\].
-    pub size: [u32; 2],
-    /// Frames a second that are wanted while something moves.
-    pub fps: f64,
-    /// How frames are presented.
-    pub present: vk::PresentModeKHR,
-    /// Which device.
-    pub wish: Wish,
-    /// Whether validation listens.
-    pub validation: bool,
-}
-
-/// Opens the window and returns when it is closed, with what validation had to say.
+/// Opens the window; returns the validation messages when it is closed.
 ///
 /// # Errors
 /// No display, no device that shows windows, a device that is lost.
@@ -113,52 +67,13 @@ fn without_source(message: &str) -> String {
     behind.and_then(|behind| behind.strip_prefix(": ")).unwrap_or(message).to_owned()
 }
 
-/// What to do without a window.
-const RENDER: &str = "draw into a file with `diffract render -o picture.png` instead";
-
-/// Fails where no display is named in the environment, which `named` reads.
+/// Fails when the environment names no display. `named` tells whether a variable is set.
 fn check_display(named: impl Fn(&str) -> bool) -> Result<()> {
     let anywhere_else = cfg!(any(windows, target_os = "macos"));
     if anywhere_else || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named) {
         return Ok(());
     }
     Err(Error::failed("there is no display for a window: neither DISPLAY nor WAYLAND_DISPLAY is set", RENDER))
-}
-
-impl Start {
-    fn settings(&self) -> Settings {
-        Settings {
-            scene: self.name.clone(),
-            surface: self.surface.clone(),
-            optics: Optics {
-                method: self.method,
-                filter: self.filter,
-                windows: self.windows,
-                basis: self.basis,
-                tolerance: self.tolerance,
-                terms: self.terms,
-                wavelengths: self.wavelengths,
-            },
-            coherence: self.coherence,
-            ior: self.ior,
-            illuminant: self.illuminant.clone(),
-            lights: self.scene.lights.clone(),
-            exposure: self.scene.exposure,
-            base_color: self.scene.base_color,
-            camera: self.scene.camera,
-        }
-    }
-}
-
-impl Stage {
-    /// The stage of `scene`.
-    ///
-    /// # Errors
-    /// Where its pigment texture cannot be read.
-    pub fn of(scene: Scene) -> Result<Self> {
-        let pigment = scene.pigment.as_deref().map(Pigment::read).transpose()?.unwrap_or_else(Pigment::white);
-        Ok(Self { scene, pigment })
-    }
 }
 
 #[cfg(test)]

@@ -1,29 +1,39 @@
-//! What panel, hand and threads share: the settings, and what there is to tell.
+//! The state that panel, input and background threads share: what the user has set, and what there is to show.
 
 use super::compare::{self, Compare};
+use super::error_probe::ProbeStatus;
+use super::frame::{LoadedScene, RenderedFrame};
 use super::graph::History;
-use super::judge::Verdict;
-use super::pace::{Degree, Pace, Rung};
-use super::settings::{Optics, Settings};
-use super::studio::{Exhibit, Stage};
-use super::worker::{Prepared, ROLES, Role};
+use super::prepared::{Prepared, ROLES, Role};
+use super::quality::{Detail, Quality, QualityControl};
+use super::settings::{OpticsSettings, ViewSettings};
+use crate::error::Error;
 use std::sync::Arc;
 
-/// What the window asks the program to do beside drawing.
+/// One-off actions that the user has asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Wants {
-    /// Save the picture; with `true` as EXR too.
-    pub save: Option<bool>,
+pub struct Actions {
+    /// Save the picture.
+    pub save: Option<SaveAs>,
     /// Measure the error.
     pub measure: bool,
-    /// Back to how it began.
+    /// Reset all settings.
     pub reset: bool,
     /// Close the window.
     pub close: bool,
     /// Open a dropped file, or a scene by name.
     pub open: Option<String>,
-    /// Turn to the point under this pixel.
+    /// Turn the camera to the point under this pixel.
     pub focus: Option<[f32; 2]>,
+}
+
+/// File formats of a saved picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SaveAs {
+    /// The displayed picture.
+    Png,
+    /// The displayed picture, and the radiance as EXR.
+    PngAndExr,
 }
 
 /// A line for the user.
@@ -31,109 +41,198 @@ pub struct Wants {
 pub struct Message {
     /// The text.
     pub text: String,
-    /// Whether something went wrong.
-    pub bad: bool,
+    /// Whether it reports an error.
+    pub is_error: bool,
+}
+
+/// The comparison with another setting.
+pub struct Comparison {
+    /// What is shown right of the split.
+    pub mode: Compare,
+    /// Position of the split as a fraction of the picture's width.
+    pub split: f32,
+    /// The other setting.
+    pub optics: OpticsSettings,
+    /// The other setting, ready to be drawn.
+    pub prepared: Option<Arc<Prepared>>,
+}
+
+/// The settings that are ready to be drawn, and the progress of those that are not.
+#[derive(Default)]
+pub struct Sources {
+    /// The user's own.
+    pub own: Option<Arc<Prepared>>,
+    /// For moving pictures: fewer terms and wavelengths.
+    pub coarse: Option<Arc<Prepared>>,
+    /// For moving pictures: fewer wavelengths.
+    pub fewer_wavelengths: Option<Arc<Prepared>>,
+    /// Progress by [`Role`].
+    pub progress: [Option<Progress>; ROLES],
+}
+
+/// Progress of a setting in preparation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Steps done.
+    pub done: usize,
+    /// Steps in total.
+    pub of: usize,
+}
+
+impl Sources {
+    /// What moving pictures of `detail` are drawn from, if it is ready; `None` for the user's own.
+    pub fn lighter(&self, detail: Detail) -> Option<&Arc<Prepared>> {
+        match detail {
+            Detail::Full => None,
+            Detail::Coarse => self.coarse.as_ref(),
+            Detail::FewerWavelengths => self.fewer_wavelengths.as_ref(),
+        }
+    }
+
+    /// Drops what moving pictures of `detail` are drawn from.
+    pub fn forget(&mut self, detail: Detail) {
+        match detail {
+            Detail::Full => {}
+            Detail::Coarse => self.coarse = None,
+            Detail::FewerWavelengths => self.fewer_wavelengths = None,
+        }
+    }
+
+    /// What is being computed, and the fraction done.
+    pub fn in_progress(&self) -> Option<(&'static str, f32)> {
+        let named = [
+            (Role::Own, "computing spectra"),
+            (Role::Other, "computing spectra to compare with"),
+            (Role::Coarse, "computing spectra for moving"),
+            (Role::FewerWavelengths, "computing spectra for moving"),
+        ];
+        named.into_iter().find_map(|(role, name)| {
+            let Progress { done, of } = self.progress[role as usize]?;
+            Some((name, done as f32 / of.max(1) as f32))
+        })
+    }
+}
+
+/// When frames are drawn, and how fast.
+pub struct Pacing {
+    /// Recent frame times.
+    pub history: History,
+    /// What to leave out while moving.
+    pub quality: QualityControl,
+    /// Frames a second to keep while moving.
+    pub fps: f64,
+    /// Whether frames are drawn all the time, not only on changes.
+    pub continuous: bool,
+    /// Whether camera or lights are moving.
+    pub moving: bool,
+}
+
+/// Which parts of the user interface are shown.
+pub struct Visible {
+    /// The panel.
+    pub panel: bool,
+    /// The list of keys.
+    pub help: bool,
+    /// The hemisphere.
+    pub inset: bool,
+}
+
+/// The device, as the panel shows it.
+pub struct DeviceStatus {
+    /// Name, and why it was chosen.
+    pub name: String,
+    /// Bytes that the program's resources take.
+    pub memory: u64,
+    /// Presentation mode.
+    pub present_mode: &'static str,
+}
+
+/// The settings of each coherence that was chosen last, to return to.
+pub struct LastCoherence {
+    /// Coherence length \[µm\].
+    pub length: f64,
+    /// Copies along x and y.
+    pub copies: [u32; 2],
+}
+
+impl Default for LastCoherence {
+    fn default() -> Self {
+        // The length of `Coherence::SUNLIGHT`.
+        Self { length: 65.0, copies: [3, 3] }
+    }
 }
 
 /// The state behind the window.
 pub struct Model {
     /// What the user has set.
-    pub settings: Settings,
-    /// How it began.
-    pub original: Settings,
-    /// The settings of the optics that are shown; the user's may still be in the making.
-    pub applied: Settings,
-    /// The coherence length \[µm\] and the copies that were set last, for whichever the user turns back to.
-    pub kept: (f64, [u32; 2]),
-    /// The setting to compare with.
-    pub other: Optics,
-    /// What stands right of the split.
-    pub compare: Compare,
-    /// Where the split is, part of the picture's width.
-    pub split: f32,
+    pub settings: ViewSettings,
+    /// The settings at the start.
+    pub original: ViewSettings,
+    /// The settings of the picture that is shown; those of the user may still be in preparation.
+    pub applied: ViewSettings,
+    /// The comparison with another setting.
+    pub comparison: Comparison,
+    /// Coherences to return to.
+    pub last_coherence: LastCoherence,
     /// Mesh and pigment.
-    pub stage: Arc<Stage>,
-    /// The user's setting, ready.
-    pub own: Option<Arc<Prepared>>,
-    /// The setting to compare with, ready.
-    pub judge: Option<Arc<Prepared>>,
-    /// For moving pictures, ready: fewer wavelengths and layers, and fewer wavelengths alone.
-    pub lighter: [Option<Arc<Prepared>>; 2],
-    /// Steps done and steps in all of each role in the making.
-    pub progress: [Option<(usize, usize)>; ROLES],
+    pub loaded: Arc<LoadedScene>,
+    /// What can be drawn.
+    pub sources: Sources,
     /// What is shown.
-    pub exhibit: Option<Exhibit>,
-    /// Frame times.
-    pub history: History,
-    /// What to leave out while moving.
-    pub pace: Pace,
-    /// Frames a second that the user wants while moving.
-    pub fps: f64,
-    /// The last measured error, for as long as it belongs to what is shown.
-    pub verdict: Option<Verdict>,
-    /// Something to say.
+    pub frame: Option<RenderedFrame>,
+    /// When frames are drawn, and how fast.
+    pub pacing: Pacing,
+    /// The measured error of what is shown.
+    pub probe: Option<ProbeStatus>,
+    /// The line for the user.
     pub message: Option<Message>,
-    /// Whether the panel is there.
-    pub panel: bool,
-    /// Whether the list of keys is there.
-    pub help: bool,
-    /// Whether frames are drawn without end.
-    pub continuous: bool,
-    /// Whether the hemisphere is there.
-    pub inset: bool,
-    /// Whether something moves.
-    pub moving: bool,
+    /// Which parts of the user interface are shown.
+    pub visible: Visible,
     /// Pixels of the picture.
     pub size: [u32; 2],
-    /// The device's name.
-    pub device: String,
-    /// Bytes of memory that the device's resources take.
-    pub memory: u64,
-    /// How frames are presented.
-    pub present: &'static str,
-    /// What is asked for.
-    pub wants: Wants,
+    /// The device.
+    pub device: DeviceStatus,
+    /// What the user has asked for.
+    pub actions: Actions,
 }
 
 impl Model {
-    /// The state at the start.
-    pub fn new(settings: Settings, stage: Arc<Stage>, fps: f64, device: String) -> Self {
+    /// The state at the start, to keep `fps` frames a second on `device`.
+    pub fn new(settings: ViewSettings, loaded: Arc<LoadedScene>, fps: f64, device: String) -> Self {
         Self {
             original: settings.clone(),
             applied: settings.clone(),
-            other: compare::strict(&settings.optics),
-            kept: (65.0, [3, 3]),
+            comparison: Comparison {
+                mode: Compare::Alone,
+                split: 0.5,
+                optics: compare::strict(&settings.optics),
+                prepared: None,
+            },
+            last_coherence: LastCoherence::default(),
             settings,
-            compare: Compare::Alone,
-            split: 0.5,
-            stage,
-            own: None,
-            judge: None,
-            lighter: [None, None],
-            progress: [None; ROLES],
-            exhibit: None,
-            history: History::default(),
-            pace: Pace::new(fps),
-            fps,
-            verdict: None,
+            loaded,
+            sources: Sources::default(),
+            frame: None,
+            pacing: Pacing {
+                history: History::default(),
+                quality: QualityControl::new(fps),
+                fps,
+                continuous: false,
+                moving: false,
+            },
+            probe: None,
             message: None,
-            panel: true,
-            help: false,
-            continuous: false,
-            inset: true,
-            moving: false,
+            visible: Visible { panel: true, help: false, inset: true },
             size: [0, 0],
-            device,
-            memory: 0,
-            present: "",
-            wants: Wants::default(),
+            device: DeviceStatus { name: device, memory: 0, present_mode: "" },
+            actions: Actions::default(),
         }
     }
 
-    /// The settings of the picture that is shown: optics that are ready, and everything else at once.
-    pub fn shown(&self) -> Settings {
+    /// The settings of the picture that is shown: optics as prepared, everything else as set now.
+    pub fn shown(&self) -> ViewSettings {
         let (now, done) = (&self.settings, &self.applied);
-        Settings {
+        ViewSettings {
             scene: done.scene.clone(),
             lights: now.lights.clone(),
             exposure: now.exposure,
@@ -143,47 +242,26 @@ impl Model {
         }
     }
 
-    /// How much a frame does now.
-    pub fn rung(&self) -> Rung {
-        match (&self.exhibit, self.moving) {
-            // The first picture of all comes at once, if coarsely, whatever the hand does meanwhile.
-            (None, _) => Rung::FIRST,
-            (_, false) => Rung::WHOLE,
-            // What is compared is of the settings that are named.
-            _ => self.pace.moving(|degree| self.compare == Compare::Alone && self.lighter(degree).is_some()),
+    /// The quality of the next frame.
+    pub fn quality(&self) -> Quality {
+        match (&self.frame, self.pacing.moving) {
+            // The first frame appears at once, at low resolution, even while moving.
+            (None, _) => Quality::FIRST,
+            (_, false) => Quality::WHOLE,
+            // A comparison always shows the two settings that it names.
+            _ => self.pacing.quality.moving(|detail| {
+                self.comparison.mode == Compare::Alone && self.sources.lighter(detail).is_some()
+            }),
         }
     }
 
-    /// What moving pictures of `degree` are drawn from, where it is ready; nothing for the user's own.
-    pub fn lighter(&self, degree: Degree) -> Option<&Arc<Prepared>> {
-        match degree {
-            Degree::Own => None,
-            Degree::Coarse => self.lighter[0].as_ref(),
-            Degree::FewerWavelengths => self.lighter[1].as_ref(),
-        }
-    }
-
-    /// A line for the user.
+    /// Shows a line to the user.
     pub fn say(&mut self, text: impl Into<String>) {
-        self.message = Some(Message { text: text.into(), bad: false });
+        self.message = Some(Message { text: text.into(), is_error: false });
     }
 
-    /// A line for the user about what went wrong.
-    pub fn complain(&mut self, error: &crate::error::Error) {
-        self.message = Some(Message { text: error.to_string(), bad: true });
-    }
-
-    /// What is being made, in words, and how far it is.
-    pub fn making(&self) -> Option<(&'static str, f32)> {
-        let named = [
-            (Role::Own, "computing spectra"),
-            (Role::Other, "computing spectra to compare with"),
-            (Role::Coarse, "computing spectra for moving"),
-            (Role::FewerWavelengths, "computing spectra for moving"),
-        ];
-        named.into_iter().find_map(|(role, name)| {
-            let (done, of) = self.progress[role as usize]?;
-            Some((name, done as f32 / of.max(1) as f32))
-        })
+    /// Shows an error to the user.
+    pub fn report(&mut self, error: &Error) {
+        self.message = Some(Message { text: error.to_string(), is_error: true });
     }
 }

@@ -1,4 +1,4 @@
-//! From the hand to camera and light: pure geometry, no window.
+//! Moves camera and light by drags of the pointer: geometry without a window.
 
 use crate::scene::{Camera, Light, Mesh};
 use glam::{Vec2, Vec3};
@@ -14,11 +14,11 @@ pub enum Drag {
     Light,
 }
 
-/// Half a turn for a drag across the height of the picture.
+/// Rotation for a drag across the height of the picture \[rad\].
 const TURN: f32 = std::f32::consts::PI;
-/// The eye and the light stay this far from the poles \[rad\]: a hand that drags across a pole loses its bearings there.
+/// Smallest angle between the eye and a pole \[rad\]: a drag across the pole would flip the picture.
 const POLE: f32 = 0.01;
-/// A step of the wheel brings the camera closer by this factor.
+/// Factor on the camera's distance per step of the wheel.
 const ZOOM: f32 = 0.88;
 
 /// `camera` after a drag by `pixels` (x right, y down) in a picture `height` pixels high.
@@ -31,7 +31,7 @@ pub fn dragged(camera: Camera, drag: Drag, pixels: Vec2, height: f32) -> Camera 
             ..camera
         },
         Drag::Pan => {
-            // What is at the target's distance stays under the pointer.
+            // A point at the target's distance stays under the pointer.
             let across = 2.0 * camera.distance * (camera.field_of_view / 2.0).tan();
             let forward = (camera.target - camera.eye()).normalize_or(Vec3::Y);
             let right = forward.cross(Vec3::Z).normalize_or(Vec3::X);
@@ -42,12 +42,12 @@ pub fn dragged(camera: Camera, drag: Drag, pixels: Vec2, height: f32) -> Camera 
     }
 }
 
-/// `light` after a drag by `pixels` in a picture `height` pixels high, seen by `camera`: the light follows the hand, right
-/// to the right and up away from the viewer, as a lamp on the far side of the hemisphere would.
+/// `light` after a drag by `pixels` in a picture `height` pixels high, seen by `camera`. A drag to the right moves the light
+/// to the right, a drag upward moves it away from the viewer.
 pub fn light_dragged(light: Light, camera: Camera, pixels: Vec2, height: f32) -> Light {
     let part = pixels / height.max(1.0);
     let (theta, phi) = ((light.theta as f32).to_radians(), (light.phi as f32).to_radians());
-    // On the disc that is the hemisphere seen from above, radius θ: no pole to get stuck at.
+    // Polar coordinates of radius θ have no singularity at the zenith.
     let place = Vec2::from_angle(phi) * theta;
     let away = Vec2::from_angle(camera.phi + std::f32::consts::PI);
     let right = Vec2::new(away.y, -away.x);
@@ -55,7 +55,7 @@ pub fn light_dragged(light: Light, camera: Camera, pixels: Vec2, height: f32) ->
     let length = moved.length();
     let theta = f64::from(length.to_degrees()).clamp(0.0, 89.0);
     let phi = if length > 1e-4 { f64::from(moved.to_angle().to_degrees()) } else { light.phi };
-    // A tenth of a degree is finer than a hand, and short to write on a command line.
+    // Rounded to a tenth of a degree, which is short on a command line.
     let tenth = |x: f64| (x * 10.0).round() / 10.0;
     Light { theta: tenth(theta), phi: tenth(phi), ..light }
 }
@@ -66,7 +66,7 @@ pub fn zoomed(camera: Camera, steps: f32, radius: f32) -> Camera {
     Camera { distance: distance.clamp(radius * 0.02, radius * 50.0), ..camera }
 }
 
-/// The point of `mesh` under pixel `at` of a picture of `size`, if any.
+/// The point of `mesh` under pixel `at` of a picture of `size`; `None` where the mesh covers nothing.
 pub fn hit(camera: &Camera, mesh: &Mesh, at: Vec2, size: [u32; 2]) -> Option<Vec3> {
     let bounds = mesh.bounds();
     let world = camera.clip_from_world(size, bounds.centre, bounds.radius).inverse();
@@ -81,7 +81,7 @@ pub fn hit(camera: &Camera, mesh: &Mesh, at: Vec2, size: [u32; 2]) -> Option<Vec
     distances.min_by(f32::total_cmp).map(|t| eye + ray * t)
 }
 
-/// How far along `ray` from `eye` it meets the triangle at `a` with the edges `e` and `f` (Möller and Trumbore 1997).
+/// Distance along `ray` from `eye` to the triangle at `a` with edges `e` and `f` (Möller and Trumbore 1997).
 fn crossing(eye: Vec3, ray: Vec3, a: Vec3, e: Vec3, f: Vec3) -> Option<f32> {
     let p = ray.cross(f);
     let determinant = e.dot(p);

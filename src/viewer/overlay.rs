@@ -1,35 +1,35 @@
-//! What stands on the picture: what is done, the split, the scale of errors, the hemisphere, messages, the list of keys.
+//! What is drawn over the picture: state, messages, split, error scale, hemisphere, list of keys.
 
 use super::compare::Compare;
-use super::hand::KEYS;
+use super::input::KEYS;
 use super::inset::{Inset, SIDE};
 use super::model::Model;
-use super::pace::Rung;
-use super::settings::Optics;
+use super::quality::Quality;
+use super::settings::OpticsSettings;
 use super::style;
 use crate::render::difference;
-use crate::render::resources::Reads;
+use crate::setup::Method;
 use egui::{Align2, Color32, FontId, Grid, Mesh, Painter, Rect, RichText, Stroke, Ui, pos2, vec2};
 
-/// Space to the edge.
+/// Distance to the edge [points].
 const MARGIN: f32 = 12.0;
 
 /// Draws everything over the picture in `rect`.
 pub fn show(ui: &mut Ui, rect: Rect, model: &mut Model) {
     let painter = ui.painter_at(rect);
-    if model.compare != Compare::Alone {
+    if model.comparison.mode != Compare::Alone {
         split(&painter, rect, model);
     }
-    if let Some(inset) = model.exhibit.as_ref().and_then(|e| e.inset.as_ref()).filter(|_| model.inset) {
+    if let Some(inset) = model.frame.as_ref().and_then(|e| e.inset.as_ref()).filter(|_| model.visible.inset) {
         hemisphere(&painter, rect, inset);
     }
     state(&painter, rect, model);
-    if model.help {
+    if model.visible.help {
         help(ui, model);
     }
 }
 
-/// Text on a dark ground, anchored at `at` and at most `width` wide; the ground's rectangle.
+/// Draws text on a dark background, anchored at `at` and at most `width` wide; returns the background's rectangle.
 fn note(painter: &Painter, at: egui::Pos2, anchor: Align2, width: f32, text: &str, color: Color32) -> Rect {
     let galley = painter.layout(text.to_owned(), FontId::proportional(12.0), color, width);
     let size = galley.size() + vec2(14.0, 8.0);
@@ -39,11 +39,11 @@ fn note(painter: &Painter, at: egui::Pos2, anchor: Align2, width: f32, text: &st
     rect
 }
 
-/// What is done now, what is in the making, what there is to say.
+/// What is shown or computed now, and the message.
 fn state(painter: &Painter, rect: Rect, model: &Model) {
     let mut at = rect.left_bottom() + vec2(MARGIN, -MARGIN);
     let width = rect.width() - 4.0 * MARGIN;
-    if let Some((what, part)) = model.making() {
+    if let Some((what, part)) = model.sources.in_progress() {
         let ground = Rect::from_min_size(at - vec2(0.0, 34.0), vec2(260.0, 34.0));
         painter.rect_filled(ground, 4.0, style::GLASS);
         let text = format!("{what}: {:.0} %", part * 1e2);
@@ -59,27 +59,27 @@ fn state(painter: &Painter, rect: Rect, model: &Model) {
         let done = Rect::from_min_size(bar.min, vec2(bar.width() * part.clamp(0.0, 1.0), 4.0));
         painter.rect_filled(done, 2.0, style::ACCENT);
         at.y = ground.top() - 6.0;
-    } else if let Some(exhibit) = &model.exhibit {
-        let text = match (model.moving, exhibit.rung) {
-            (true, rung) => format!("moving: {rung}, {:.0} ms", exhibit.wall),
-            (false, Rung::WHOLE) => "still: everything".to_owned(),
+    } else if let Some(frame) = &model.frame {
+        let text = match (model.pacing.moving, frame.quality) {
+            (true, quality) => format!("moving: {quality}, {:.0} ms", frame.wall_ms),
+            (false, Quality::WHOLE) => "still: everything".to_owned(),
             (false, _) => "still: refining".to_owned(),
         };
         at.y = note(painter, at, Align2::LEFT_BOTTOM, width, &text, style::FAINT).top() - 6.0;
     }
     if let Some(message) = &model.message {
-        let color = if message.bad { style::POOR } else { style::TEXT };
+        let color = if message.is_error { style::POOR } else { style::TEXT };
         note(painter, at, Align2::LEFT_BOTTOM, width, &message.text, color);
     }
 }
 
-fn named(optics: &Optics) -> String {
+fn named(optics: &OpticsSettings) -> String {
     let by = match optics.method {
-        Reads::Layers => optics.basis.name(),
-        Reads::Table => "table",
+        Method::Spectral => optics.basis.name(),
+        Method::Table | Method::Reference => optics.method.name(),
     };
     let mut text = format!("{by}, {} %", (optics.tolerance * 1e6).round() / 1e4);
-    let terms = optics.terms.filter(|_| optics.method == Reads::Layers);
+    let terms = optics.terms.filter(|_| optics.method == Method::Spectral);
     for (number, name) in [(terms, "terms"), (optics.wavelengths, "wavelengths")] {
         if let Some(n) = number {
             text += &format!(", {n} {name}");
@@ -90,7 +90,7 @@ fn named(optics: &Optics) -> String {
 
 /// The line between the pictures, with the name of each setting beside it.
 fn split(painter: &Painter, rect: Rect, model: &Model) {
-    let x = rect.left() + model.split * rect.width();
+    let x = rect.left() + model.comparison.split * rect.width();
     painter.line_segment([pos2(x, rect.top()), pos2(x, rect.bottom())], Stroke::new(3.0, style::GLASS));
     painter.line_segment([pos2(x, rect.top()), pos2(x, rect.bottom())], Stroke::new(1.0, Color32::WHITE));
     let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(9.0, 30.0));
@@ -102,23 +102,23 @@ fn split(painter: &Painter, rect: Rect, model: &Model) {
     }
     let top = rect.top() + MARGIN;
     let left = painter.with_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
-    // What has no room is cut off, not broken into lines.
+    // Names that do not fit are cut off instead of wrapped.
     let wide = f32::INFINITY;
     note(&left, pos2(x - MARGIN, top), Align2::RIGHT_TOP, wide, &named(&model.settings.optics), style::TEXT);
     let right = painter.with_clip_rect(Rect::from_min_max(pos2(x, rect.top()), rect.max));
-    let ready = model.judge.is_some();
-    let other = match model.compare {
+    let ready = model.comparison.prepared.is_some();
+    let other = match model.comparison.mode {
         _ if !ready => "not ready yet".to_owned(),
-        Compare::Error => format!("error against {}", named(&model.other)),
-        _ => named(&model.other),
+        Compare::Error => format!("error against {}", named(&model.comparison.optics)),
+        _ => named(&model.comparison.optics),
     };
     note(&right, pos2(x + MARGIN, top), Align2::LEFT_TOP, wide, &other, style::TEXT);
-    if model.compare == Compare::Error {
+    if model.comparison.mode == Compare::Error {
         scale(painter, rect);
     }
 }
 
-/// The colours of relative errors.
+/// The colour scale of relative errors.
 fn scale(painter: &Painter, rect: Rect) {
     const SIZE: egui::Vec2 = vec2(220.0, 10.0);
     let ground =
@@ -147,7 +147,7 @@ fn scale(painter: &Painter, rect: Rect) {
     }
 }
 
-/// The hemisphere as a mesh of coloured points: no texture is uploaded for it while it is live.
+/// The hemisphere as a mesh of coloured squares, which needs no texture upload when it changes.
 fn hemisphere(painter: &Painter, rect: Rect, inset: &Inset) {
     const SIZE: f32 = 132.0;
     let ground = Rect::from_min_size(rect.min + vec2(MARGIN, MARGIN), vec2(SIZE + 16.0, SIZE + 36.0));
@@ -164,13 +164,13 @@ fn hemisphere(painter: &Painter, rect: Rect, inset: &Inset) {
     }
     painter.add(mesh);
     painter.circle_stroke(centre, SIZE / 2.0, Stroke::new(1.5, style::GRID));
-    // The light, and where a mirror would send it.
+    // The light, and its specular direction.
     let toward = inset.light.direction();
-    let place = centre + vec2(toward.x, -toward.y) * SIZE / 2.0;
-    let mirror = centre - vec2(toward.x, -toward.y) * SIZE / 2.0;
-    painter.circle_filled(place, 3.5, Color32::from_rgb(255, 236, 170));
-    painter.circle_stroke(place, 4.5, Stroke::new(1.0, Color32::BLACK));
-    painter.circle_stroke(mirror, 4.0, Stroke::new(1.0, Color32::from_gray(200)));
+    let light = centre + vec2(toward.x, -toward.y) * SIZE / 2.0;
+    let specular = centre - vec2(toward.x, -toward.y) * SIZE / 2.0;
+    painter.circle_filled(light, 3.5, Color32::from_rgb(255, 236, 170));
+    painter.circle_stroke(light, 4.5, Stroke::new(1.0, Color32::BLACK));
+    painter.circle_stroke(specular, 4.0, Stroke::new(1.0, Color32::from_gray(200)));
     let text = format!("BRDF, light θ {:.1}° φ {:.1}°", inset.light.theta, inset.light.phi);
     let at = pos2(ground.center().x, ground.bottom() - 6.0);
     painter.text(at, Align2::CENTER_BOTTOM, text, FontId::proportional(11.0), style::TEXT);
@@ -178,7 +178,7 @@ fn hemisphere(painter: &Painter, rect: Rect, inset: &Inset) {
 
 fn help(ui: &mut Ui, model: &mut Model) {
     egui::Window::new("Keys")
-        .open(&mut model.help)
+        .open(&mut model.visible.help)
         .collapsible(false)
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))

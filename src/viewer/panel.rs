@@ -1,4 +1,4 @@
-//! The panel: what can be set, and what it costs.
+//! The panel: settings and their cost.
 
 mod cost;
 mod optics;
@@ -16,7 +16,7 @@ pub const WIDTH: f32 = 336.0;
 /// Width of the labels.
 const LABEL: f32 = 92.0;
 
-/// Shows the panel and changes `model` as the user says: what it costs stays in sight, the rest scrolls.
+/// Shows the panel and applies the user's changes to `model`. The costs stay in sight, the rest scrolls.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     ui.spacing_mut().item_spacing.y = 4.0;
     egui::Panel::bottom("costs").frame(egui::Frame::new()).show_separator_line(false).show(ui, |ui| {
@@ -43,12 +43,12 @@ fn heading(ui: &mut Ui, text: &str) {
     ui.add_space(1.0);
 }
 
-/// A grid of labels and what belongs to them.
+/// A grid of labelled rows.
 fn rows(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
     Grid::new(name).num_columns(2).min_col_width(LABEL).max_col_width(WIDTH - LABEL - 44.0).show(ui, add);
 }
 
-/// A number to drag. What a command line has named stays as it is, also beyond what a hand drags it to.
+/// A draggable number. A value from the command line may lie outside the range of the drag.
 fn number<N: egui::emath::Numeric>(value: &mut N) -> DragValue<'_> {
     DragValue::new(value).clamp_existing_to_range(false)
 }
@@ -73,7 +73,7 @@ fn choice<T: PartialEq + Copy>(ui: &mut Ui, id: &str, now: &mut T, all: &[(T, &s
     });
 }
 
-/// The end of a path, which is what tells files apart.
+/// The file name of a path.
 fn short(name: &str) -> &str {
     std::path::Path::new(name).file_name().and_then(|n| n.to_str()).unwrap_or(name)
 }
@@ -94,7 +94,7 @@ fn scene(ui: &mut Ui, model: &mut Model) {
                     }
                 });
             if chosen.is_some() {
-                model.wants.open = chosen;
+                model.actions.open = chosen;
             }
         });
         row(ui, "exposure", |ui| {
@@ -104,7 +104,7 @@ fn scene(ui: &mut Ui, model: &mut Model) {
         row(ui, "base colour", |ui| {
             let mut rgb = model.settings.base_color.to_array();
             if ui.color_edit_button_rgb(&mut rgb).changed() {
-                // Four digits are more than a display shows, and short to write on a command line.
+                // Rounded to four digits, which is finer than a display and short on a command line.
                 model.settings.base_color = rgb.map(|c| (c * 1e4).round() / 1e4).into();
             }
             ui.label(RichText::new("pigment below the surface").small().color(style::FAINT));
@@ -158,11 +158,11 @@ fn compare(ui: &mut Ui, model: &mut Model) {
     rows(ui, "compare", |ui| {
         row(ui, "show", |ui| {
             for compare in Compare::ALL {
-                ui.selectable_value(&mut model.compare, compare, compare.name());
+                ui.selectable_value(&mut model.comparison.mode, compare, compare.name());
             }
         });
-        if model.compare != Compare::Alone {
-            optics::setting(ui, "other", &mut model.other, model.settings.coherence);
+        if model.comparison.mode != Compare::Alone {
+            optics::setting(ui, "other", &mut model.comparison.optics, model.settings.coherence);
         }
     });
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// The first of `diffract-001`, `diffract-002` … in `folder` of which there is no PNG and no EXR, without its extension.
+/// The first path of `diffract-001`, `diffract-002` … in `folder` that exists neither as PNG nor as EXR, without extension.
 pub fn free_name(folder: &Path) -> PathBuf {
     let name = |number: u32| folder.join(format!("diffract-{number:03}"));
     let free = |path: &PathBuf| ["png", "exr"].iter().all(|e| !path.with_extension(e).exists());

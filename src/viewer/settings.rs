@@ -1,50 +1,49 @@
-//! What the user has set, what a change of it asks for, and the command line that says the same.
+//! The user's settings, what a change of them requires, and the equivalent command line.
 
 use crate::error::Result;
 use crate::expansion::Basis;
-use crate::optics::coherence::Coherence;
+use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::spectrum::Illuminant;
 use crate::picture_file::quoted;
-use crate::render::color_table::Filter;
-use crate::render::resources::Reads;
 use crate::render::shading::{Purpose, Shading};
 use crate::scene::{Camera, Light, Scene};
+use crate::setup::Method;
 use crate::surface::{Level, Source};
 use glam::Vec3;
 
-/// How the optics is computed.
+/// How the diffraction is computed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Optics {
-    /// By which method.
-    pub method: Reads,
-    /// What a pixel of a colour table shows.
-    pub filter: Filter,
-    /// Window centres that a colour table averages over.
-    pub windows: [u32; 2],
-    /// Which expansion.
+pub struct OpticsSettings {
+    /// The method.
+    pub method: Method,
+    /// Positions of the coherence window.
+    pub windows: Windows,
+    /// The expansion.
     pub basis: Basis,
-    /// Relative error that the user accepts.
+    /// Accepted relative error.
     pub tolerance: f64,
-    /// Terms, where the user names them.
+    /// Number of terms; `None` follows from the tolerance.
     pub terms: Option<usize>,
-    /// Wavelengths, where the user names them.
+    /// Number of wavelengths; `None` follows from the tolerance.
     pub wavelengths: Option<usize>,
 }
 
-/// Everything that decides the picture but its size.
+/// Everything that determines the picture except its size.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct ViewSettings {
     /// Name of the scene.
     pub scene: String,
     /// The height field.
     pub surface: Source,
     /// The optics.
-    pub optics: Optics,
+    pub optics: OpticsSettings,
     /// What surrounds the patch.
     pub coherence: Coherence,
+    /// How the surface goes on beyond the patch.
+    pub beyond: Beyond,
     /// Refractive index.
     pub ior: f64,
-    /// The light's spectrum: a name or a file.
+    /// Spectrum of the light: a name or a file.
     pub illuminant: String,
     /// The lights.
     pub lights: Vec<Light>,
@@ -56,26 +55,27 @@ pub struct Settings {
     pub camera: Camera,
 }
 
-/// What a change makes necessary; each includes those before it.
+/// What a change requires; each includes those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Needs {
     /// Nothing.
     Nothing,
-    /// The display of the radiance that is there.
+    /// Displaying the same radiance again.
     Display,
-    /// A frame.
+    /// A new frame.
     Frame,
-    /// Layers, or tables beside them.
+    /// New layers or a new colour table.
     Layers,
-    /// Another mesh.
+    /// A new mesh.
     Mesh,
 }
 
-impl Settings {
-    /// What has to be done to show `self` where `shown` is shown.
+impl ViewSettings {
+    /// What has to be renewed to go from `shown` to `self`.
     pub fn needs(&self, shown: &Self) -> Needs {
-        let optics =
-            |s: &Self| (s.surface.clone(), s.optics.clone(), s.coherence, s.ior, s.illuminant.clone());
+        let optics = |s: &Self| {
+            (s.surface.clone(), s.optics.clone(), s.coherence, s.beyond, s.ior, s.illuminant.clone())
+        };
         if self.scene != shown.scene {
             Needs::Mesh
         } else if optics(self) != optics(shown) {
@@ -91,36 +91,47 @@ impl Settings {
         }
     }
 
-    /// The settings of the optics, with `optics` for the user's own.
+    /// The settings for `render`, with `optics` in place of [`Self::optics`].
     ///
     /// # Errors
-    /// Where the illuminant's file cannot be read.
-    pub fn shading(&self, optics: &Optics) -> Result<Shading> {
+    /// When the file of the illuminant cannot be read.
+    pub fn shading(&self, optics: &OpticsSettings) -> Result<Shading> {
         Ok(Shading {
             coherence: self.coherence,
             ior: self.ior,
             illuminant: Illuminant::from_name_or_file(&self.illuminant)?,
             tolerance: optics.tolerance,
-            windows: if optics.method == Reads::Table { optics.windows } else { [1, 1] },
+            windows: self.windows(optics),
+            beyond: self.beyond,
             basis: optics.basis,
-            terms: optics.terms.filter(|_| optics.method == Reads::Layers),
+            terms: optics.terms.filter(|_| self.windows(optics) != Windows::All),
             wavelengths: self.wavelengths(optics),
             purpose: Purpose::Picture,
             looser_colours: 1.0,
         })
     }
 
-    /// The wavelengths that are named in `optics`: through repeats they stand where the orders do.
-    fn wavelengths(&self, optics: &Optics) -> Option<usize> {
+    /// Positions of the window: a finite grating stands at one place.
+    pub fn windows(&self, optics: &OpticsSettings) -> Windows {
+        if self.repeats() { Windows::ONE } else { optics.windows }
+    }
+
+    /// The method of `optics`: a table is of the mean.
+    pub fn method(&self, optics: &OpticsSettings) -> Method {
+        if self.windows(optics) == Windows::All { optics.method } else { Method::Spectral }
+    }
+
+    /// The number of wavelengths that `optics` sets. Through repeats it has no effect: the wavelengths are those of the orders.
+    fn wavelengths(&self, optics: &OpticsSettings) -> Option<usize> {
         optics.wavelengths.filter(|_| !self.repeats())
     }
 
-    /// Whether the patch repeats so many times and no more.
+    /// Whether the coherence is a finite number of copies of the patch.
     pub fn repeats(&self) -> bool {
         matches!(self.coherence, Coherence::Repeats(_))
     }
 
-    /// The camera as a command line can name it: standing where its eye is, not where its angles put it to the last bit.
+    /// The camera as the options of a command line give it. They name the eye, so its angles differ in the last bits.
     pub fn shown_camera(&self, scene: &Scene) -> Camera {
         if self.camera == scene.camera {
             return self.camera;
@@ -151,17 +162,17 @@ impl Settings {
         if s.seed != 1 {
             option("seed", s.seed.to_string());
         }
-        match self.optics.method {
-            Reads::Layers => option("basis", self.optics.basis.name().to_owned()),
-            Reads::Table => {
-                option("method", Reads::Table.method().to_owned());
-                option("filter", self.optics.filter.name().to_owned());
-                let [n, m] = self.optics.windows;
-                option("windows", format!("{n}x{m}"));
-            }
+        option("method", self.method(&self.optics).name().to_owned());
+        option("windows", self.windows(&self.optics).to_string());
+        if self.windows(&self.optics) == Windows::All {
+            option("beyond", self.beyond.name().to_owned());
+        } else {
+            option("basis", self.optics.basis.name().to_owned());
         }
+        // As the viewer draws, until it sums samples.
+        option("samples", "1".to_owned());
         option("tolerance", format!("{:e}", self.optics.tolerance));
-        if let Some(terms) = self.optics.terms.filter(|_| self.optics.method == Reads::Layers) {
+        if let Some(terms) = self.optics.terms.filter(|_| self.windows(&self.optics) != Windows::All) {
             option("terms", terms.to_string());
         }
         if let Some(wavelengths) = self.wavelengths(&self.optics) {
@@ -169,7 +180,7 @@ impl Settings {
         }
         let coherence = match self.coherence {
             Coherence::Gaussian { length } => format!("gaussian:{length}um"),
-            Coherence::Repeats([n, m]) => format!("repeats:{n}x{m}"),
+            Coherence::Repeats([n, m]) => format!("grating:{n}x{m}"),
         };
         option("coherence", coherence);
         option("ior", self.ior.to_string());
@@ -202,7 +213,7 @@ fn triple(v: Vec3) -> String {
 mod tests {
     use super::*;
 
-    fn settings() -> (Settings, Scene) {
+    fn settings() -> (ViewSettings, Scene) {
         let scene = Scene::open("plate").unwrap();
         let surface = Source {
             name: scene.surface.clone(),
@@ -211,8 +222,8 @@ mod tests {
             level: Level::None,
             seed: 1,
         };
-        let optics = Optics {
-            method: Reads::Layers,
+        let optics = OpticsSettings {
+            method: Method::Spectral,
             filter: Filter::Point,
             windows: [1, 1],
             basis: Basis::Taylor,
@@ -220,7 +231,7 @@ mod tests {
             terms: None,
             wavelengths: None,
         };
-        let settings = Settings {
+        let settings = ViewSettings {
             scene: "plate".to_owned(),
             surface,
             optics,
@@ -238,7 +249,7 @@ mod tests {
     #[test]
     fn each_change_asks_for_no_more_than_it_needs() {
         let (shown, _) = settings();
-        let needs = |change: &dyn Fn(&mut Settings)| {
+        let needs = |change: &dyn Fn(&mut ViewSettings)| {
             let mut wanted = shown.clone();
             change(&mut wanted);
             wanted.needs(&shown)
@@ -261,13 +272,14 @@ mod tests {
         assert!(plain.starts_with("diffract render plate --basis taylor --tolerance 1e-2 "), "{plain}");
         assert!(plain.ends_with("--size 64x48 -o a.png"), "{plain}");
         assert!(!plain.contains("--eye") && !plain.contains("--surface") && !plain.contains("--seed"));
-        let by_table = Optics { method: Reads::Table, terms: Some(9), windows: [2, 3], ..s.optics.clone() };
-        let table = Settings { optics: by_table, ..s.clone() }.command(&scene, [64, 48], "a.png");
+        let by_table =
+            OpticsSettings { method: Method::Table, terms: Some(9), windows: [2, 3], ..s.optics.clone() };
+        let table = ViewSettings { optics: by_table, ..s.clone() }.command(&scene, [64, 48], "a.png");
         let expected = "--method table --filter point --windows 2x3 --tolerance 1e-2";
         assert!(table.contains(expected) && !table.contains("--terms"), "{table}");
         let through = Coherence::Repeats([3, 7]);
-        let named = Optics { wavelengths: Some(9), ..s.optics.clone() };
-        let repeats = Settings { coherence: through, optics: named, ..s.clone() };
+        let named = OpticsSettings { wavelengths: Some(9), ..s.optics.clone() };
+        let repeats = ViewSettings { coherence: through, optics: named, ..s.clone() };
         let told = repeats.command(&scene, [64, 48], "a.png");
         assert!(told.contains("--coherence repeats:3x7") && !told.contains("--wavelengths"), "{told}");
         assert_eq!(repeats.shading(&repeats.optics).unwrap().wavelengths, None);

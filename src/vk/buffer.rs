@@ -68,7 +68,7 @@ impl Buffer {
     /// Writes `data` at the start. The device must not be using the buffer.
     ///
     /// # Errors
-    /// Where the buffer is not host-visible or too small: a mistake of the caller's.
+    /// If the buffer is not host-visible or too small, which is a bug in the caller.
     pub fn write(&mut self, data: &[u8]) -> Result<()> {
         let mapped = self.allocation.as_mut().and_then(Allocation::mapped_slice_mut);
         match mapped.and_then(|slice| slice.get_mut(..data.len())) {
@@ -80,10 +80,10 @@ impl Buffer {
         }
     }
 
-    /// The bytes, where the buffer is host-visible. The device must have finished writing.
+    /// The content of a host-visible buffer. The device must have finished writing.
     ///
     /// # Errors
-    /// Where the buffer is not host-visible: a mistake of the caller's.
+    /// If the buffer is not host-visible, which is a bug in the caller.
     pub fn bytes(&self) -> Result<&[u8]> {
         let mapped = self.allocation.as_ref().and_then(Allocation::mapped_slice);
         mapped.and_then(|slice| slice.get(..self.size as usize)).ok_or_else(not_mapped)

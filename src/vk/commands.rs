@@ -1,4 +1,4 @@
-//! A command buffer that is recorded, submitted and waited for, with the fence that tells when it is done.
+//! A command buffer that is recorded, submitted and waited for, with its fence.
 
 use super::access::Access;
 use super::buffer::Buffer;
@@ -14,11 +14,11 @@ use ash::vk;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// How long the host waits for one submission before it gives the device up \[ns\]: ten minutes, as a software device may
-/// take for a large picture.
+/// Longest wait for one submission before the device counts as lost \[ns\]. A software device may take minutes for a large
+/// picture.
 const PATIENCE: u64 = 600 * 1_000_000_000;
 
-/// What depth is cleared to: where the farthest things are seen.
+/// Clear value of depth: the far plane.
 pub const FAR: f32 = 1.0;
 
 /// A command buffer, its pool and its fence.
@@ -26,7 +26,7 @@ pub struct Commands {
     raw: vk::CommandBuffer,
     pool: vk::CommandPool,
     fence: vk::Fence,
-    // Whether there is a submission that was not waited for.
+    // Whether a submission has not been waited for.
     pending: bool,
     device: Arc<Device>,
 }
@@ -62,7 +62,7 @@ impl Commands {
         Ok(own)
     }
 
-    /// Records with `record`, submits, and waits until the device is done.
+    /// Records with `record`, submits, and waits until the device has finished.
     ///
     /// # Errors
     /// What `record` returns, or where the device is lost.
@@ -140,7 +140,7 @@ impl Commands {
 
 impl Drop for Commands {
     fn drop(&mut self) {
-        // A device that is lost has nothing left to wait for.
+        // A lost device finishes nothing.
         let _ = self.wait();
         // SAFETY: the last submission is done. Null handles are allowed, and the pool frees its buffer.
         unsafe {
@@ -150,7 +150,7 @@ impl Drop for Commands {
     }
 }
 
-/// Records commands while a command buffer is open. Resources that are handed in must live until the work is done.
+/// Records commands into an open command buffer. The resources used must live until the device has finished.
 pub struct Recorder<'a> {
     raw: vk::CommandBuffer,
     device: &'a ash::Device,
@@ -169,7 +169,7 @@ impl Recorder<'_> {
         self.raw
     }
 
-    /// Makes `images` ready for their next use.
+    /// Records barriers that prepare `images` for their next use.
     pub fn images(&self, changes: &[(&Image, Access, Access)]) {
         let barriers: Vec<_> = changes
             .iter()
@@ -188,7 +188,7 @@ impl Recorder<'_> {
         unsafe { self.device.cmd_pipeline_barrier2(self.raw, &info) };
     }
 
-    /// Empties `timestamps` before they are written.
+    /// Resets `timestamps`, which is required before they are written.
     pub fn reset(&self, timestamps: &Timestamps) {
         // SAFETY: recording is open outside of rendering; the last work that wrote the pool was waited for.
         unsafe { self.device.cmd_reset_query_pool(self.raw, timestamps.pool(), 0, timestamps.count()) };
@@ -246,10 +246,10 @@ impl Recorder<'_> {
         unsafe { self.device.cmd_copy_image_to_buffer(self.raw, from.raw(), layout, to.raw(), &regions) };
     }
 
-    /// Binds a pipeline and its resources.
-    pub fn bind(&self, pipeline: &Pipeline, descriptors: &Descriptors) {
-        let sets = [descriptors.set()];
-        // SAFETY: recording is open; the set was made for this pipeline's layout and all it points to is live.
+    /// Binds a pipeline and its descriptor sets, set 0 first.
+    pub fn bind(&self, pipeline: &Pipeline, sets: &[&Descriptors]) {
+        let sets: Vec<_> = sets.iter().map(|set| set.set()).collect();
+        // SAFETY: recording is open; the sets were made for this pipeline's layout and all they point to is live.
         unsafe {
             self.device.cmd_bind_pipeline(self.raw, pipeline.bind_point(), pipeline.raw());
             self.device.cmd_bind_descriptor_sets(
@@ -271,7 +271,7 @@ impl Recorder<'_> {
         };
     }
 
-    /// Runs `groups` work groups of the bound compute pipeline.
+    /// Dispatches `groups` work groups of the bound compute pipeline.
     pub fn dispatch(&self, groups: u32) {
         // SAFETY: recording is open and a compute pipeline with its set is bound.
         unsafe { self.device.cmd_dispatch(self.raw, groups, 1, 1) };
@@ -285,7 +285,7 @@ impl Recorder<'_> {
         depth: Option<&Image>,
         draw: impl FnOnce(&Self),
     ) {
-        self.rendering(colors, depth.map(|image| (image, vk::AttachmentLoadOp::CLEAR)), draw);
+        self.rendering(&cleared(colors), depth.map(|image| (image, vk::AttachmentLoadOp::CLEAR)), draw);
     }
 
     /// The same with a `depth` that was drawn before.
@@ -295,12 +295,18 @@ impl Recorder<'_> {
         depth: &Image,
         draw: impl FnOnce(&Self),
     ) {
-        self.rendering(colors, Some((depth, vk::AttachmentLoadOp::LOAD)), draw);
+        self.rendering(&cleared(colors), Some((depth, vk::AttachmentLoadOp::LOAD)), draw);
+    }
+
+    /// Draws into `color`, which keeps what is not drawn over, with a `depth` that was drawn before.
+    pub fn render_onto(&self, color: &Image, depth: &Image, draw: impl FnOnce(&Self)) {
+        let load = vk::AttachmentLoadOp::LOAD;
+        self.rendering(&[(color, load, [0.0; 4])], Some((depth, load)), draw);
     }
 
     fn rendering(
         &self,
-        colors: &[(&Image, Option<[f32; 4]>)],
+        colors: &[(&Image, vk::AttachmentLoadOp, [f32; 4])],
         depth: Option<(&Image, vk::AttachmentLoadOp)>,
         draw: impl FnOnce(&Self),
     ) {
@@ -315,9 +321,7 @@ impl Recorder<'_> {
         };
         let attachments: Vec<_> = colors
             .iter()
-            .map(|(image, clear)| {
-                let load = clear.map_or(vk::AttachmentLoadOp::DONT_CARE, |_| vk::AttachmentLoadOp::CLEAR);
-                let float32 = clear.unwrap_or_default();
+            .map(|&(image, load, float32)| {
                 let clear = vk::ClearValue { color: vk::ClearColorValue { float32 } };
                 attachment(image, Access::ColorAttachment, load, clear)
             })
@@ -361,11 +365,20 @@ impl Recorder<'_> {
         }
     }
 
-    /// Draws `count` vertices that the shader makes itself.
+    /// Draws `count` vertices without a vertex buffer.
     pub fn draw(&self, count: u32) {
         // SAFETY: rendering is open with a bound pipeline that takes no vertex buffer.
         unsafe { self.device.cmd_draw(self.raw, count, 1, 0, 0) };
     }
+}
+
+/// Colour attachments with what happens to them first: they are cleared where they come with a value, else they hold anything.
+fn cleared<'a>(colors: &[(&'a Image, Option<[f32; 4]>)]) -> Vec<(&'a Image, vk::AttachmentLoadOp, [f32; 4])> {
+    let load = |clear: &Option<[f32; 4]>| match clear {
+        Some(_) => vk::AttachmentLoadOp::CLEAR,
+        None => vk::AttachmentLoadOp::DONT_CARE,
+    };
+    colors.iter().map(|(image, clear)| (*image, load(clear), clear.unwrap_or_default())).collect()
 }
 
 /// Rows of one layer of an image, against tightly packed texels in a buffer.

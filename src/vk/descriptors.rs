@@ -1,4 +1,4 @@
-//! A descriptor set with its layout and the pool that it came from: the list of resources that shaders see.
+//! A descriptor set with its layout and pool.
 
 use super::buffer::Buffer;
 use super::device::Device;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub struct Binding {
     /// Number in the shaders.
     pub number: u32,
-    /// Kind of resource.
+    /// Type of resource.
     pub kind: vk::DescriptorType,
     /// Stages that use it.
     pub stages: vk::ShaderStageFlags,
@@ -76,13 +76,13 @@ impl Descriptors {
         Ok(own)
     }
 
-    /// Points binding `number` at a whole buffer.
+    /// Binds a whole buffer to `number`.
     pub fn buffer(&self, number: u32, buffer: &Buffer) {
         let infos = [vk::DescriptorBufferInfo::default().buffer(buffer.raw()).range(vk::WHOLE_SIZE)];
         self.update(self.write(number).buffer_info(&infos));
     }
 
-    /// Points binding `number` at an image, read through a sampler.
+    /// Binds an image and its sampler to `number`.
     pub fn image(&self, number: u32, image: &Image, sampler: &Sampler) {
         let infos = [vk::DescriptorImageInfo::default()
             .sampler(sampler.raw())

@@ -2,7 +2,7 @@
 
 use super::failure;
 use super::instance::Instance;
-use super::selection::{self, Candidate, Wish};
+use super::selection::{self, Candidate, DeviceChoice};
 use super::surface::Surface;
 use crate::error::{Error, Result};
 use crate::memory;
@@ -15,17 +15,17 @@ use std::ffi::c_char;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
-/// The first block of device memory and the first of host memory that are taken from the driver, and the largest: later ones
-/// double. Small pictures get along with little, large ones with few blocks \[bytes\].
+/// Sizes of the first block of device memory, the first block of host memory, and the largest block \[bytes\]. Each block is
+/// twice the one before, so that small pictures take little memory and large ones few blocks.
 const BLOCKS: [(u64, u64); 2] = [(16 << 20, 256 << 20), (8 << 20, 64 << 20)];
 
 /// A Vulkan device with its queue and its memory.
 pub struct Device {
     // Before the device: frees its blocks.
     allocator: Mutex<Option<Allocator>>,
-    // How many allocations succeed before one is refused, for tests.
+    // For tests: number of allocations that succeed before one fails.
     until_refusal: AtomicU64,
-    // How many submissions and images of a window succeed before the device, or the window's surface, is lost, for tests.
+    // For tests: number of submissions, and of acquired images, that succeed before the device or the surface is lost.
     until_loss: AtomicU64,
     until_surface_loss: AtomicU64,
     names: Option<ext::debug_utils::Device>,
@@ -39,20 +39,20 @@ pub struct Device {
 }
 
 impl Device {
-    /// Opens the device that `wish` means.
+    /// Opens the device of choice `wish`.
     ///
     /// # Errors
     /// As [`selection::choose`], and where the driver refuses.
-    pub fn open(instance: Arc<Instance>, wish: &Wish) -> Result<Arc<Self>> {
+    pub fn open(instance: Arc<Instance>, wish: &DeviceChoice) -> Result<Arc<Self>> {
         let candidates = selection::candidates(&instance)?;
         Self::open_one_of(candidates, instance, wish, &[])
     }
 
-    /// Opens the device that `wish` means among those that can present to `surface`.
+    /// Opens the device of choice `wish` among those that can present to `surface`.
     ///
     /// # Errors
     /// As [`Device::open`].
-    pub fn open_for(surface: &Surface, wish: &Wish) -> Result<Arc<Self>> {
+    pub fn open_for(surface: &Surface, wish: &DeviceChoice) -> Result<Arc<Self>> {
         let instance = surface.instance().clone();
         let mut candidates = selection::candidates(&instance)?;
         for candidate in &mut candidates {
@@ -66,7 +66,7 @@ impl Device {
     fn open_one_of(
         mut candidates: Vec<Candidate>,
         instance: Arc<Instance>,
-        wish: &Wish,
+        wish: &DeviceChoice,
         extensions: &[*const c_char],
     ) -> Result<Arc<Self>> {
         let (index, reason) = selection::choose(&candidates, wish)?;
@@ -133,12 +133,12 @@ impl Device {
         &self.instance
     }
 
-    /// What was chosen.
+    /// The physical device.
     pub fn candidate(&self) -> &Candidate {
         &self.candidate
     }
 
-    /// Why it was chosen.
+    /// Why this device was chosen.
     pub fn reason(&self) -> &str {
         &self.reason
     }
@@ -148,12 +148,12 @@ impl Device {
         self.queue_family
     }
 
-    /// Submits recorded work; `fence` is signalled when it is done.
+    /// Submits recorded work and signals `fence` when it has finished.
     ///
     /// # Errors
     /// Where the device is lost or out of memory.
     pub fn submit(&self, work: vk::SubmitInfo2<'_>, fence: vk::Fence) -> Result<()> {
-        // Once lost, it stays lost.
+        // A lost device stays lost.
         let take = |left: u64| if left == u64::MAX { None } else { left.checked_sub(1) };
         let left = self.until_loss.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take);
         if left == Err(0) {
@@ -164,7 +164,7 @@ impl Device {
             .map_err(|c| failure("submit work", c))
     }
 
-    /// Gives `use_it` the queue while nobody else uses it.
+    /// Calls `use_it` with exclusive access to the queue.
     ///
     /// # Errors
     /// Where a thread failed while it used the queue.
@@ -173,13 +173,13 @@ impl Device {
         Ok(use_it(*queue))
     }
 
-    /// Bytes of memory that this program's resources take.
+    /// Bytes of memory that the resources of this program take.
     pub fn memory_in_use(&self) -> u64 {
         let report = |a: &Allocator| a.generate_report().total_allocated_bytes;
         self.allocator.lock().ok().and_then(|guard| guard.as_ref().map(report)).unwrap_or(0)
     }
 
-    /// Waits until the queue has nothing left to do.
+    /// Waits until the queue is idle.
     pub fn wait_idle(&self) {
         let Ok(queue) = self.queue.lock() else { return };
         // SAFETY: the lock gives the external synchronization that a queue needs. A lost device is idle, too.
@@ -196,7 +196,7 @@ impl Device {
         matches!(idle, Ok(Err(vk::Result::ERROR_DEVICE_LOST)))
     }
 
-    /// Takes memory for a resource called `name`.
+    /// Allocates memory for a resource called `name`.
     ///
     /// # Errors
     /// Where there is not enough.
@@ -225,18 +225,18 @@ impl Device {
         Ok(allocation)
     }
 
-    /// Makes the `n`-th allocation from now on (from 1) fail, and no other: for tests of what follows.
+    /// Makes the `n`-th allocation from now on (from 1) fail, for tests.
     pub fn refuse_allocation(&self, n: u64) {
         self.until_refusal.store(n.saturating_sub(1), Ordering::Relaxed);
     }
 
-    /// Whether a mask says that the surface of a window is lost now, which it says once.
+    /// Whether the mask simulates a lost surface now; true only once.
     pub fn loses_surface(&self) -> bool {
         let take = |left: u64| left.checked_sub(1).or(Some(u64::MAX));
         self.until_surface_loss.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take) == Ok(0)
     }
 
-    /// Gives memory back.
+    /// Frees memory.
     pub fn free(&self, allocation: Allocation) {
         if let Ok(mut guard) = self.allocator.lock()
             && let Some(allocator) = guard.as_mut()
@@ -246,7 +246,7 @@ impl Device {
         }
     }
 
-    /// Gives a handle a name that validation and debuggers show.
+    /// Sets the debug name of a handle.
     pub fn name(&self, handle: impl vk::Handle, name: &str) {
         let Some(functions) = &self.names else { return };
         let Ok(name) = std::ffi::CString::new(name) else { return };

@@ -8,7 +8,7 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocation;
 use std::sync::Arc;
 
-/// What an image is made for.
+/// Parameters of an image.
 #[derive(Clone, Copy, Debug)]
 pub struct Description<'a> {
     /// Debug name.
@@ -17,11 +17,11 @@ pub struct Description<'a> {
     pub format: vk::Format,
     /// Width and height in texels.
     pub size: [u32; 2],
-    /// Array layers; with `array`, the view is an array even of one.
+    /// Number of array layers.
     pub layers: u32,
-    /// Whether shaders see a 2D array.
+    /// Whether the view is a 2D array, even of one layer.
     pub array: bool,
-    /// Uses.
+    /// Usage flags.
     pub usage: vk::ImageUsageFlags,
 }
 
@@ -34,13 +34,13 @@ pub struct Image {
     size: [u32; 2],
     layers: u32,
     levels: u32,
-    // Whether the handle goes with this value; a swapchain keeps its own.
+    // Whether dropping this destroys the image; a swapchain owns its images.
     owned: bool,
     device: Arc<Device>,
 }
 
 impl Image {
-    /// An image of one layer that someone else owns, with a view of this program's. `raw` must outlive it.
+    /// Wraps an image of one layer that is owned elsewhere and must outlive the result.
     ///
     /// # Errors
     /// Where the device refuses a view.
@@ -81,7 +81,7 @@ impl Image {
         Ok(())
     }
 
-    /// Makes an image of one mip level.
+    /// Creates an image with one mip level.
     ///
     /// # Errors
     /// Where it exceeds the device's limits or memory.
@@ -89,7 +89,7 @@ impl Image {
         Self::with_levels(device, description, 1)
     }
 
-    /// Makes an image of `levels` mip levels, each half the one before along both sides.
+    /// Creates an image with `levels` mip levels.
     ///
     /// # Errors
     /// Where it exceeds the device's limits or memory.
@@ -145,7 +145,7 @@ impl Image {
         Ok(image)
     }
 
-    /// Depth or colour, by format.
+    /// The aspect of a format: depth or colour.
     pub fn aspect(&self) -> vk::ImageAspectFlags {
         match self.format {
             vk::Format::D32_SFLOAT => vk::ImageAspectFlags::DEPTH,
@@ -153,7 +153,7 @@ impl Image {
         }
     }
 
-    /// All of the image.
+    /// All levels and layers.
     pub fn range(&self) -> vk::ImageSubresourceRange {
         vk::ImageSubresourceRange::default()
             .aspect_mask(self.aspect())

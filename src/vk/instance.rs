@@ -1,4 +1,4 @@
-//! The Vulkan instance, and the ear for what validation says.
+//! The Vulkan instance, with a messenger that collects validation messages.
 
 use super::failure;
 use super::mask::Mask;
@@ -10,14 +10,14 @@ use winit::raw_window_handle::RawDisplayHandle;
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
-/// The Vulkan version that everything here is written for.
+/// The Vulkan version that this program needs.
 pub const API_VERSION: u32 = vk::API_VERSION_1_3;
 
-/// What to install where Vulkan is missing.
+/// Remedy where Vulkan is missing.
 pub const INSTALL: &str = "install a Vulkan driver (on Debian and Ubuntu without a GPU: apt-get install libvulkan1 \
                            mesa-vulkan-drivers)";
 
-/// Messages of the validation layer, in order.
+/// Messages of the validation layer, the oldest first.
 #[derive(Debug, Default)]
 pub struct Messages(Mutex<Vec<String>>);
 
@@ -40,22 +40,22 @@ pub struct Instance {
     raw: ash::Instance,
     // Boxed: the messenger holds its address.
     messages: Box<Messages>,
-    // What its devices are made to lack.
+    // Capabilities hidden from its devices.
     mask: Mask,
     // Last: unloads the library.
     entry: ash::Entry,
 }
 
 impl Instance {
-    /// Loads Vulkan and makes an instance; with `validation`, the Khronos layer listens, synchronization checks included.
+    /// Loads Vulkan and creates an instance. `validation` enables the Khronos layer with synchronization checks.
     ///
     /// # Errors
-    /// No Vulkan library, none of version 1.3, or validation asked for and not installed; each says what to install.
+    /// No Vulkan library, no version 1.3, or validation requested but not installed.
     pub fn new(validation: bool) -> Result<Self> {
         Self::with_extensions(validation, &[], Mask::from_environment()?)
     }
 
-    /// The same with devices that lack what `mask` takes away.
+    /// Like [`Instance::new`], with the capabilities of `mask` hidden.
     ///
     /// # Errors
     /// As [`Instance::new`].
@@ -63,10 +63,10 @@ impl Instance {
         Self::with_extensions(validation, &[], mask)
     }
 
-    /// The same for windows on the display of `handle`.
+    /// Like [`Instance::new`], for windows on the display of `handle`.
     ///
     /// # Errors
-    /// As [`Instance::new`], and where this Vulkan knows no windows of that kind.
+    /// As [`Instance::new`], and if this Vulkan does not support the window system.
     pub fn for_windows(validation: bool, handle: RawDisplayHandle) -> Result<Self> {
         let names = ash_window::enumerate_required_extensions(handle)
             .map_err(|c| failure("name what windows of this kind need", c))?;
@@ -137,17 +137,17 @@ impl Instance {
         &self.entry
     }
 
-    /// What validation has said so far; empty without validation.
+    /// Validation messages so far; empty without validation.
     pub fn messages(&self) -> Vec<String> {
         self.messages.all()
     }
 
-    /// What its devices are made to lack.
+    /// Capabilities hidden from its devices.
     pub fn mask(&self) -> &Mask {
         &self.mask
     }
 
-    /// Whether validation listens.
+    /// Whether validation is enabled.
     pub fn validates(&self) -> bool {
         self.debug.is_some()
     }
@@ -178,7 +178,7 @@ fn require_validation(entry: &ash::Entry) -> Result<()> {
     ))
 }
 
-/// Keeps a message for the test or the program that will fail on it.
+/// Stores a message, which later fails the test or the program.
 unsafe extern "system" fn on_message(
     _severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _kind: vk::DebugUtilsMessageTypeFlagsEXT,

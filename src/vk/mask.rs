@@ -1,6 +1,6 @@
-//! What a device is made to lack, so that a machine with a good one can be tried as one with a poor one.
+//! Hides capabilities of a device, so that tests on a capable device see the behaviour on a poor one.
 //!
-//! `DIFFRACT_DEVICE_MASK` holds it, entries with semicolons between:
+//! The environment variable `DIFFRACT_DEVICE_MASK` lists what to hide, separated by semicolons:
 //!
 //! | entry | effect |
 //! | --- | --- |
@@ -12,7 +12,7 @@
 //! | `layers=4` | images have at most so many array layers |
 //! | `without=synchronization2` | a feature, format or version is missing, by a part of the name that errors give it |
 //!
-//! A mask only takes away. The errors are those of a device that has no more.
+//! A mask only removes capabilities. The errors are those of a device without them.
 
 use crate::error::{Error, Result};
 
@@ -59,7 +59,7 @@ impl Mask {
         for entry in text.split(';').map(str::trim).filter(|entry| !entry.is_empty()) {
             let refuse = || {
                 Error::usage(
-                    format!("`{entry}` takes nothing away"),
+                    format!("unknown entry `{entry}`"),
                     "write memory=256MiB, allocation=7, submission=40, acquisition=3, side=1024, layers=4 or \
                      without=FEATURE, with ; between",
                 )

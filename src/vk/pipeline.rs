@@ -1,4 +1,4 @@
-//! Pipelines and their layouts, from SPIR-V that the build made.
+//! Pipelines and their layouts, from the SPIR-V of the build.
 
 use super::descriptors::Descriptors;
 use super::device::Device;
@@ -7,11 +7,11 @@ use crate::error::{Error, Result};
 use ash::vk;
 use std::sync::Arc;
 
-/// A shader module, needed only while pipelines are made.
+/// A shader module, needed only to create pipelines.
 struct Module<'a> {
     raw: vk::ShaderModule,
     entries: Vec<vk::SpecializationMapEntry>,
-    constants: &'a [u32],
+    values: Vec<u32>,
     device: &'a Device,
 }
 
@@ -25,20 +25,19 @@ impl<'a> Module<'a> {
         let raw = unsafe { device.raw().create_shader_module(&info, None) }
             .map_err(|c| failure(&format!("load the shader {name}"), c))?;
         device.name(raw, name);
-        let entry = |index: usize| vk::SpecializationMapEntry {
-            constant_id: index as u32,
+        let entry = |(index, constant): (usize, &Constant)| vk::SpecializationMapEntry {
+            constant_id: constant.id,
             offset: (index * size_of::<u32>()) as u32,
             size: size_of::<u32>(),
         };
-        let entries = (0..constants.len()).map(entry).collect();
-        Ok(Self { raw, entries, constants, device })
+        let entries = constants.iter().enumerate().map(entry).collect();
+        let values = constants.iter().map(|constant| constant.value).collect();
+        Ok(Self { raw, entries, values, device })
     }
 
     /// The values of the stage's constants.
     fn specialization(&self) -> vk::SpecializationInfo<'_> {
-        vk::SpecializationInfo::default()
-            .map_entries(&self.entries)
-            .data(bytemuck::cast_slice(self.constants))
+        vk::SpecializationInfo::default().map_entries(&self.entries).data(bytemuck::cast_slice(&self.values))
     }
 
     fn stage<'b>(
@@ -61,10 +60,10 @@ impl Drop for Module<'_> {
     }
 }
 
-/// How triangles become fragments of a graphics pipeline.
+/// Vertex input and attachments of a graphics pipeline.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawing<'a> {
-    /// Size of a vertex in bytes; 0 where the shader makes its own.
+    /// Size of a vertex in bytes; 0 without a vertex buffer.
     pub vertex_stride: u32,
     /// Attributes of a vertex.
     pub attributes: &'a [vk::VertexInputAttributeDescription],
@@ -74,6 +73,22 @@ pub struct Drawing<'a> {
     pub depth: Option<(vk::CompareOp, bool)>,
 }
 
+/// A specialisation constant of 4 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Constant {
+    /// Its `constant_id`.
+    pub id: u32,
+    /// Its bits; of a bool, 0 or 1.
+    pub value: u32,
+}
+
+impl Constant {
+    /// Constant `id` with `value`.
+    pub fn new(id: u32, value: impl Into<u32>) -> Self {
+        Self { id, value: value.into() }
+    }
+}
+
 /// Code of a stage.
 #[derive(Clone, Copy, Debug)]
 pub struct Code<'a> {
@@ -81,13 +96,13 @@ pub struct Code<'a> {
     pub name: &'a str,
     /// Its SPIR-V.
     pub spirv: &'a [u8],
-    /// Values of its specialisation constants, from `constant_id` 0 on; those that the stage does not have are ignored.
-    pub constants: &'a [u32],
+    /// Its specialisation constants; those that the stage does not have are ignored.
+    pub constants: &'a [Constant],
 }
 
 impl<'a> Code<'a> {
     /// The same stage with `constants`.
-    pub fn with(self, constants: &'a [u32]) -> Self {
+    pub fn with(self, constants: &'a [Constant]) -> Self {
         Self { constants, ..self }
     }
 }
@@ -104,7 +119,7 @@ pub struct Pipeline {
 impl Pipeline {
     fn empty(
         device: &Arc<Device>,
-        descriptors: &Descriptors,
+        sets: &[&Descriptors],
         bind_point: vk::PipelineBindPoint,
         push_bytes: u32,
     ) -> Result<Self> {
@@ -112,7 +127,7 @@ impl Pipeline {
             vk::PipelineBindPoint::COMPUTE => vk::ShaderStageFlags::COMPUTE,
             _ => vk::ShaderStageFlags::FRAGMENT,
         };
-        let layouts = [descriptors.layout()];
+        let layouts: Vec<_> = sets.iter().map(|set| set.layout()).collect();
         let ranges = [vk::PushConstantRange::default().stage_flags(push_stages).size(push_bytes)];
         let mut info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts);
         if push_bytes > 0 {
@@ -124,17 +139,17 @@ impl Pipeline {
         Ok(Self { raw: vk::Pipeline::null(), layout, bind_point, push_stages, device: device.clone() })
     }
 
-    /// A compute pipeline.
+    /// A compute pipeline over `sets`, set 0 first.
     ///
     /// # Errors
     /// Where the device refuses.
     pub fn compute(
         device: &Arc<Device>,
         code: Code<'_>,
-        descriptors: &Descriptors,
+        sets: &[&Descriptors],
         push_bytes: u32,
     ) -> Result<Self> {
-        let mut own = Self::empty(device, descriptors, vk::PipelineBindPoint::COMPUTE, push_bytes)?;
+        let mut own = Self::empty(device, sets, vk::PipelineBindPoint::COMPUTE, push_bytes)?;
         let module = Module::new(device, code)?;
         let constants = module.specialization();
         let info = vk::ComputePipelineCreateInfo::default()
@@ -147,7 +162,7 @@ impl Pipeline {
         Ok(own)
     }
 
-    /// A graphics pipeline over dynamic viewport and scissor; without `fragment` it writes depth alone.
+    /// A graphics pipeline over `sets`, set 0 first, with dynamic viewport and scissor. Without `fragment` it writes depth only.
     ///
     /// # Errors
     /// Where the device refuses.
@@ -156,10 +171,45 @@ impl Pipeline {
         vertex: Code<'_>,
         fragment: Option<Code<'_>>,
         drawing: &Drawing<'_>,
-        descriptors: &Descriptors,
+        sets: &[&Descriptors],
         push_bytes: u32,
     ) -> Result<Self> {
-        let mut own = Self::empty(device, descriptors, vk::PipelineBindPoint::GRAPHICS, push_bytes)?;
+        let replace = vk::PipelineColorBlendAttachmentState::default();
+        Self::blended(device, (vertex, fragment), drawing, sets, push_bytes, replace)
+    }
+
+    /// A graphics pipeline without push constants that adds what it draws to what its attachments hold.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn adding(
+        device: &Arc<Device>,
+        vertex: Code<'_>,
+        fragment: Code<'_>,
+        drawing: &Drawing<'_>,
+        sets: &[&Descriptors],
+    ) -> Result<Self> {
+        let one = vk::BlendFactor::ONE;
+        let add = vk::PipelineColorBlendAttachmentState::default()
+            .blend_enable(true)
+            .src_color_blend_factor(one)
+            .dst_color_blend_factor(one)
+            .color_blend_op(vk::BlendOp::ADD)
+            .src_alpha_blend_factor(one)
+            .dst_alpha_blend_factor(one)
+            .alpha_blend_op(vk::BlendOp::ADD);
+        Self::blended(device, (vertex, Some(fragment)), drawing, sets, 0, add)
+    }
+
+    fn blended(
+        device: &Arc<Device>,
+        (vertex, fragment): (Code<'_>, Option<Code<'_>>),
+        drawing: &Drawing<'_>,
+        sets: &[&Descriptors],
+        push_bytes: u32,
+        blend: vk::PipelineColorBlendAttachmentState,
+    ) -> Result<Self> {
+        let mut own = Self::empty(device, sets, vk::PipelineBindPoint::GRAPHICS, push_bytes)?;
         let vertex_module = Module::new(device, vertex)?;
         let fragment_module = fragment.map(|code| Module::new(device, code)).transpose()?;
         let vertex_constants = vertex_module.specialization();
@@ -180,7 +230,7 @@ impl Pipeline {
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
             .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
-        // Both sides: a mesh need not be closed, and its windings need not be right.
+        // No culling: meshes need not be closed, and their winding may be wrong.
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
             .cull_mode(vk::CullModeFlags::NONE)
             .line_width(1.0);
@@ -191,11 +241,7 @@ impl Pipeline {
             .depth_test_enable(drawing.depth.is_some())
             .depth_write_enable(depth_write)
             .depth_compare_op(compare);
-        let blends = vec![
-            vk::PipelineColorBlendAttachmentState::default()
-                .color_write_mask(vk::ColorComponentFlags::RGBA);
-            drawing.colors.len()
-        ];
+        let blends = vec![blend.color_write_mask(vk::ColorComponentFlags::RGBA); drawing.colors.len()];
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
         let states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
         let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&states);

@@ -1,4 +1,4 @@
-//! Timestamps on the device's own clock.
+//! Timestamp queries.
 
 use super::device::Device;
 use super::failure;
@@ -14,7 +14,7 @@ pub struct Timestamps {
 }
 
 impl Timestamps {
-    /// Room for `count` timestamps.
+    /// A pool of `count` timestamps.
     ///
     /// # Errors
     /// Where the device refuses.
@@ -37,7 +37,7 @@ impl Timestamps {
         self.count
     }
 
-    /// Milliseconds from each timestamp to the next, of work that is done.
+    /// Time between consecutive timestamps of finished work \[ms\].
     ///
     /// # Errors
     /// Where the device is lost.

@@ -21,7 +21,7 @@ impl Sampler {
         Self::new(device, name, &filtering(address))
     }
 
-    /// Linear in both directions and between mip levels, the edge going on beyond the edges.
+    /// Trilinear; coordinates are clamped to the edge.
     ///
     /// # Errors
     /// Where the device refuses.
@@ -32,7 +32,7 @@ impl Sampler {
         Self::new(device, name, &info)
     }
 
-    /// Of the nearest texel, as images of integers take it.
+    /// Nearest texel, which integer images require.
     ///
     /// # Errors
     /// Where the device refuses.

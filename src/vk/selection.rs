@@ -1,4 +1,4 @@
-//! Which of the machine's Vulkan devices to use, and why.
+//! Chooses one of the Vulkan devices of the machine.
 
 use super::failure;
 use super::instance::{API_VERSION, INSTALL, Instance};
@@ -6,14 +6,14 @@ use super::mask::Mask;
 use crate::error::{Error, Result};
 use ash::vk;
 
-/// A Vulkan device of this machine, as far as choosing needs it.
+/// What choosing needs to know about a Vulkan device.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// The handle.
     pub raw: vk::PhysicalDevice,
-    /// The name that the driver gives.
+    /// Name given by the driver.
     pub name: String,
-    /// Driver and its version, as the driver says it.
+    /// Name and version of the driver.
     pub driver: String,
     /// Discrete, integrated, virtual, CPU.
     pub kind: vk::PhysicalDeviceType,
@@ -29,26 +29,29 @@ pub struct Candidate {
     pub max_layers: u32,
     /// Nanoseconds of one tick of its clock.
     pub timestamp_period: f64,
-    /// What is missing, if anything.
+    /// Required capabilities that are missing.
     pub missing: Vec<&'static str>,
 }
 
-/// How the user names a device.
+/// Images that a pass draws into at once, at the most. Devices of Vulkan 1.3 draw into 8 at least, but for a few of phones.
+pub const ATTACHMENTS: u32 = 8;
+
+/// How a device is chosen.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum Wish {
+pub enum DeviceChoice {
     /// The fastest usable one.
     #[default]
     Any,
-    /// A software one.
+    /// A software device.
     Cpu,
-    /// By its number in the list.
+    /// The device with this number in the list.
     Index(usize),
-    /// By a part of its name.
+    /// The first device whose name contains this.
     Name(String),
 }
 
-impl Wish {
-    /// `cpu`, a number, or a part of a name.
+impl DeviceChoice {
+    /// Parses `cpu`, a number, or part of a name.
     pub fn parse(text: &str) -> Result<Self> {
         match text.trim() {
             "" => Err(Error::usage(
@@ -115,18 +118,20 @@ fn describe(instance: &Instance, raw: vk::PhysicalDevice) -> Candidate {
             mask,
             raw,
             p.api_version,
+            p.limits.max_color_attachments.min(p.limits.max_fragment_output_attachments),
             queue_family.filter(|&i| families[i as usize].timestamp_valid_bits > 0),
         ),
         driver: format!("{} {}", text(&driver.driver_name), text(&driver.driver_info)),
     }
 }
 
-/// What `device` lacks of what the renderer needs.
+/// The capabilities of the renderer that `device` lacks.
 fn missing(
     instance: &ash::Instance,
     mask: &Mask,
     device: vk::PhysicalDevice,
     version: u32,
+    attachments: u32,
     queue_family: Option<u32>,
 ) -> Vec<&'static str> {
     let mut missing = Vec::new();
@@ -142,8 +147,10 @@ fn missing(
         instance.get_physical_device_features2(device, &mut features);
         instance.get_physical_device_format_properties(device, vk::Format::R32G32B32A32_SFLOAT)
     };
-    let wanted =
-        vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR | vk::FormatFeatureFlags::COLOR_ATTACHMENT;
+    // Blending, because samples of a picture are summed that way.
+    let wanted = vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR
+        | vk::FormatFeatureFlags::COLOR_ATTACHMENT
+        | vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND;
     for (there, name) in [
         (queue_family.is_some(), "a queue with graphics, compute and timestamps"),
         (v13.dynamic_rendering == vk::TRUE, "dynamic rendering"),
@@ -151,8 +158,9 @@ fn missing(
         (v13.maintenance4 == vk::TRUE, "maintenance4"),
         (
             float.optimal_tiling_features.contains(wanted),
-            "linear filtering and drawing of 32-bit float images",
+            "linear filtering, drawing and blending of 32-bit float images",
         ),
+        (attachments >= ATTACHMENTS, "drawing into eight images at once"),
     ] {
         if !there || mask.hides(name) {
             missing.push(name);
@@ -161,7 +169,7 @@ fn missing(
     missing
 }
 
-/// How much a kind of device promises; the reason that the choice gives.
+/// Preference of a kind of device, the smallest first, and its name.
 fn rank(kind: vk::PhysicalDeviceType) -> (u8, &'static str) {
     match kind {
         vk::PhysicalDeviceType::DISCRETE_GPU => (0, "a discrete GPU"),
@@ -172,16 +180,16 @@ fn rank(kind: vk::PhysicalDeviceType) -> (u8, &'static str) {
     }
 }
 
-/// What kind of device this is, in words.
+/// The kind of a device, in words.
 pub fn kind_name(kind: vk::PhysicalDeviceType) -> &'static str {
     rank(kind).1
 }
 
-/// The candidate that `wish` means, with the reason in words.
+/// The candidate of choice `wish`, and the reason in words.
 ///
 /// # Errors
-/// No device at all, none that fits the wish, or none that can do what is needed.
-pub fn choose(candidates: &[Candidate], wish: &Wish) -> Result<(usize, String)> {
+/// No device, no matching one, or none with the required capabilities.
+pub fn choose(candidates: &[Candidate], wish: &DeviceChoice) -> Result<(usize, String)> {
     if candidates.is_empty() {
         return Err(Error::failed("Vulkan finds no device on this machine", INSTALL));
     }
@@ -199,21 +207,21 @@ pub fn choose(candidates: &[Candidate], wish: &Wish) -> Result<(usize, String)> 
         ))
     };
     match wish {
-        Wish::Index(i) if *i < candidates.len() => named(*i),
-        Wish::Index(i) => Err(no_such(&i.to_string())),
-        Wish::Name(name) => {
+        DeviceChoice::Index(i) if *i < candidates.len() => named(*i),
+        DeviceChoice::Index(i) => Err(no_such(&i.to_string())),
+        DeviceChoice::Name(name) => {
             let wanted = name.to_lowercase();
             let found = candidates.iter().position(|c| c.name.to_lowercase().contains(&wanted));
             found.map_or_else(|| Err(no_such(name)), named)
         }
-        Wish::Cpu => {
+        DeviceChoice::Cpu => {
             let mut software =
                 (0..candidates.len()).filter(|&i| candidates[i].kind == vk::PhysicalDeviceType::CPU);
             best(&mut software)
                 .map(|i| (i, "a software device, as asked".to_owned()))
                 .ok_or_else(|| Error::failed("there is no usable software device", INSTALL))
         }
-        Wish::Any => best(&mut (0..candidates.len()))
+        DeviceChoice::Any => best(&mut (0..candidates.len()))
             .map(|i| {
                 let usable = (0..candidates.len()).filter(|i| usable(i)).count();
                 let kind = kind_name(candidates[i].kind);
@@ -261,8 +269,9 @@ mod tests {
             candidate("Big One", vk::PhysicalDeviceType::DISCRETE_GPU, vec![]),
             candidate("old", vk::PhysicalDeviceType::DISCRETE_GPU, vec!["Vulkan 1.3"]),
         ];
-        let chosen = |text: &str| Wish::parse(text).and_then(|wish| choose(&list, &wish)).map(|c| c.0);
-        assert_eq!(choose(&list, &Wish::Any).unwrap().0, 1);
+        let chosen =
+            |text: &str| DeviceChoice::parse(text).and_then(|wish| choose(&list, &wish)).map(|c| c.0);
+        assert_eq!(choose(&list, &DeviceChoice::Any).unwrap().0, 1);
         assert_eq!(chosen("cpu").unwrap(), 0);
         assert_eq!(chosen("1").unwrap(), 1);
         assert_eq!(chosen("big").unwrap(), 1);
@@ -270,7 +279,7 @@ mod tests {
         assert!(
             chosen("7").is_err() && chosen("nothing").is_err() && chosen("99999999999999999999999").is_err()
         );
-        assert!(choose(&[], &Wish::Any).is_err());
-        assert!(choose(&list[2..], &Wish::Any).is_err());
+        assert!(choose(&[], &DeviceChoice::Any).is_err());
+        assert!(choose(&list[2..], &DeviceChoice::Any).is_err());
     }
 }

@@ -1,4 +1,4 @@
-//! A binary semaphore: orders work of the device against the display.
+//! A binary semaphore, which orders work of the device and presentation.
 
 use super::device::Device;
 use super::failure;

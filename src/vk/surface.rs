@@ -1,4 +1,4 @@
-//! The part of a window that Vulkan draws to.
+//! The Vulkan surface of a window.
 
 use super::failure;
 use super::instance::Instance;
@@ -11,7 +11,7 @@ use std::ffi::CStr;
 use std::sync::Arc;
 use winit::raw_window_handle::{HandleError, HasDisplayHandle, HasWindowHandle};
 
-/// A surface, with the window under it.
+/// A surface, with its window.
 pub struct Surface {
     raw: vk::SurfaceKHR,
     functions: khr::surface::Instance,
@@ -57,7 +57,7 @@ impl Surface {
         supported == Ok(true) && named(khr::swapchain::NAME)
     }
 
-    /// Sizes and numbers of images that `device` can present now.
+    /// Current surface capabilities of `device`.
     ///
     /// # Errors
     /// Where the surface is lost.
@@ -66,7 +66,7 @@ impl Surface {
         unsafe { self.functions.get_physical_device_surface_capabilities(device, self.raw) }
     }
 
-    /// Formats that `device` can present.
+    /// Surface formats of `device`.
     ///
     /// # Errors
     /// Where the surface is lost.
@@ -75,7 +75,7 @@ impl Surface {
         unsafe { self.functions.get_physical_device_surface_formats(device, self.raw) }
     }
 
-    /// Ways in which `device` can present.
+    /// Presentation modes of `device`.
     ///
     /// # Errors
     /// Where the surface is lost.

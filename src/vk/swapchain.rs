@@ -1,4 +1,4 @@
-//! The images that a window shows in turn.
+//! The swapchain of a window.
 
 use super::device::Device;
 use super::failure;
@@ -9,18 +9,18 @@ use crate::error::{Error, Result};
 use ash::{khr, vk};
 use std::sync::Arc;
 
-/// What became of a wish to show something.
+/// Result of acquiring or presenting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown<T> {
-    /// It was done.
+    /// Success.
     Done(T),
-    /// The window has changed: the swapchain has to be made anew.
+    /// The window has changed: the swapchain must be recreated.
     Outdated,
-    /// The surface is lost: it has to be made anew, and the swapchain with it.
+    /// The surface is lost: surface and swapchain must be recreated.
     Lost,
 }
 
-/// Images of a surface, each with the semaphore that its presentation waits for.
+/// A swapchain, with the semaphore of each image that its presentation waits for.
 pub struct Swapchain {
     // Views of the swapchain's own images: they go first.
     images: Vec<Image>,
@@ -163,12 +163,12 @@ impl Swapchain {
         &self.images[index]
     }
 
-    /// What drawing image `index` has to signal.
+    /// The semaphore that drawing image `index` must signal.
     pub fn drawn(&self, index: usize) -> &Semaphore {
         &self.drawn[index]
     }
 
-    /// How it presents.
+    /// The presentation mode.
     pub fn mode(&self) -> vk::PresentModeKHR {
         self.mode
     }
@@ -200,7 +200,7 @@ fn extent(capabilities: &vk::SurfaceCapabilitiesKHR, wished: [u32; 2]) -> vk::Ex
     }
 }
 
-/// Eight bits a channel that are shown as they are: the picture already has its transfer function.
+/// A format of 8 bits per channel without sRGB conversion: the picture has its transfer function applied already.
 fn format(formats: &[vk::SurfaceFormatKHR]) -> Result<vk::SurfaceFormatKHR> {
     let wanted = [vk::Format::B8G8R8A8_UNORM, vk::Format::R8G8B8A8_UNORM];
     let fits = |f: &&vk::SurfaceFormatKHR| {
@@ -214,7 +214,7 @@ fn format(formats: &[vk::SurfaceFormatKHR]) -> Result<vk::SurfaceFormatKHR> {
     })
 }
 
-/// A window that hides what is behind it, as far as there is a choice.
+/// Opaque composition, if supported.
 fn opaque(supported: vk::CompositeAlphaFlagsKHR) -> vk::CompositeAlphaFlagsKHR {
     use vk::CompositeAlphaFlagsKHR as A;
     [A::OPAQUE, A::INHERIT, A::PRE_MULTIPLIED, A::POST_MULTIPLIED]

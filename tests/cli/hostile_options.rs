@@ -149,6 +149,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--quick", &[&["--quick"]]),     // twice
     ("--queries", &[&["", "nothing.csv", ".", "/dev/zero", "grey.png"]]),
     ("--frames", &[NO_NUMBER, &["0", "2", "-3", "1e3", "100001"]]),
+    ("--samples", &[NO_NUMBER, &["0", "-3", "1.5", "1e3", "4097"]]),
     ("--sample-pixels", &[NO_NUMBER, &["0", "-3", "1.5", "1e3", "268435457", "10"]]), // 10: not with spectral
     ("--error", &[NO_NUMBER, &["0", "-3", "1.5", "1e3", "268435457", "ALL", "some"]]),
     ("--json", &[&["", "none/out.json", ".", "/dev/null", "grey.png/out.json"]]),

@@ -3,8 +3,8 @@
 use crate::sandbox::Sandbox;
 use diffract::optics::coherence::Coherence;
 use diffract::optics::color::xyz_to_linear_srgb;
-use diffract::optics::fine;
 use diffract::optics::geometry::{Pair, direction};
+use diffract::optics::nufft;
 use diffract::optics::reference::Reference;
 use diffract::optics::spectrum::{Illuminant, observer};
 use diffract::surface::HeightField;
@@ -65,7 +65,7 @@ impl Subject {
         let reference = Reference::new(&self.field, coherence, [1, 1], 1.5);
         let light = direction(theta, phi);
         let pairs: Vec<Pair> = views(SIDE).map(|(_, view)| Pair::new(light, view)).collect();
-        let xyz = fine::cosine_weighted_xyz(&reference, &Illuminant::D65, &pairs, &|_, _| Ok(())).unwrap();
+        let xyz = nufft::cosine_weighted_xyz(&reference, &Illuminant::D65, &pairs, &|_, _| Ok(())).unwrap();
         xyz.into_iter().map(|f| xyz_to_linear_srgb(f / light.z)).collect()
     }
 }

@@ -5,7 +5,7 @@ use crate::viewer::Viewer;
 /// The command that the program says to draw the picture by.
 fn command(line: &str) -> String {
     let command =
-        line.split_once("draw what was shown by: diffract render ").unwrap_or_else(|| panic!("{line}")).1;
+        line.split_once("draw the same picture with: diffract render ").unwrap_or_else(|| panic!("{line}")).1;
     command.to_owned()
 }
 

@@ -27,8 +27,8 @@ fn method_filter_windows_and_what_else_the_optics_has_act_on_the_picture() {
     viewer.press("spectral");
     let (again, _) = viewer.shows("--basis optimal");
     assert!(again == first);
-    viewer.choose("basis", "chebyshev");
-    viewer.shows("--basis chebyshev");
+    viewer.choose("basis", "taylor");
+    viewer.shows("--basis taylor");
     viewer.choose("tolerance", "5 %");
     viewer.shows("--tolerance 5e-2");
     // Two rows have these words: terms, then wavelengths.
@@ -37,7 +37,7 @@ fn method_filter_windows_and_what_else_the_optics_has_act_on_the_picture() {
     free.sort_by_key(|word| word.at[1]);
     viewer.display.click(1, free[1].at, 1);
     viewer.shows("--wavelengths 32");
-    viewer.says("none: wavelengths are named");
+    viewer.says("none: wavelengths are set by hand");
     viewer.display.click(1, free[0].at, 1);
     viewer.shows("--terms 10");
     viewer.press("A");

@@ -2,14 +2,15 @@
 
 use diffract::vk::device::Device;
 use diffract::vk::instance::Instance;
-use diffract::vk::selection::Wish;
+use diffract::vk::selection::DeviceChoice;
 use std::sync::Arc;
 
 /// Runs `test` on a device of its own and fails on any validation message, also on those of its clean-up.
 pub fn with_device(test: impl FnOnce(&Arc<Device>)) {
     let instance =
         Arc::new(Instance::new(true).expect("tests need a Vulkan driver and the validation layer"));
-    let device = Device::open(instance.clone(), &Wish::Any).expect("tests need a usable Vulkan device");
+    let device =
+        Device::open(instance.clone(), &DeviceChoice::Any).expect("tests need a usable Vulkan device");
     test(&device);
     assert_eq!(Arc::strong_count(&device), 1, "something still holds the device");
     drop(device);
@@ -24,7 +25,7 @@ fn validation_speaks_up_when_a_rule_is_broken() {
     use diffract::vk::commands::Commands;
     use gpu_allocator::MemoryLocation;
     let instance = Arc::new(Instance::new(true).unwrap());
-    let device = Device::open(instance.clone(), &Wish::Any).unwrap();
+    let device = Device::open(instance.clone(), &DeviceChoice::Any).unwrap();
     let usage = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
     let make = |name| Buffer::new(&device, name, 64, usage, MemoryLocation::CpuToGpu).unwrap();
     let (a, b) = (make("a"), make("b"));

@@ -1,7 +1,7 @@
 //! The display pass against its f64 twin.
 
 use crate::device::with_device;
-use crate::evaluation::{layers, patch, shading};
+use crate::evaluation::{layers, patch, shading, window};
 use diffract::optics::color::display;
 use diffract::render::frame::View;
 use diffract::render::picture::Painter;
@@ -21,7 +21,7 @@ fn the_displayed_picture_is_the_twin_s_within_one_code() {
         let layers = layers(&field, &shading);
         let mut painter = Painter::new(
             device,
-            &layers,
+            &window(&layers),
             &shading,
             &scene.mesh,
             &Pigment::white(),

@@ -2,14 +2,13 @@
 //! remedy where there is none, and nowhere a value that is not a number. What the runs print stands in docs/EXTREMES.md.
 
 use crate::device::with_device;
-use crate::evaluation::{patch, shading};
+use crate::evaluation::{grating, patch, shading, window};
 use crate::measure::channel;
 use diffract::error::Result;
 use diffract::expansion::Basis;
 use diffract::optics::brdf::{cosine_weighted, schlick};
 use diffract::optics::coherence::Coherence;
 use diffract::optics::geometry::{Pair, direction};
-use diffract::optics::orders::Repeats;
 use diffract::optics::reference::Reference;
 use diffract::precompute::audit::FAINT;
 use diffract::precompute::texels::{HALF_UNIT, Texels};
@@ -20,7 +19,6 @@ use diffract::render::frame::View;
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{displayed, reference_picture};
-use diffract::render::resources::Optics;
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
 use diffract::surface::HeightField;
@@ -53,8 +51,6 @@ fn layers_of(field: &HeightField, shading: &Shading) -> Result<Layers> {
         shortest_wavelength: 0.38,
         budget: shading.budget(),
         basis: shading.basis,
-        aim: shading.aim(),
-        lines: None,
         terms: shading.terms,
         memory_limit: 64 << 20,
         side_limit: 4096,
@@ -87,7 +83,7 @@ fn exact(field: &HeightField, shading: &Shading, queries: &[Query]) -> Vec<f64> 
 
 /// The device's answers; each is a number of at least 0, colours are numbers.
 fn answers(device: &Arc<Device>, layers: &Layers, shading: &Shading, queries: &[Query]) -> Vec<f64> {
-    let mut evaluator = Evaluator::new(device, layers, shading).unwrap();
+    let mut evaluator = Evaluator::new(device, &window(layers), shading).unwrap();
     let found = evaluator.cosine_weighted(queries).unwrap();
     for (query, value) in queries.iter().zip(&found) {
         assert!(value.x.is_finite() && value.x >= 0.0, "{query:?}: {value}");
@@ -311,16 +307,14 @@ fn repeats_from_one_to_a_thousand_give_the_reference_picture() {
                 shortest_wavelength: 0.38,
                 budget: shading.budget(),
                 basis: shading.basis,
-                aim: shading.aim(),
-                lines: None,
                 terms: None,
                 memory_limit: 1 << 30,
                 side_limit: 16_384,
             };
             let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
-            let optics = Optics::Repeats(&layers, Repeats { copies, period: field.patch_size() });
+            let source = grating(&layers, copies, &field);
             let mut painter =
-                Painter::new(device, optics, &shading, &scene.mesh, &Pigment::white(), size, 1).unwrap();
+                Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), size, 1).unwrap();
             let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
             let directions = [painter.directions(&view, 0).unwrap()];
             let exact = reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap();
@@ -479,7 +473,8 @@ fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_num
             let mut view = View::of(&scene, lights.to_vec());
             let size = [65, 49]; // odd: a pixel's centre lies on the axes of symmetry
             let mut painter =
-                Painter::new(device, &layers, &shading, &scene.mesh, &Pigment::white(), size, 4).unwrap();
+                Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), size, 4)
+                    .unwrap();
             for eye in [[0.0, 0.0, 3.0], [3.0, 0.0, 1e-4], [2.0, -2.0, 1.0], [0.0, 0.0, -3.0]] {
                 view.camera = diffract::scene::Camera::looking(eye.into(), glam::Vec3::ZERO, 0.9).unwrap();
                 for exposure in [-40.0, 0.0, 40.0] {

@@ -1,11 +1,10 @@
 //! Devices that run out of memory: each allocation in turn fails, nothing is left behind, the next try succeeds.
 
 use crate::device::with_device;
-use crate::evaluation::{layers, patch, queries, shading};
+use crate::evaluation::{grating, layers, patch, queries, shading, tabled, window};
 use diffract::error::Result;
 use diffract::measure::profile;
 use diffract::optics::coherence::Coherence;
-use diffract::optics::orders::Repeats;
 use diffract::precompute::{Settings, compute};
 use diffract::render::color_table::{self, Filter, bake};
 use diffract::render::difference::DifferencePass;
@@ -13,14 +12,14 @@ use diffract::render::evaluator::Evaluator;
 use diffract::render::frame::View;
 use diffract::render::picture::{Painter, Picture};
 use diffract::render::pigment::Pigment;
-use diffract::render::resources::Optics;
 use diffract::render::shading::Shading;
+use diffract::render::source::Source;
 use diffract::scene::{Light, Scene};
 use diffract::surface::synth::Kind;
 use diffract::vk::device::Device;
 use diffract::vk::instance::Instance;
 use diffract::vk::mask::Mask;
-use diffract::vk::selection::Wish;
+use diffract::vk::selection::DeviceChoice;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -48,13 +47,8 @@ fn view(scene: &Scene) -> View {
     View::of(scene, vec![Light { theta: 40.0, phi: 20.0, intensity: 1.0 }])
 }
 
-fn paint<'a>(
-    device: &Arc<Device>,
-    optics: impl Into<Optics<'a>>,
-    shading: &Shading,
-    scene: &Scene,
-) -> Result<Picture> {
-    let mut painter = Painter::new(device, optics, shading, &scene.mesh, &Pigment::white(), [16, 12], 1)?;
+fn paint(device: &Arc<Device>, source: &Source, shading: &Shading, scene: &Scene) -> Result<Picture> {
+    let mut painter = Painter::new(device, source, shading, &scene.mesh, &Pigment::white(), [16, 12], 1)?;
     painter.paint(&view(scene), 0.0, DVec3::ZERO)
 }
 
@@ -64,9 +58,9 @@ fn a_picture_fails_cleanly_at_each_of_its_allocations_and_succeeds_afterwards() 
     let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
     let scene = Scene::open("plate").unwrap();
     with_device(|device| {
-        let undisturbed = paint(device, &layers, &shading, &scene).unwrap();
+        let undisturbed = paint(device, &window(&layers), &shading, &scene).unwrap();
         let (allocations, picture) =
-            with_each_allocation_failing(device, || paint(device, &layers, &shading, &scene));
+            with_each_allocation_failing(device, || paint(device, &window(&layers), &shading, &scene));
         eprintln!("{allocations} allocations make a picture");
         assert!(allocations > 10, "{allocations}");
         assert_eq!(picture, undisturbed);
@@ -89,7 +83,7 @@ fn a_bake_and_its_picture_fail_cleanly_at_each_of_their_allocations_and_succeed_
         eprintln!("{allocations} allocations bake a table");
         assert!(allocations > 5 && table == undisturbed, "{allocations}");
         for filter in [Filter::Point, Filter::Pixel] {
-            let paint = || paint(device, Optics::Table(&table, filter), &shading, &scene);
+            let paint = || paint(device, &tabled(&table, filter), &shading, &scene);
             let expected = paint().unwrap();
             let (allocations, picture) = with_each_allocation_failing(device, paint);
             assert!(allocations > 10 && picture == expected, "{allocations}");
@@ -109,18 +103,16 @@ fn a_picture_through_repeats_fails_cleanly_at_each_of_its_allocations_and_succee
         budget: shading.budget(),
         basis: shading.basis,
         terms: None,
-        aim: shading.aim(),
-        lines: None,
         memory_limit: 1 << 30,
         side_limit: 16_384,
     };
     let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
     let scene = Scene::open("plate").unwrap();
     with_device(|device| {
-        let optics = Optics::Repeats(&layers, Repeats { copies, period: field.patch_size() });
-        let expected = paint(device, optics, &shading, &scene).unwrap();
+        let source = grating(&layers, copies, &field);
+        let expected = paint(device, &source, &shading, &scene).unwrap();
         let (allocations, picture) =
-            with_each_allocation_failing(device, || paint(device, optics, &shading, &scene));
+            with_each_allocation_failing(device, || paint(device, &source, &shading, &scene));
         assert!(allocations > 10 && picture == expected, "{allocations}");
     });
 }
@@ -134,7 +126,8 @@ fn a_profile_and_what_a_window_adds_fail_cleanly_at_each_of_their_allocations() 
     with_device(|device| {
         let (allocations, samples) = with_each_allocation_failing(device, || {
             let mesh = &scene.mesh;
-            let mut painter = Painter::new(device, &layers, &shading, mesh, &Pigment::white(), [16, 12], 1)?;
+            let mut painter =
+                Painter::new(device, &window(&layers), &shading, mesh, &Pigment::white(), [16, 12], 1)?;
             let times = profile::measure(&mut painter, &view, 3, 1.0, &|_, _| Ok(()))?;
             let rates = profile::rates(&mut painter, 16 * 12)?;
             painter.directions(&view, 0)?;
@@ -155,7 +148,7 @@ fn answers_fail_cleanly_at_each_of_their_allocations_and_succeed_afterwards() {
     let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
     let queries = queries(5, 20);
     with_device(|device| {
-        let ask = || Evaluator::new(device, &layers, &shading)?.cosine_weighted(&queries);
+        let ask = || Evaluator::new(device, &window(&layers), &shading)?.cosine_weighted(&queries);
         let undisturbed = ask().unwrap();
         let (allocations, answers) = with_each_allocation_failing(device, ask);
         assert!(allocations > 5, "{allocations}");
@@ -171,7 +164,8 @@ fn a_painter_that_could_not_grow_still_paints() {
     let view = view(&scene);
     with_device(|device| {
         let mut painter =
-            Painter::new(device, &layers, &shading, &scene.mesh, &Pigment::white(), [16, 12], 1).unwrap();
+            Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), [16, 12], 1)
+                .unwrap();
         let before = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
         for n in 1.. {
             device.refuse_allocation(n);
@@ -192,17 +186,18 @@ fn a_budget_of_memory_holds() {
     const BUDGET: u64 = 48 << 20;
     let mask = Mask { memory: Some(BUDGET), ..Mask::default() };
     let instance = Arc::new(Instance::masked(true, mask).unwrap());
-    let device = Device::open(instance.clone(), &Wish::Any).unwrap();
+    let device = Device::open(instance.clone(), &DeviceChoice::Any).unwrap();
     assert_eq!(device.candidate().memory, BUDGET);
     let shading = shading(4.0, 1e-1);
     let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
     let scene = Scene::open("plate").unwrap();
-    paint(&device, &layers, &shading, &scene).unwrap();
+    paint(&device, &window(&layers), &shading, &scene).unwrap();
     // 4096² pixels of geometry alone take four times as much.
-    let large = Painter::new(&device, &layers, &shading, &scene.mesh, &Pigment::white(), [4096, 4096], 1);
+    let large =
+        Painter::new(&device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), [4096, 4096], 1);
     let line = large.err().expect("more than the budget").to_string();
     assert!(line.contains("no memory for the") && line.contains("--size"), "{line}");
-    paint(&device, &layers, &shading, &scene).unwrap();
+    paint(&device, &window(&layers), &shading, &scene).unwrap();
     drop(device);
     assert_eq!(instance.messages(), [""; 0]);
 }
@@ -215,14 +210,14 @@ fn a_device_that_is_lost_at_any_submission_is_told_and_stays_lost() {
     for n in (1..).step_by(7) {
         let mask = Mask { submission: Some(n), ..Mask::default() };
         let instance = Arc::new(Instance::masked(true, mask).unwrap());
-        let device = Device::open(instance.clone(), &Wish::Any).unwrap();
-        let painted = paint(&device, &layers, &shading, &scene);
+        let device = Device::open(instance.clone(), &DeviceChoice::Any).unwrap();
+        let painted = paint(&device, &window(&layers), &shading, &scene);
         let done = painted.is_ok();
         if let Err(error) = painted {
             assert!(error.exit_code() == 1 && device.is_lost(), "{error}");
             assert!(error.to_string().contains("lost"), "{error}");
             assert!(
-                paint(&device, &layers, &shading, &scene).is_err(),
+                paint(&device, &window(&layers), &shading, &scene).is_err(),
                 "a lost device does nothing any more"
             );
             assert_eq!(device.memory_in_use(), 0);

@@ -1,7 +1,7 @@
 //! Frame after frame: what a program takes while it draws, and that it takes no more and more.
 
 use crate::device::with_device;
-use crate::evaluation::{layers, patch, shading};
+use crate::evaluation::{layers, patch, shading, window};
 use diffract::figure::{Axis, Figure, Mark, Panel, palette};
 use diffract::render::frame::View;
 use diffract::render::picture::Painter;
@@ -10,7 +10,7 @@ use diffract::scene::{Light, Scene};
 use diffract::surface::synth::Kind;
 use diffract::vk::device::Device;
 use diffract::vk::instance::Instance;
-use diffract::vk::selection::Wish;
+use diffract::vk::selection::DeviceChoice;
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -40,7 +40,8 @@ fn run(device: &Arc<Device>, frames: usize, looks: usize) -> Vec<Sample> {
     let scene = Scene::open("plate").unwrap();
     let mut view = View::of(&scene, vec![Light { theta: 40.0, phi: 0.0, intensity: 1.0 }]);
     let mut painter =
-        Painter::new(device, &layers, &shading, &scene.mesh, &Pigment::white(), [16, 12], 1).unwrap();
+        Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), [16, 12], 1)
+            .unwrap();
     let mut samples = Vec::with_capacity(looks + 1);
     for frame in 0..=frames {
         view.lights[0].phi = (frame % 360) as f64;
@@ -68,7 +69,7 @@ fn over_a_hundred_thousand_frames_memory_is_flat() {
     const FRAMES: usize = 100_000;
     const MIB: f64 = 1024.0 * 1024.0;
     let instance = Arc::new(Instance::new(false).unwrap()); // validation keeps notes of its own
-    let device = Device::open(instance, &Wish::Any).unwrap();
+    let device = Device::open(instance, &DeviceChoice::Any).unwrap();
     let begun = Instant::now();
     let samples = run(&device, FRAMES, 200);
     let seconds = begun.elapsed().as_secs_f64();

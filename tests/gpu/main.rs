@@ -3,13 +3,14 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on has failed")]
 
+mod accumulate;
+mod colours;
 mod device;
 mod display;
 mod evaluation;
 mod extremes;
 mod faults;
 mod interface;
-mod lines;
 mod long_run;
 mod measure;
 mod panel;

@@ -3,8 +3,8 @@
 use crate::device::with_device;
 use ash::vk;
 use diffract::render::target::read_back;
-use diffract::viewer::atlas::Kept;
-use diffract::viewer::gui::{Gui, Painting};
+use diffract::viewer::atlas::FrameResources;
+use diffract::viewer::gui::{Gui, PaintJobs};
 use diffract::vk::access::Access;
 use diffract::vk::commands::Commands;
 use diffract::vk::device::Device;
@@ -19,19 +19,19 @@ const SIZE: [u32; 2] = [320, 96];
 const FLIGHTS: usize = 2;
 
 /// What egui wants drawn after one look at `show`.
-fn look(context: &Context, show: impl FnMut(&mut Ui)) -> Painting {
+fn look(context: &Context, show: impl FnMut(&mut Ui)) -> PaintJobs {
     let [width, height] = SIZE.map(|n| n as f32);
     let area = Rect::from_min_size(pos2(0.0, 0.0), vec2(width, height));
     let output = context.run_ui(RawInput { screen_rect: Some(area), ..RawInput::default() }, show);
     let scale = output.pixels_per_point;
     assert_eq!(scale, 1.0);
     let primitives = context.tessellate(output.shapes, scale);
-    Painting { primitives, textures: output.textures_delta, scale }
+    PaintJobs { primitives, textures: output.textures_delta, scale }
 }
 
 /// Frames on images of their own, none of which is waited for before the next but one.
 struct Film {
-    flights: Vec<(Commands, Kept)>,
+    flights: Vec<(Commands, FrameResources)>,
     frames: Vec<Image>,
     gui: Gui,
     device: Arc<Device>,
@@ -39,7 +39,7 @@ struct Film {
 
 impl Film {
     fn new(device: &Arc<Device>) -> Self {
-        let flight = |_| (Commands::new(device, "panel").unwrap(), Kept::default());
+        let flight = |_| (Commands::new(device, "panel").unwrap(), FrameResources::default());
         Self {
             flights: (0..FLIGHTS).map(flight).collect(),
             frames: Vec::new(),
@@ -48,7 +48,7 @@ impl Film {
         }
     }
 
-    fn draw(&mut self, mut painting: Painting) {
+    fn draw(&mut self, mut painting: PaintJobs) {
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
         let description =
             Description { name: "frame", format: FORMAT, size: SIZE, layers: 1, array: false, usage };
@@ -102,7 +102,7 @@ fn new_glyphs_of_frames_in_flight_look_as_those_of_an_atlas_that_is_there_from_t
             let mut whole = egui::TexturesDelta::default();
             let atlas = context.fonts(|fonts| fonts.image());
             whole.push(TextureId::default(), ImageDelta::full(atlas, TextureOptions::LINEAR));
-            let again = Painting { primitives: painting.primitives.clone(), textures: whole, scale: 1.0 };
+            let again = PaintJobs { primitives: painting.primitives.clone(), textures: whole, scale: 1.0 };
             film.draw(painting);
             let mut alone = Film::new(device);
             alone.draw(again);

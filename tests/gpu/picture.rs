@@ -1,7 +1,7 @@
 //! Whole pictures against the f64 reference picture, per channel in linear light.
 
 use crate::device::with_device;
-use crate::evaluation::{layers, patch, shading};
+use crate::evaluation::{layers, patch, shading, window};
 use crate::measure::channel;
 use diffract::render::frame::View;
 use diffract::render::picture::{Directions, Painter, Picture};
@@ -26,9 +26,16 @@ fn paint(
     view: &View,
 ) -> (Picture, Vec<Directions>) {
     let layers = layers(field, shading);
-    let mut painter =
-        Painter::new(device, &layers, shading, &scene.mesh, &Pigment::white(), SIZE, view.lights.len())
-            .unwrap();
+    let mut painter = Painter::new(
+        device,
+        &window(&layers),
+        shading,
+        &scene.mesh,
+        &Pigment::white(),
+        SIZE,
+        view.lights.len(),
+    )
+    .unwrap();
     let picture = painter.paint(view, 0.0, DVec3::ZERO).unwrap();
     let directions = (0..view.lights.len()).map(|light| painter.directions(view, light).unwrap()).collect();
     (picture, directions)
@@ -85,7 +92,8 @@ fn a_pigment_texture_of_one_colour_is_that_base_colour_under_one_light_and_under
             let paint = |pigment: &Pigment, view: &View| {
                 let count = view.lights.len();
                 let mut painter =
-                    Painter::new(device, &layers, &shading, &scene.mesh, pigment, SIZE, count).unwrap();
+                    Painter::new(device, &window(&layers), &shading, &scene.mesh, pigment, SIZE, count)
+                        .unwrap();
                 painter.paint(view, 0.0, DVec3::ZERO).unwrap().radiance
             };
             let textured = View { pigment: true, ..base(Vec3::ONE, &plain) };

@@ -2,11 +2,10 @@
 //! orders are summed.
 
 use crate::device::with_device;
-use crate::evaluation::{patch, queries};
+use crate::evaluation::{grating, patch, queries};
 use crate::measure::channel;
 use diffract::optics::coherence::Coherence;
-use diffract::optics::fine::cosine_weighted_xyz;
-use diffract::optics::orders::Repeats;
+use diffract::optics::nufft::cosine_weighted_xyz;
 use diffract::optics::reference::Reference;
 use diffract::optics::spectrum::Illuminant;
 use diffract::precompute::{Layers, Settings, compute};
@@ -15,7 +14,6 @@ use diffract::render::frame::View;
 use diffract::render::picture::{Directions, Painter, Picture};
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
-use diffract::render::resources::Optics;
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
 use diffract::surface::HeightField;
@@ -38,8 +36,6 @@ fn layers(field: &HeightField, shading: &Shading) -> Layers {
         budget: shading.budget(),
         basis: shading.basis,
         terms: None,
-        aim: shading.aim(),
-        lines: None,
         memory_limit: 1 << 30,
         side_limit: 16_384,
     };
@@ -56,9 +52,9 @@ fn paint(
 ) -> (Picture, Vec<Directions>) {
     let Coherence::Repeats(copies) = shading.coherence else { panic!("{shading:?} has a window") };
     let layers = layers(field, shading);
-    let optics = Optics::Repeats(&layers, Repeats { copies, period: field.patch_size() });
+    let source = grating(&layers, copies, field);
     let (mesh, lights) = (&scene.mesh, view.lights.len());
-    let mut painter = Painter::new(device, optics, shading, mesh, &Pigment::white(), SIZE, lights).unwrap();
+    let mut painter = Painter::new(device, &source, shading, mesh, &Pigment::white(), SIZE, lights).unwrap();
     let picture = painter.paint(view, 0.0, DVec3::ZERO).unwrap();
     let directions = (0..lights).map(|light| painter.directions(view, light).unwrap()).collect();
     (picture, directions)
@@ -81,9 +77,9 @@ fn answers_through_repeats_are_the_reference_within_their_tolerance() {
             let answers = |copies| {
                 let shading = shading(copies, tolerance);
                 let layers = layers(&field, &shading);
-                let optics = Optics::Repeats(&layers, Repeats { copies, period: field.patch_size() });
+                let source = grating(&layers, copies, &field);
                 let mut painter =
-                    Painter::new(device, optics, &shading, mesh, &Pigment::white(), SIZE, 1).unwrap();
+                    Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE, 1).unwrap();
                 let single = Query { wavelength: Some(0.5), ..queries[0] };
                 assert!(painter.cosine_weighted(&[single]).is_err(), "wavelengths are chosen by the shader");
                 painter.cosine_weighted(&queries).unwrap()

@@ -1,10 +1,8 @@
 //! Colour tables against the direct f64 sum.
 
 use crate::device::with_device;
-use crate::evaluation::{FLOOR, patch, queries, shading};
+use crate::evaluation::{FLOOR, patch, queries, shading, tabled};
 use crate::measure::channel;
-use diffract::cache::Store;
-use diffract::measure::cost::Cost;
 use diffract::optics::reference::Reference;
 use diffract::precompute::{Settings, compute};
 use diffract::random::Random;
@@ -15,7 +13,6 @@ use diffract::render::frame::View;
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
-use diffract::render::resources::Optics;
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
 use diffract::surface::HeightField;
@@ -67,7 +64,7 @@ fn meets_its_tolerance(kind: Kind, side: f64, length: f64, seed: u64, tolerances
             let shading = shading(length, tolerance);
             let table = table(device, &field, &shading);
             let grid = table.grid;
-            let mut evaluator = Evaluator::new(device, &table, &shading).unwrap();
+            let mut evaluator = Evaluator::new(device, &tabled(&table, Filter::Point), &shading).unwrap();
             let found = evaluator.cosine_weighted(&queries).unwrap();
             let [whole, median, p99] = errors(&found, &exact);
             eprintln!(
@@ -83,7 +80,7 @@ fn meets_its_tolerance(kind: Kind, side: f64, length: f64, seed: u64, tolerances
             let higher =
                 HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights).unwrap();
             let other = self::table(device, &higher, &shading);
-            let mut evaluator = Evaluator::new(device, &other, &shading).unwrap();
+            let mut evaluator = Evaluator::new(device, &tabled(&other, Filter::Point), &shading).unwrap();
             let wrong = errors(&evaluator.cosine_weighted(&queries).unwrap(), &exact);
             assert!(wrong[1] > 2.0 * median, "{wrong:?}");
         }
@@ -117,7 +114,7 @@ fn windows_are_averaged_as_the_reference_averages_them() {
     };
     with_device(|device| {
         let table = table(device, &field, &shading);
-        let mut evaluator = Evaluator::new(device, &table, &shading).unwrap();
+        let mut evaluator = Evaluator::new(device, &tabled(&table, Filter::Point), &shading).unwrap();
         let found = evaluator.cosine_weighted(&queries).unwrap();
         let [whole, median, p99] = errors(&found, &exact([3, 2]));
         eprintln!("windows: {whole:.2e}, median {median:.2e}, p99 {p99:.2e}");
@@ -137,9 +134,9 @@ fn paint(
     view: &View,
     size: [u32; 2],
 ) -> Vec<[f32; 4]> {
-    let (optics, lights) = (Optics::Table(table, filter), view.lights.len());
+    let (source, lights) = (tabled(table, filter), view.lights.len());
     let mut painter =
-        Painter::new(device, optics, shading, &scene.mesh, &Pigment::white(), size, lights).unwrap();
+        Painter::new(device, &source, shading, &scene.mesh, &Pigment::white(), size, lights).unwrap();
     painter.paint(view, 0.0, DVec3::ZERO).unwrap().radiance
 }
 
@@ -151,14 +148,22 @@ fn a_picture_of_points_is_the_reference_picture_within_its_tolerance() {
     let shading = shading(8.0, 2e-2);
     with_device(|device| {
         let table = table(device, &field, &shading);
-        let mut painter =
-            Painter::new(device, &table, &shading, &scene.mesh, &Pigment::white(), SIZE, 1).unwrap();
+        let mut painter = Painter::new(
+            device,
+            &tabled(&table, Filter::Point),
+            &shading,
+            &scene.mesh,
+            &Pigment::white(),
+            SIZE,
+            1,
+        )
+        .unwrap();
         let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
         let directions = vec![painter.directions(&view, 0).unwrap()];
         // Three samples a pixel, and as many for every light.
-        let cost = Cost::of_table(&table.grid, Filter::Point, &directions, SIZE);
+        let cost = tabled(&table, Filter::Point).cost(&shading, &directions, SIZE);
         assert_eq!(cost.samples_per_pixel(), 3.0);
-        let filtered = Cost::of_table(&table.grid, Filter::Pixel, &directions, SIZE).samples_per_pixel();
+        let filtered = tabled(&table, Filter::Pixel).cost(&shading, &directions, SIZE).samples_per_pixel();
         assert!(filtered > 3.0 && filtered <= 3.0 * f64::from(Filter::Pixel.taps()), "{filtered}");
         let exact = reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap();
         let errors = [0, 1, 2].map(|c| channel(&picture, &exact, c));
@@ -263,10 +268,9 @@ fn a_table_comes_back_from_the_disk_as_it_went_and_is_refused_where_it_does_not_
         let settings = settings(device, &shading);
         let first = table(device, &field, &shading);
         let folder = tempfile::tempdir().unwrap();
-        let key = cache::key(&field, &settings, &shading).unwrap();
-        let store = Store::at(folder.path().join("cache"), 1 << 32);
-        cache::save(&store, &key, &first).unwrap();
-        assert!(cache::load(&store, &key, 1 << 32) == Some(first));
+        let key = cache::key(&field, &settings, &shading);
+        cache::store(folder.path(), &key, &first).unwrap();
+        assert!(cache::load(folder.path(), &key, 1 << 32) == Some(first));
         let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
         let made = |memory, progress: &dyn Fn(&'static str, usize, usize) -> diffract::error::Result<()>| {
             let settings = Settings { memory_limit: memory, ..settings };

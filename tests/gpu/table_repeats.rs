@@ -1,7 +1,7 @@
 //! Colour tables through repeats of the patch against the direct f64 sum.
 
 use crate::device::with_device;
-use crate::evaluation::patch;
+use crate::evaluation::{patch, tabled};
 use crate::measure::channel;
 use crate::table::{by_reference, colours, errors, table};
 use diffract::optics::coherence::Coherence;
@@ -12,7 +12,6 @@ use diffract::render::frame::View;
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
-use diffract::render::resources::Optics;
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
 use diffract::surface::HeightField;
@@ -32,7 +31,7 @@ fn meets_its_tolerance(field: &HeightField, seed: u64, copies: &[[u32; 2]], tole
             for &tolerance in tolerances {
                 let shading = shading(copies, tolerance);
                 let table = table(device, field, &shading);
-                let mut evaluator = Evaluator::new(device, &table, &shading).unwrap();
+                let mut evaluator = Evaluator::new(device, &tabled(&table, Filter::Point), &shading).unwrap();
                 let found = evaluator.cosine_weighted(&queries).unwrap();
                 let [whole, median, p99] = errors(&found, &exact);
                 let grid = table.grid;
@@ -81,7 +80,7 @@ fn windows_of_repeats_are_averaged_as_the_reference_averages_them() {
     };
     with_device(|device| {
         let table = table(device, &field, &shading);
-        let mut evaluator = Evaluator::new(device, &table, &shading).unwrap();
+        let mut evaluator = Evaluator::new(device, &tabled(&table, Filter::Point), &shading).unwrap();
         let found = evaluator.cosine_weighted(&queries).unwrap();
         let [whole, median, p99] = errors(&found, &exact([3, 2]));
         eprintln!("windows of repeats: {whole:.2e}, median {median:.2e}, p99 {p99:.2e}");
@@ -107,10 +106,11 @@ fn a_picture_by_a_table_of_repeats_is_the_reference_picture_within_its_tolerance
             let field = patch(kind, 6.0);
             let shading = shading(copies, tolerance).for_pictures();
             let table = table(device, &field, &shading);
-            let optics = Optics::Table(&table, Filter::Point);
+            let source = tabled(&table, Filter::Point);
             let lights = view.lights.len();
             let mut painter =
-                Painter::new(device, optics, &shading, &scene.mesh, &Pigment::white(), SIZE, lights).unwrap();
+                Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE, lights)
+                    .unwrap();
             let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
             let directions: Vec<_> =
                 (0..lights).map(|light| painter.directions(&view, light).unwrap()).collect();

@@ -11,11 +11,12 @@ use diffract::render::frame::View;
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
-use diffract::render::resources::Optics;
 use diffract::render::shading::Shading;
+use diffract::render::source::{Source, Thesis};
 use diffract::scene::{Light, Scene};
 use diffract::surface::synth::Kind;
 use glam::DVec3;
+use std::sync::Arc;
 
 const SIZE: [u32; 2] = [48, 36];
 
@@ -30,10 +31,10 @@ fn the_thesis_sum_is_right_where_three_bins_hold_the_window() {
             let error = |length: f64| {
                 let coherence = Coherence::Gaussian { length };
                 let shading = Shading { coherence, ..Shading::default() }.for_pictures();
-                let layers = thesis::layers(&field, length / 4.0, SHORTEST).unwrap();
-                let optics = Optics::Thesis(&layers, (high - low) / 2.0);
+                let layers = Arc::new(thesis::layers(&field, length / 4.0, SHORTEST).unwrap());
+                let source = Source::Thesis(Thesis { layers, half_range: (high - low) / 2.0 });
                 let mut painter =
-                    Painter::new(device, optics, &shading, &scene.mesh, &Pigment::white(), SIZE, 1).unwrap();
+                    Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE, 1).unwrap();
                 let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
                 let directions = [painter.directions(&view, 0).unwrap()];
                 let exact = reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap();

@@ -1,18 +1,16 @@
 //! What the viewer adds to the frame: strips, smaller pictures in the same images, errors in false colour.
 
 use crate::device::with_device;
-use crate::evaluation::{layers, patch, shading};
+use crate::evaluation::{grating, layers, patch, shading, window};
 use crate::measure::channel;
-use diffract::measure::cost::Cost;
-use diffract::optics::orders::Repeats;
 use diffract::optics::spectrum::Illuminant;
-use diffract::precompute::compute;
+use diffract::precompute::{Layers, compute};
 use diffract::render::difference::{self, DifferencePass};
 use diffract::render::frame::View;
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
-use diffract::render::resources::Optics;
 use diffract::render::shading::Shading;
+use diffract::render::source::Source;
 use diffract::render::target;
 use diffract::scene::{Light, Scene};
 use diffract::surface::synth::Kind;
@@ -26,7 +24,7 @@ const SIZE: [u32; 2] = [96, 72];
 fn painter(device: &Arc<Device>, scene: &Scene, size: [u32; 2]) -> Painter {
     let (field, shading) = (patch(Kind::Elaphe, 6.0), shading(8.0, 1e-1));
     let layers = layers(&field, &shading);
-    Painter::new(device, &layers, &shading, &scene.mesh, &Pigment::white(), size, 1).unwrap()
+    Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), size, 1).unwrap()
 }
 
 fn view(scene: &Scene, intensity: f64) -> View {
@@ -41,27 +39,27 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
     let field = patch(Kind::Elaphe, 6.0);
     let before = shading(8.0, 1e-1).for_pictures();
     let layers = layers(&field, &before);
-    let repeats = |n| Repeats { copies: [n, 2], period: field.patch_size() };
+    let repeats = |layers: &Layers, n| grating(layers, [n, 2], &field);
     let lit = Shading { illuminant: Illuminant::A, ..before.clone() };
     let dense = Shading { ior: 2.4, ..before.clone() };
     with_device(|device| {
-        let new = |optics: Optics, shading: &Shading| {
-            Painter::new(device, optics, shading, &scene.mesh, &Pigment::white(), SIZE, 1).unwrap()
+        let new = |source: &Source, shading: &Shading| {
+            Painter::new(device, source, shading, &scene.mesh, &Pigment::white(), SIZE, 1).unwrap()
         };
         let cases = [
-            (Optics::Layers(&layers), Optics::Layers(&layers), &lit),
-            (Optics::Layers(&layers), Optics::Layers(&layers), &dense),
-            (Optics::Repeats(&layers, repeats(3)), Optics::Repeats(&layers, repeats(5)), &dense),
-            (Optics::Repeats(&layers, repeats(3)), Optics::Repeats(&layers, repeats(3)), &lit),
+            (window(&layers), window(&layers), &lit),
+            (window(&layers), window(&layers), &dense),
+            (repeats(&layers, 3), repeats(&layers, 5), &dense),
+            (repeats(&layers, 3), repeats(&layers, 3), &lit),
         ];
         for (first, then, shading) in cases {
-            let expected = new(then, shading).paint(&view, 0.0, DVec3::ZERO).unwrap();
-            let mut painter = new(first, &before);
+            let expected = new(&then, shading).paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let mut painter = new(&first, &before);
             let former = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
             assert!(former != expected, "a change that changes something");
             let memory = device.memory_in_use();
             // With no room for anything as large as the layers: a few small tables are all that is taken.
-            painter.shade_by(then, shading, 1).unwrap();
+            painter.shade_by(&then, shading).unwrap();
             assert!(device.memory_in_use().abs_diff(memory) < layers.bytes() as u64 / 2);
             assert!(painter.paint(&view, 0.0, DVec3::ZERO).unwrap() == expected);
             // In strips, too, each of which is a submission of its own.
@@ -69,10 +67,10 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
             assert!(painter.picture().unwrap() == expected);
         }
         // Layers, coefficients and pigment alone take as many allocations as that and more.
-        let mut painter = new(Optics::Layers(&layers), &before);
+        let mut painter = new(&window(&layers), &before);
         painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
         device.refuse_allocation(8);
-        painter.shade_by(Optics::Layers(&layers), &lit, 1).unwrap();
+        painter.shade_by(&window(&layers), &lit).unwrap();
         device.refuse_allocation(u64::MAX);
     });
 }
@@ -90,10 +88,11 @@ fn what_is_left_out_first_while_moving_costs_the_least_error() {
             let settings = shading.layer_settings(0.38, device.candidate()).unwrap();
             let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
             let mut painter =
-                Painter::new(device, &layers, shading, &scene.mesh, &Pigment::white(), SIZE, 1).unwrap();
+                Painter::new(device, &window(&layers), shading, &scene.mesh, &Pigment::white(), SIZE, 1)
+                    .unwrap();
             let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
             let directions = [painter.directions(&view, 0).unwrap()];
-            (picture.radiance, Cost::of(&layers, painter.combs(), &directions))
+            (picture.radiance, window(&layers).cost(shading, &directions, SIZE))
         };
         let (exact, whole) = drawn(&own);
         let error = |radiance: &[[f32; 4]]| (0..3).map(|c| channel(radiance, &exact, c)).fold(0.0, f64::max);

@@ -1,6 +1,5 @@
 //! Properties of the optics over the whole range of each number, three draws in four from its ends.
 
-use diffract::expansion::chebyshev::Chebyshev;
 use diffract::expansion::optimal::Optimal;
 use diffract::expansion::taylor::Taylor;
 use diffract::expansion::{Expansion, HeightScale};
@@ -181,19 +180,17 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(400) })]
 
     #[test]
-    fn every_expansion_keeps_its_bound_from_no_terms_to_128(
+    fn the_taylor_series_keeps_its_bound_from_no_terms_to_128(
         half_range in ended(&[0.0, 5e-5, 0.05, 0.15, 0.5, 5.0]), z in ended(&[0.0, 1e-12, 1e-6, 0.1, 16.5, 33.069]),
         t in ended(&[-1.0, -1e-9, 0.0, 1.0]), terms in prop_oneof![prop::sample::select(&[0usize, 1, 2, 37, 127, 128][..]), 0usize..129],
     ) {
         /// Of f64, in sums of terms of any size.
         const ROUNDOFF: f64 = 1e-14;
-        let polynomials: [&dyn Expansion; 2] = [&Taylor { half_range }, &Chebyshev { half_range }];
-        for family in polynomials {
-            let (bound, rounding) = (family.truncation_bound(z, terms), family.rounding_bound(z, ROUNDOFF));
-            let error = left(family, half_range, z, t, terms);
-            prop_assert!(bound >= 0.0 && rounding.is_finite() && error.is_finite(), "{bound} {rounding} {error}");
-            prop_assert!(error <= bound * (1.0 + 1e-9) + rounding, "{error} > {bound} + {rounding}");
-        }
+        let family = Taylor { half_range };
+        let (bound, rounding) = (family.truncation_bound(z, terms), family.rounding_bound(z, ROUNDOFF));
+        let error = left(&family, half_range, z, t, terms);
+        prop_assert!(bound >= 0.0 && rounding.is_finite() && error.is_finite(), "{bound} {rounding} {error}");
+        prop_assert!(error <= bound * (1.0 + 1e-9) + rounding, "{error} > {bound} + {rounding}");
     }
 
     #[test]

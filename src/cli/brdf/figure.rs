@@ -3,8 +3,8 @@
 use super::Arguments;
 use super::map::Map;
 use super::variant::Variant;
+use crate::cli::captions;
 use crate::cli::options::OpticsOptions;
-use crate::cli::words;
 use crate::figure::{Axis, ColorScale, Figure, Mark, Panel, Raster, Shape, number, palette};
 use crate::optics::color;
 use crate::optics::geometry::direction;
@@ -30,8 +30,8 @@ fn settings(arguments: &Arguments, field: &HeightField) -> String {
     format!(
         "Hemisphere of view directions from above, x to the right, y up; rings of polar angle every 15°. {}; light \
          from {}; {shown}; {size}×{size} directions.",
-        words::surface(name, field),
-        words::lights(&arguments.light),
+        captions::surface(name, field),
+        captions::lights(&arguments.light),
         size = arguments.size
     )
 }
@@ -91,7 +91,7 @@ pub fn of_map(arguments: &Arguments, field: &HeightField, map: &Map) -> Figure {
     let caption = format!(
         "{} {} Albedo of the map, ∫\u{a0}f\u{a0}cos\u{a0}θ\u{a0}dω: {albedo:.4}.",
         settings(arguments, field),
-        words::sentence(&words::optics(&arguments.optics))
+        captions::sentence(&captions::optics(&arguments.optics))
     );
     Figure::new("").row(panels).panel_size(PANEL[0], PANEL[1]).caption(caption)
 }
@@ -121,8 +121,8 @@ pub fn of_two(
         "{} A: {}. B: {}. Difference of the maps, ‖A\u{a0}−\u{a0}B‖/‖B‖: {}. Relative differences hold B for at \
          least {} of the peak; colours end where 98 % of the directions do. Albedo of A {:.4}, of B {:.4}.",
         settings(arguments, field),
-        words::optics(&optics[0]),
-        words::optics(&optics[1]),
+        captions::optics(&optics[0]),
+        captions::optics(&optics[1]),
         number(deviation, deviation / 30.0),
         number(FLOOR, FLOOR),
         albedos[0],

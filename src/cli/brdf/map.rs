@@ -1,17 +1,19 @@
 //! Maps of the hemisphere: directions, evaluated in tiles.
 
 use super::Arguments;
-use crate::cli::answers::{self, Answers};
-use crate::cli::options::{Method, OpticsOptions};
+use crate::brdf::Brdf;
+use crate::cli::options::OpticsOptions;
 use crate::cli::say;
+use crate::cli::{evaluation, prepare};
 use crate::error::Result;
 use crate::memory;
 use crate::optics::color;
 use crate::optics::geometry::{Pair, direction};
 use crate::optics::spectrum::SHORTEST;
-use crate::render::evaluator::Query;
+use crate::setup::{Method, Settings};
 use crate::surface::HeightField;
 use glam::{DVec3, Vec3};
+use indicatif::ProgressBar;
 
 /// Directions by the direct sum from which on a word of warning is due.
 const MANY_SUMS: usize = 5_000;
@@ -41,17 +43,19 @@ impl Map {
         let shortest = arguments.wavelength.unwrap_or(SHORTEST);
         let mut pixels = vec![[0.0; 4]; count as usize];
         // A tile of whole rows at a time, so that memory beside the map stays at a few megabytes.
-        let rows = (answers::AT_ONCE as u32 / side).max(1);
-        let by = (optics.method(), &arguments.device.wish());
-        answers::over_windows(by, field, &shading, (shortest, directions), |answers, share| {
+        let rows = (evaluation::AT_ONCE as u32 / side).max(1);
+        let settings = Settings { shortest, ..Settings::new(optics.method(), shading) };
+        prepare::for_each_window(field, &settings, &arguments.device.wish(), |brdf, share| {
+            let bar = evaluation::bar(directions);
             for first in (0..side).step_by(rows as usize) {
                 let tile: Vec<_> = views(side, first..side.min(first + rows)).collect();
-                for (&(place, _), rgb) in tile.iter().zip(shade(arguments, answers, &tile)?) {
+                for (&(place, _), rgb) in tile.iter().zip(shade(arguments, brdf, &tile, &bar)?) {
                     let [r, g, b, _] = pixels[place];
                     let sum = Vec3::new(r, g, b) + (rgb * share).as_vec3();
                     pixels[place] = sum.extend(1.0).to_array();
                 }
             }
+            bar.finish_and_clear();
             Ok(())
         })?;
         Ok(Self { side, pixels })
@@ -95,15 +99,17 @@ impl Map {
 }
 
 /// Linear sRGB of the directions of `tile`, all lights summed.
-fn shade(arguments: &Arguments, answers: &mut Answers, tile: &[(usize, DVec3)]) -> Result<Vec<DVec3>> {
+fn shade(
+    arguments: &Arguments,
+    brdf: &mut dyn Brdf,
+    tile: &[(usize, DVec3)],
+    bar: &ProgressBar,
+) -> Result<Vec<DVec3>> {
     let mut sums = vec![DVec3::ZERO; tile.len()];
     for light in &arguments.light {
         let toward = direction(light.theta, light.phi);
-        let query = |&(_, view): &(usize, DVec3)| Query {
-            pair: Pair::new(toward, view),
-            wavelength: arguments.wavelength,
-        };
-        let values = answers.brdf(&tile.iter().map(query).collect::<Vec<_>>())?;
+        let pairs: Vec<Pair> = tile.iter().map(|&(_, view)| Pair::new(toward, view)).collect();
+        let values = evaluation::ask(brdf, &pairs, arguments.wavelength, bar)?;
         sums.iter_mut().zip(values).for_each(|(sum, f)| *sum += f * light.intensity);
     }
     let rgb = |sum: DVec3| arguments.wavelength.map_or_else(|| color::xyz_to_linear_srgb(sum), |_| sum);

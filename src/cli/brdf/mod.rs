@@ -7,7 +7,7 @@ mod variant;
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, check_lights, exposure,
 };
-use super::{answers, say, words};
+use super::{captions, evaluation, say};
 use crate::error::{Error, Result};
 use crate::figure::Format;
 use crate::files::Files;
@@ -95,7 +95,7 @@ fn side(text: &str) -> Result<u32> {
 }
 
 fn wavelength(text: &str) -> Result<f64> {
-    let (low, high) = answers::WAVELENGTHS;
+    let (low, high) = evaluation::WAVELENGTHS;
     units::length(text).and_then(|length| {
         let refused = || Error::usage(format!("'{text}' is out of range"), "give 10nm to 100um");
         (low..=high).contains(&length).then_some(length).ok_or_else(refused)
@@ -118,7 +118,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         None => vec![arguments.optics.clone()],
     };
     if arguments.wavelength.is_some() {
-        ways.iter().try_for_each(|optics| answers::check_single_wavelengths(optics.method()))?;
+        ways.iter().try_for_each(|optics| evaluation::check_single_wavelengths(optics.method()))?;
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     if let (Some(variants), Some(plot)) = (&arguments.compare, &arguments.plot) {
@@ -131,7 +131,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (Some(path), Some(format)) = (&arguments.output, format) else { return Ok(()) };
     let display = map.pixels.iter().map(|pixel| displayed(*pixel, arguments.exposure)).collect();
     let picture = Picture { size: [arguments.size; 2], radiance: map.pixels, display };
-    picture_file::write(path, format, &picture, &words::notes())
+    picture_file::write(path, format, &picture, &captions::notes())
 }
 
 /// Two maps, their difference in a figure and in a line.

@@ -1,8 +1,9 @@
 //! The two ways of `--compare`.
 
-use crate::cli::options::{self, Method, OpticsOptions};
+use crate::cli::options::{self, OpticsOptions};
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
+use crate::setup::Method;
 use clap::ValueEnum;
 
 /// What of the optics differs from the other options.

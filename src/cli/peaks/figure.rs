@@ -3,7 +3,7 @@
 use super::report::Found;
 use super::sweep::Sweep;
 use super::{Arguments, Axis as Plane};
-use crate::cli::words;
+use crate::cli::captions;
 use crate::figure::{Axis, ColorScale, Figure, Mark, Panel, Raster, Scale, Shape, palette};
 use crate::optics::geometry::sin_cos_degrees;
 use crate::optics::grating;
@@ -141,10 +141,10 @@ fn caption(arguments: &Arguments, field: &HeightField, found: &[Found]) -> Strin
     };
     format!(
         "{}; light from θ = {}° in the plane of N and {}. {} Right: {right}.\n{}",
-        words::surface(name, field),
+        captions::surface(name, field),
         arguments.theta_i.to_string().replace('-', "−"),
         arguments.axis.name(),
-        words::sentence(&words::optics(&arguments.optics)),
+        captions::sentence(&captions::optics(&arguments.optics)),
         lines.join(" ")
     )
 }

@@ -6,7 +6,7 @@ mod sweep;
 
 use super::options::{self, CacheOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
 use super::range::Range;
-use super::{answers, say, write};
+use super::{evaluation, say, write};
 use crate::error::{Error, Result};
 use crate::figure::Format;
 use crate::files::Files;
@@ -123,7 +123,7 @@ fn theta_i(text: &str) -> Result<f64> {
 
 fn wavelengths(text: &str) -> Result<Range> {
     const NM_PER_UM: f64 = 1e3;
-    let (low, high) = answers::WAVELENGTHS;
+    let (low, high) = evaluation::WAVELENGTHS;
     Range::parse(text, (low * NM_PER_UM, high * NM_PER_UM), "wavelengths in nm")
 }
 
@@ -175,7 +175,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .reads(arguments.surface.files(arguments.surface_name.as_deref()))
         .writes([&arguments.output, &arguments.json, &arguments.plot].into_iter().flatten())
         .check()?;
-    answers::check_single_wavelengths(arguments.optics.method())?;
+    evaluation::check_single_wavelengths(arguments.optics.method())?;
     if arguments.order.0.len() > 1 && arguments.period.is_none() {
         return Err(Error::usage(
             "several orders cannot be told apart without a period",

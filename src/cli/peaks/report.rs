@@ -3,7 +3,7 @@
 use super::Axis;
 use crate::cli::write::Csv;
 use crate::error::Result;
-use crate::measure::peaks::{Peak, Statistics};
+use crate::measure::peaks::{Peak, PeriodStatistics};
 use serde::Serialize;
 
 /// The peaks of one order.
@@ -14,13 +14,13 @@ pub struct Found {
     /// One for each wavelength.
     pub peaks: Vec<Peak>,
     /// Over all of them.
-    pub statistics: Statistics,
+    pub statistics: PeriodStatistics,
 }
 
 impl Found {
     /// `peaks` of `order`.
     pub fn new(order: u32, peaks: Vec<Peak>) -> Self {
-        let statistics = Statistics::of(&peaks);
+        let statistics = PeriodStatistics::of(&peaks);
         Self { order, peaks, statistics }
     }
 
@@ -99,7 +99,7 @@ struct Window {
 }
 
 impl Summary {
-    fn of(statistics: &Statistics) -> Self {
+    fn of(statistics: &PeriodStatistics) -> Self {
         Self {
             mean: statistics.mean.map(|d| d * 1e3),
             standard_deviation: statistics.deviation.map(|d| d * 1e3),

@@ -1,14 +1,13 @@
 //! The response over wavelengths and view angles, and the peaks in it.
 
 use super::{Arguments, MANY_SUMS};
-use crate::cli::answers::{self, Answers};
-use crate::cli::options::Method;
-use crate::cli::say;
+use crate::cli::{evaluation, prepare, say};
 use crate::error::Result;
 use crate::measure::peaks::Peak;
 use crate::memory;
+use crate::optics::coherence::Windows;
 use crate::optics::geometry::{Pair, direction};
-use crate::render::evaluator::Query;
+use crate::setup::{Method, Settings};
 use crate::surface::HeightField;
 
 /// The response at every wavelength and angle.
@@ -24,10 +23,10 @@ pub struct Sweep {
 impl Sweep {
     /// Averaged over the windows that `arguments` ask for, of the `field`; `each` is shown the sweep of every window.
     pub fn of(arguments: &Arguments, field: &HeightField, mut each: impl FnMut(&Self)) -> Result<Self> {
-        let [n, m] = arguments.optics.windows;
-        if [n, m] == [1, 1] {
-            return Self::through_one(arguments, field);
-        }
+        let [n, m] = match arguments.optics.windows() {
+            all_or_one @ (Windows::All | Windows::ONE) => return Self::through(arguments, field, all_or_one),
+            Windows::Grid(counts) => counts,
+        };
         let mut mean: Option<Self> = None;
         for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
             // A window elsewhere on the endless surface is this window on the surface moved: by whole samples, which are
@@ -36,7 +35,7 @@ impl Sweep {
                 (f64::from(part) / f64::from(of) * all as f64).round() as usize
             };
             let moved = field.moved(samples(i, n, field.columns()), samples(j, m, field.rows()));
-            let sweep = Self::through_one(arguments, &moved)?;
+            let sweep = Self::through(arguments, &moved, Windows::ONE)?;
             each(&sweep);
             match &mut mean {
                 None => mean = Some(sweep),
@@ -45,17 +44,17 @@ impl Sweep {
         }
         let mut mean = match mean {
             Some(mean) => mean,
-            None => return Self::through_one(arguments, field),
+            None => return Self::through(arguments, field, Windows::ONE),
         };
         let count = f64::from(n) * f64::from(m);
         mean.responses.iter_mut().for_each(|f| *f /= count);
         Ok(mean)
     }
 
-    fn through_one(arguments: &Arguments, field: &HeightField) -> Result<Self> {
+    fn through(arguments: &Arguments, field: &HeightField, windows: Windows) -> Result<Self> {
         let optics = &arguments.optics;
         let mut shading = optics.monochrome(field);
-        shading.windows = [1, 1];
+        shading.windows = windows;
         let wavelengths: Vec<f64> = arguments.wavelengths.values().iter().map(|nm| nm / 1e3).collect();
         let angles = arguments.angles.values();
         let evaluations = wavelengths.len() * angles.len();
@@ -64,22 +63,21 @@ impl Sweep {
         if optics.method() == Method::Reference && evaluations > MANY_SUMS {
             say(&format_args!("{evaluations} direct sums take their time; --method spectral is faster"));
         }
-        let mut answers =
-            Answers::prepare(optics.method(), &arguments.device.wish(), field, &shading, wavelengths[0])?;
-        answers.announce(evaluations);
         let azimuth = arguments.axis.azimuth();
         let light = direction(arguments.theta_i, azimuth);
         let pairs: Vec<Pair> = angles.iter().map(|&a| Pair::new(light, direction(a, azimuth))).collect();
         let mut responses = Vec::with_capacity(evaluations);
-        // Whole wavelengths at a time, as many as make a submission worth it.
-        for part in wavelengths.chunks((answers::AT_ONCE / angles.len()).max(1)) {
-            let of_one = |&wavelength: &f64| {
-                pairs.iter().map(move |&pair| Query { pair, wavelength: Some(wavelength) })
-            };
-            let queries: Vec<Query> = part.iter().flat_map(of_one).collect();
-            responses.extend(answers.brdf(&queries)?.iter().map(|f| f.x));
-        }
-        answers.finish()?;
+        let method = optics.method();
+        let settings = Settings { shortest: wavelengths[0], ..Settings::new(method, shading) };
+        prepare::for_each_window(field, &settings, &arguments.device.wish(), |brdf, _| {
+            let bar = evaluation::bar(evaluations);
+            for &wavelength in &wavelengths {
+                let found = evaluation::ask(brdf, &pairs, Some(wavelength), &bar)?;
+                responses.extend(found.iter().map(|f| f.x));
+            }
+            bar.finish_and_clear();
+            Ok(())
+        })?;
         Ok(Self { wavelengths, angles, responses })
     }
 

@@ -2,7 +2,8 @@
 
 use super::Painter;
 use crate::error::Result;
-use crate::render::frame::View;
+use crate::render::frame::{Shown, View};
+use crate::render::sampling::Sampling;
 use crate::vk::queries::Timestamps;
 use glam::DVec3;
 use std::time::Instant;
@@ -56,18 +57,22 @@ impl Painter {
     ) -> Result<PassTimes> {
         let start = Instant::now();
         let milliseconds = |since: Instant| since.elapsed().as_secs_f64() * 1e3;
-        self.write(view, self.target.size())?;
-        let (target, resources, stamps) = (&self.target, &self.resources, &watch.timestamps);
+        self.write(view, self.target.size(), &Sampling::ONE.sample(0))?;
+        let (target, frame, stamps) = (&self.target, &self.frame.descriptors, &watch.timestamps);
+        let sets = [frame, &self.source.descriptors];
         let mut times = PassTimes::default();
         self.commands.run(|record| {
             let begin = Instant::now();
             record.reset(stamps);
             record.timestamp(stamps, 0);
-            self.find.record(record, &self.geometry, &resources.descriptors, &self.mesh);
+            self.find.record(record, &self.geometry, frame, &self.mesh);
             record.timestamp(stamps, 1);
-            self.shade.record(record, (&self.geometry, target), &resources.descriptors);
+            self.shade.record(record, (&self.geometry, target), sets);
             record.timestamp(stamps, 2);
-            super::record_display(record, &self.display, (&self.geometry, target), exposure, background);
+            super::record_display(record, target, |record| {
+                let shown = Shown { exposure, background };
+                self.display.record(record, (&self.geometry, target), &target.display, shown);
+            });
             record.timestamp(stamps, 3);
             times.record = milliseconds(begin);
             Ok(())

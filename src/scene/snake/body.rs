@@ -26,7 +26,7 @@ pub struct Body {
 }
 
 /// Local frame of the centreline.
-pub struct Frame {
+pub struct BodyFrame {
     pub centre: DVec3,
     pub up: DVec3,
     /// Toward the snake's left when it looks along its head: y × forward.
@@ -57,12 +57,12 @@ impl Body {
     }
 
     /// Frame at arc length `s`, interpolated between samples.
-    pub fn frame(&self, s: f64) -> Frame {
+    pub fn frame(&self, s: f64) -> BodyFrame {
         let centre = self.at(s);
         let d = 4.0 * self.step;
         let forward = (self.at(s + d) - self.at(s - d)).normalize();
         let left = DVec3::Y.cross(forward).normalize();
-        Frame { centre, up: forward.cross(left), left }
+        BodyFrame { centre, up: forward.cross(left), left }
     }
 
     /// Skin at arc length `s` and angle `phi` from the back (0) over the left side (π/2) to the belly (π), raised

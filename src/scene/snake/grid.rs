@@ -13,12 +13,12 @@ pub struct Point {
 }
 
 /// Rows of points; quads between neighbours face to the left of a row when the next row lies ahead.
-pub struct Grid {
+pub struct SkinGrid {
     columns: usize,
     points: Vec<Point>,
 }
 
-impl Grid {
+impl SkinGrid {
     /// Samples `surface(column, row)`, both from 0 to 1, on `columns` × `rows` points. Its columns run along u and its
     /// rows along v; u × v points out of the surface. Normals are those of the function, not of the facets.
     pub fn sample(
@@ -59,7 +59,7 @@ impl ObjText {
     }
 
     /// Appends one grid.
-    pub fn push(&mut self, grid: &Grid) {
+    pub fn push(&mut self, grid: &SkinGrid) {
         let uvs: Vec<usize> = grid.points.iter().map(|p| self.uv(p.uv)).collect();
         for p in &grid.points {
             self.line("v", &[p.position.x, p.position.y, p.position.z], 4);
@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn a_flat_grid_is_written_with_shared_texture_coordinates_and_faces_from_the_end() {
-        let grid = Grid::sample([2, 2], |x, y| DVec3::new(x, y, 0.0), |x, _| DVec2::new(x, 0.0));
+        let grid = SkinGrid::sample([2, 2], |x, y| DVec3::new(x, y, 0.0), |x, _| DVec2::new(x, 0.0));
         let mut text = ObjText::new("flat");
         text.push(&grid);
         let text = text.finish();

@@ -13,7 +13,7 @@ use super::mesh::Mesh;
 use super::obj;
 use crate::error::Result;
 use body::Body;
-use grid::{Grid, ObjText};
+use grid::{ObjText, SkinGrid};
 
 /// The snake as it ships, as OBJ text.
 pub const OBJ: &[u8] = include_bytes!("../../../assets/meshes/snake.obj");
@@ -26,11 +26,16 @@ pub fn mesh() -> Result<Mesh> {
     obj::from_bytes(OBJ)
 }
 
+/// Arc length from the tail's tip to the snout, in units of the model.
+pub fn length() -> f64 {
+    Body::coiled().length()
+}
+
 /// Makes the snake anew, as OBJ text: the same text every time.
 pub fn obj_text() -> String {
     let body = Body::coiled();
     // What covers comes before what it covers.
-    let parts: [(&str, Vec<Grid>); 4] = [
+    let parts: [(&str, Vec<SkinGrid>); 4] = [
         ("head", vec![skin::head(&body)]),
         ("eyes", skin::eyes(&body)),
         ("scales", skin::scales(&body)),

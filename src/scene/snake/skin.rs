@@ -1,7 +1,7 @@
 //! What covers the body: overlapping scales, the smooth skin below them, the head and the eyes.
 
 use super::body::{Body, GIRTH, HEAD, smoothstep};
-use super::grid::Grid;
+use super::grid::SkinGrid;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -29,7 +29,7 @@ struct Seat {
 }
 
 /// All scales that can be seen.
-pub fn scales(body: &Body) -> Vec<Grid> {
+pub fn scales(body: &Body) -> Vec<SkinGrid> {
     let mut s = 0.03;
     let mut grids = Vec::new();
     let mut ring = 0;
@@ -60,7 +60,7 @@ pub fn scales(body: &Body) -> Vec<Grid> {
 
 /// One scale: a shield with a rounded free edge toward the tail, lifted there, and curved across. `u` runs across the
 /// body and `v` toward the tail, both 0 to 1 over the scale.
-fn scale(body: &Body, seat: &Seat) -> Grid {
+fn scale(body: &Body, seat: &Seat) -> SkinGrid {
     let r = body.half_width(seat.s);
     let on_head = smoothstep(body.length() - 1.3 * HEAD, body.length() - 0.5 * HEAD, seat.s);
     // From the grid to the shield: −1 to 1 across and along. Grid rows gather at the free edge, which is seen.
@@ -79,20 +79,20 @@ fn scale(body: &Body, seat: &Seat) -> Grid {
         let s = seat.s - along * reach * seat.half_length;
         body.skin(s, seat.phi + across * seat.half_angle, r * lift)
     };
-    Grid::sample([3, 4], surface, |x, y| {
+    SkinGrid::sample([3, 4], surface, |x, y| {
         let (across, along) = shield(x, y);
         DVec2::new(0.5 + 0.5 * across, 0.5 + 0.5 * along)
     })
 }
 
 /// The smooth skin below the scales, from the tail's tip to the neck.
-pub fn tube(body: &Body) -> Grid {
+pub fn tube(body: &Body) -> SkinGrid {
     let end = body.length() - HEAD;
     wrap(body, [17, 90], |y| end * (1.0 - y), |_, _| -0.02)
 }
 
 /// The head, closed at the snout, with a mouth line.
-pub fn head(body: &Body) -> Grid {
+pub fn head(body: &Body) -> SkinGrid {
     // Rings gather where the snout is round, and the first is too small to see through.
     let arc = |y: f64| body.length() - 1.1 * HEAD * (0.004 + 0.996 * y).powi(2);
     wrap(body, [41, 30], arc, |s, phi| {
@@ -102,7 +102,7 @@ pub fn head(body: &Body) -> Grid {
 }
 
 /// Both eyes.
-pub fn eyes(body: &Body) -> Vec<Grid> {
+pub fn eyes(body: &Body) -> Vec<SkinGrid> {
     let s = body.length() - 0.4 * HEAD;
     let size = 0.2 * body.half_width(s);
     [-1.0, 1.0]
@@ -113,19 +113,19 @@ pub fn eyes(body: &Body) -> Vec<Grid> {
                 let (a, b) = (TAU * x, PI * (0.02 + 0.96 * y));
                 centre + DVec3::new(b.sin() * a.cos(), b.cos(), b.sin() * -a.sin()) * -size
             };
-            Grid::sample([13, 9], ball, DVec2::new)
+            SkinGrid::sample([13, 9], ball, DVec2::new)
         })
         .collect()
 }
 
 /// Skin all around: row `y` (0 to 1, toward the tail) lies at arc length `arc(y)`, raised by `lift(s, phi)`
 /// half-widths.
-fn wrap(body: &Body, size: [usize; 2], arc: impl Fn(f64) -> f64, lift: impl Fn(f64, f64) -> f64) -> Grid {
+fn wrap(body: &Body, size: [usize; 2], arc: impl Fn(f64) -> f64, lift: impl Fn(f64, f64) -> f64) -> SkinGrid {
     let surface = |x: f64, y: f64| {
         let (s, phi) = (arc(y), PI * (2.0 * x - 1.0));
         body.skin(s, phi, lift(s, phi) * body.half_width(s))
     };
-    Grid::sample(size, surface, |x, y| DVec2::new(x, body.length() - arc(y)))
+    SkinGrid::sample(size, surface, |x, y| DVec2::new(x, body.length() - arc(y)))
 }
 
 /// A fixed pseudo-random number in −1..1 for a scale.

@@ -1,60 +1,63 @@
-//! What it costs, and the foot of the panel.
+//! The cost of the settings, and the foot of the panel.
 
 use super::optics::percent;
 use super::{heading, number, row, rows, value};
-use crate::viewer::judge::Verdict;
-use crate::viewer::model::Model;
+use crate::render::source::Extent;
+use crate::viewer::error_probe::ProbeStatus;
+use crate::viewer::model::{Model, SaveAs};
 use crate::viewer::{graph, style};
 use egui::{Align, Layout, RichText, Ui};
 
-/// The graph of frame times and the numbers below it.
+/// Shows the graph of frame times and the numbers below it.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     heading(ui, "What it costs");
-    graph::show(ui, &model.history, model.pace.budget());
+    graph::show(ui, &model.pacing.history, model.pacing.quality.budget());
     let mib = |bytes: f64| format!("{:.0} MiB", bytes / f64::from(1 << 20));
     rows(ui, "cost", |ui| {
-        let frame = model.history.summary().map_or("none yet".to_owned(), |s| {
+        let frame = model.pacing.history.summary().map_or("none yet".to_owned(), |s| {
             let fps = 1e3 / s.p50.max(1e-3);
             format!("{} p50, {} p95, {fps:.1} fps", time(s.p50), time(s.p95))
         });
         value(ui, "frame", frame);
-        if let Some(own) = &model.own {
-            let (count, [width, height], bytes) = own.made.texture();
-            let text = format!("{count} of {width} × {height} texels, {}", mib(bytes as f64));
+        if let Some(own) = &model.sources.own {
+            let Extent { layers, size: [width, height], bytes } = own.shaded_from.extent();
+            let text = format!("{layers} of {width} × {height} texels, {}", mib(bytes as f64));
             value(ui, "layers", text);
         }
-        let cost = model.exhibit.as_ref().and_then(|e| e.cost);
-        let terms = model.own.as_ref().and_then(|own| own.made.terms());
+        let cost = model.frame.as_ref().and_then(|e| e.cost);
+        let terms = model.sources.own.as_ref().and_then(|own| own.shaded_from.terms());
         let counted = cost.map_or("not counted yet".to_owned(), |c| match terms {
             Some(terms) => format!("{:.0} a pixel, {terms} terms, {:.0} λ", c.samples, c.wavelengths),
             None => format!("{:.0} a pixel, of a colour table", c.samples),
         });
         value(ui, "samples", counted);
-        value(ui, "memory", format!("{} on the device", mib(model.memory as f64)));
-        if let Some(own) = &model.own {
+        value(ui, "memory", format!("{} on the device", mib(model.device.memory as f64)));
+        if let Some(own) = &model.sources.own {
             let shading = &own.shading;
             value(ui, "error bound", bound(&shading.terms, &shading.wavelengths, shading.tolerance));
         }
-        row(ui, "measured", |ui| match model.verdict {
-            Some(Verdict::Found(e)) => {
+        row(ui, "measured", |ui| match model.probe {
+            Some(ProbeStatus::Done(e)) => {
                 let [error, interval] = [e.relative_l2, e.relative_l2_interval].map(|x| x * 1e2);
                 ui.label(format!("{error:.3} ± {interval:.3} % over {} pixels", e.pixels));
             }
-            Some(Verdict::Working(part)) => {
+            Some(ProbeStatus::Running(part)) => {
                 ui.label(format!("against the f64 reference, {:.0} %", part * 1e2));
             }
             None => {
-                model.wants.measure |= ui.small_button("against the f64 reference  [E]").clicked();
+                model.actions.measure |= ui.small_button("against the f64 reference  [E]").clicked();
             }
         });
         row(ui, "budget", |ui| {
-            ui.add(number(&mut model.fps).speed(0.2).range(1.0..=240.0).max_decimals(1).suffix(" fps"));
-            ui.checkbox(&mut model.continuous, "continuous");
+            ui.add(
+                number(&mut model.pacing.fps).speed(0.2).range(1.0..=240.0).max_decimals(1).suffix(" fps"),
+            );
+            ui.checkbox(&mut model.pacing.continuous, "continuous");
         });
     });
 }
 
-/// Milliseconds, or seconds where they are many.
+/// A time in milliseconds, or in seconds from one second on.
 fn time(milliseconds: f64) -> String {
     match milliseconds {
         ms if ms < 10.0 => format!("{ms:.1} ms"),
@@ -63,27 +66,27 @@ fn time(milliseconds: f64) -> String {
     }
 }
 
-/// The bound of a setting: the tolerance, unless the user has named numbers that it does not decide.
+/// The error bound of a setting: the tolerance, unless the user has set numbers that do not follow from it.
 fn bound(terms: &Option<usize>, wavelengths: &Option<usize>, tolerance: f64) -> String {
     match (terms, wavelengths) {
         (None, None) => format!("{} (RMS, relative)", percent(tolerance)),
-        (Some(_), None) => "none: terms are named".to_owned(),
-        _ => "none: wavelengths are named".to_owned(),
+        (Some(_), None) => "none: terms are set by hand".to_owned(),
+        _ => "none: wavelengths are set by hand".to_owned(),
     }
 }
 
-/// Device and buttons.
+/// Shows the device and the buttons.
 pub fn foot(ui: &mut Ui, model: &mut Model) {
     ui.add_space(3.0);
-    let device = format!("{}; presents by {}", model.device, model.present);
+    let device = format!("{}; {} presentation", model.device.name, model.device.present_mode);
     ui.add(egui::Label::new(RichText::new(device).small().color(style::FAINT)).truncate());
     ui.horizontal(|ui| {
         if ui.button("Save  [S]").clicked() {
-            model.wants.save = Some(false);
+            model.actions.save = Some(SaveAs::Png);
         }
-        model.wants.reset |= ui.button("Reset  [R]").clicked();
+        model.actions.reset |= ui.button("Reset  [R]").clicked();
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            model.help |= ui.button("Keys  [F1]").clicked();
+            model.visible.help |= ui.button("Keys  [F1]").clicked();
         });
     });
     ui.add_space(2.0);

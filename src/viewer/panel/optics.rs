@@ -2,15 +2,14 @@
 
 use super::{choice, heading, number, row, rows};
 use crate::expansion::Basis;
-use crate::optics::coherence::Coherence;
-use crate::render::color_table::Filter;
-use crate::render::resources::Reads;
+use crate::optics::coherence::{Coherence, Windows};
+use crate::setup::Method;
 use crate::viewer::model::Model;
-use crate::viewer::settings::Optics;
+use crate::viewer::settings::OpticsSettings;
 use crate::viewer::style;
 use egui::{RichText, Ui};
 
-/// The user's own setting, and the light's spectrum.
+/// Shows the user's own setting and the spectrum of the light.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     heading(ui, "Optics");
     rows(ui, "optics", |ui| {
@@ -26,30 +25,27 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Method, tolerance and what else the method knows of one setting.
-pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics, coherence: Coherence) {
-    row(ui, "method", |ui| {
-        for method in [Reads::Layers, Reads::Table] {
-            ui.selectable_value(&mut optics.method, method, method.method());
-        }
-    });
-    match optics.method {
-        Reads::Layers => row(ui, "basis", |ui| {
+/// Shows the rows of one setting; they depend on its method.
+pub fn setting(ui: &mut Ui, id: &str, optics: &mut OpticsSettings, coherence: Coherence) {
+    let finite = matches!(coherence, Coherence::Repeats(_));
+    if !finite {
+        row(ui, "windows", |ui| {
+            ui.selectable_value(&mut optics.windows, Windows::All, "mean");
+            ui.selectable_value(&mut optics.windows, Windows::ONE, "one");
+        });
+    }
+    if !finite && optics.windows == Windows::All {
+        row(ui, "method", |ui| {
+            for method in [Method::Table, Method::Spectral] {
+                ui.selectable_value(&mut optics.method, method, method.name());
+            }
+        });
+    } else {
+        row(ui, "basis", |ui| {
             let all = Basis::ALL.map(|b| (b, b.name()));
             let shown = optics.basis.name();
             choice(ui, &format!("{id} basis"), &mut optics.basis, &all, shown);
-        }),
-        Reads::Table => {
-            row(ui, "a pixel is", |ui| {
-                ui.selectable_value(&mut optics.filter, Filter::Point, "its centre");
-                ui.selectable_value(&mut optics.filter, Filter::Pixel, "all it sees");
-            });
-            row(ui, "windows", |ui| {
-                for n in &mut optics.windows {
-                    ui.add(number(n).speed(0.1).range(1..=16));
-                }
-            });
-        }
+        });
     }
     row(ui, "tolerance", |ui| {
         let all = [1e-1, 5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 1e-4].map(|t| (t, percent(t)));
@@ -57,7 +53,7 @@ pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics, coherence: Coherence)
         let shown = percent(optics.tolerance);
         choice(ui, &format!("{id} tolerance"), &mut optics.tolerance, &all, &shown);
     });
-    if optics.method == Reads::Layers {
+    if finite || optics.windows != Windows::All {
         named(ui, "terms", &mut optics.terms, 10, 1..=64);
     }
     match coherence {
@@ -68,7 +64,7 @@ pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics, coherence: Coherence)
     }
 }
 
-/// A number that follows from the tolerance unless the user names it.
+/// A number that follows from the tolerance unless the user sets it; `first` is the value to start with.
 fn named(
     ui: &mut Ui,
     label: &str,
@@ -89,7 +85,7 @@ fn named(
     });
 }
 
-/// A part in percent.
+/// A fraction in percent.
 pub fn percent(part: f64) -> String {
     format!("{} %", (part * 1e6).round() / 1e4)
 }

@@ -4,12 +4,12 @@ use super::{LABEL, WIDTH, heading, number, row, rows, short};
 use crate::optics::coherence::Coherence;
 use crate::surface::synth::Kind;
 use crate::surface::{Level, Source};
-use crate::viewer::model::Model;
-use crate::viewer::settings::Settings;
+use crate::viewer::model::{LastCoherence, Model};
+use crate::viewer::settings::ViewSettings;
 use crate::viewer::style;
 use egui::{ComboBox, RichText, Ui};
 
-/// Height field, coherence, index.
+/// Shows the rows of height field, coherence and refractive index.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     heading(ui, "Surface");
     rows(ui, "surface", |ui| {
@@ -49,7 +49,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
                 ui.selectable_value(&mut source.level, level, level.name());
             }
         });
-        coherence(ui, &mut model.settings, &mut model.kept);
+        coherence(ui, &mut model.settings, &mut model.last_coherence);
         row(ui, "index", |ui| {
             let ior = &mut model.settings.ior;
             ui.add(number(ior).speed(0.01).range(1.0..=4.0).fixed_decimals(2));
@@ -62,12 +62,13 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     );
 }
 
-/// What surrounds the patch: a window of a length, or so many copies and nothing else.
-fn coherence(ui: &mut Ui, settings: &mut Settings, kept: &mut (f64, [u32; 2])) {
+/// Shows the coherence: a Gaussian window of some length, or a number of copies. `last` remembers both.
+fn coherence(ui: &mut Ui, settings: &mut ViewSettings, last: &mut LastCoherence) {
     row(ui, "coherence", |ui| {
-        for (of, name) in
-            [(Coherence::Gaussian { length: kept.0 }, "gaussian"), (Coherence::Repeats(kept.1), "repeats")]
-        {
+        for (of, name) in [
+            (Coherence::Gaussian { length: last.length }, "gaussian"),
+            (Coherence::Repeats(last.copies), "repeats"),
+        ] {
             let now = std::mem::discriminant(&of) == std::mem::discriminant(&settings.coherence);
             if ui.selectable_label(now, name).clicked() && !now {
                 settings.coherence = of;
@@ -79,19 +80,19 @@ fn coherence(ui: &mut Ui, settings: &mut Settings, kept: &mut (f64, [u32; 2])) {
             row(ui, "length", |ui| {
                 ui.add(number(length).speed(0.5).range(1.0..=200.0).fixed_decimals(1).suffix(" µm"));
             });
-            kept.0 = *length;
+            last.length = *length;
         }
         Coherence::Repeats(copies) => {
             row(ui, "copies", |ui| {
                 ui.add(number(&mut copies[0]).speed(0.1).range(1..=1000).suffix(" in x"));
                 ui.add(number(&mut copies[1]).speed(0.1).range(1..=1000).suffix(" in y"));
             });
-            kept.1 = *copies;
+            last.copies = *copies;
         }
     }
 }
 
-/// Units of a file that carries none.
+/// Shows the units of a height image, which has none of its own.
 fn units(ui: &mut Ui, source: &mut Source) {
     row(ui, "sample", |ui| {
         let mut nm = source.pixel_size.unwrap_or([0.1; 2]).map(|um| um * 1e3);

@@ -1,0 +1,22 @@
+// Set 0 of the graphics stages: the frame. Its twin is src/render/frame_set.rs; the test
+// `blocks_mean_the_same_to_rust_and_to_shaders` sends every field through the device and back.
+
+const int MAX_LIGHTS = 4;
+
+// A sample of a picture; src/render/sampling.rs says more. Fields to come, as of lights with an extent, are functions of `index` and `seed`.
+struct Sample {
+    vec2 jitter;                    // place in the pixel, from its centre: x to the right, y downward [pixels]
+    float footprint;                // standard deviation of the part of the pixel filter that shading averages over [pixels]
+    uint index;                     // number of the sample, from 0
+    uint count;                     // samples of the picture
+    uint seed;                      // low bits of the sequence's seed
+};
+
+layout(set = 0, binding = 0, std140) uniform Frame {
+    mat4 clip_from_world;
+    vec4 eye;                       // xyz: position of the viewer in the world
+    vec4 lights[MAX_LIGHTS];        // xyz: unit vector to the light in the world; w: irradiance / pi
+    vec4 base_color;                // rgb: albedo of the pigment, linear sRGB; w: 1 where the pigment texture counts
+    ivec4 counts;                   // x: lights
+    Sample at;                      // which sample of the picture the frame is
+} frame;

@@ -1,0 +1,39 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Shades a pixel: for each light what the source says that the surface diffracts, and the pigment below what it reflects.
+#include "frame.glsl"
+#include "brdf.glsl"
+#include "reads.glsl"
+#include "source.glsl"
+#include "color.glsl"
+#include "pixel.glsl"
+
+layout(constant_id = 0) const int LIGHTS = MAX_LIGHTS; // known beforehand, so that only their directions are read
+layout(constant_id = 1) const bool MARKED = true;      // whether directions tell what is covered
+
+layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 stored = texelFetch(directions, pixel, 0);
+    radiance = vec4(0.0);
+    if (MARKED && !covered(stored)) {
+        return;
+    }
+    vec3 to_view = unprojected(stored.xy);
+    vec3 albedo = albedo_of(pixel);
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < LIGHTS; ++i) {
+        vec3 to_light = light_direction(stored, i, pixel);
+        Pair pair = pair_of(to_light, to_view, source.normal_reflectance);
+        Footprint footprint = POINT;
+        if (SOURCE_READS_FOOTPRINT) {
+            footprint = footprint_of(i, pixel);
+        }
+        vec3 diffracted = LINEAR_SRGB_FROM_XYZ * source_xyz(pair, footprint);
+        vec3 pigmented = albedo * ((1.0 - pair.reflectance) * to_light.z / PI);
+        // Below the horizon there is neither.
+        sum += pair.factor > 0.0 ? (diffracted + pigmented) * (frame.lights[i].w * PI) : vec3(0.0);
+    }
+    radiance = vec4(sum, 1.0);
+}

@@ -1,0 +1,153 @@
+// Sums wavelengths over power spectra: the mean over coherence areas. A texel holds four terms of a Chebyshev series in z = k|w| of
+// the powers of the orders over z^2, blurred by the coherence of the light; coarser levels have twice the blur each.
+// The CPU twin is src/spectra/power/read.rs; the Rust side is src/render/source/mean.rs.
+#include "footprint.glsl"
+
+layout(constant_id = 10) const bool CUBIC = true; // cubic B-spline, else linear
+layout(constant_id = 11) const int LAYERS = 3;    // four terms each
+
+layout(set = 1, binding = 0, std140) uniform Mean {
+    vec2 texels;             // of the finest level
+    vec2 range;              // of frequencies that the texture covers, 0 in its middle [1/um]
+    vec2 band;               // largest |f_x|, |f_y| that the samples hold [1/um]
+    float normal_reflectance; // R0 of Schlick
+    float x_per_z;           // 2 over the largest z [um]
+    float unit;              // what a stored 1 stands for [um^4]
+    float orders;            // variance of an order's blur by coherence over that of the finest level
+    float finest;            // variance of the finest level's blur [1/um^2]
+    float specular;          // variance of the specular order [1/um^2]
+    float last_level;
+    float rays;              // |(u, v)| of a comb's bin per unit of |(u, v)| over the blur at `middle`
+    float middle;            // squared wavenumber in the middle of the spectrum [1/um^2]
+} source;
+
+layout(set = 1, binding = 1) uniform sampler2DArray powers;
+
+// |c_0|^2 of the specular order over z, 0 ... the largest.
+layout(set = 1, binding = 2) uniform sampler2D specular;
+
+// XYZ weight and wavenumber 1/lambda [1/um] of nodes, the wavenumber growing along a row.
+layout(set = 1, binding = 3) uniform sampler2D nodes;
+
+// Row and number of nodes for each bin of |(u, v)|.
+layout(set = 1, binding = 4, std430) readonly buffer Combs { ivec2 combs[]; };
+const int UV_BINS = 256; // over |(u, v)| in 0 ... 2
+
+// Cubic B-spline along an axis from two linear samples (Sigg & Hadwiger, GPU Gems 2, chapter 20): each stands between two
+// texels where the hardware's linear weights give the ratio of the spline's. x, y: the samples [texels]; z: weight of y.
+vec3 spline_samples(float texel) {
+    float whole = floor(texel - 0.5);
+    float t = texel - 0.5 - whole, t2 = t * t, t3 = t2 * t;
+    float w0 = (1.0 - 3.0 * t + 3.0 * t2 - t3) / 6.0;
+    float w1 = (4.0 - 6.0 * t2 + 3.0 * t3) / 6.0;
+    float w3 = t3 / 6.0;
+    float w2 = 1.0 - w0 - w1 - w3;
+    return vec3(whole - 0.5 + w1 / (w0 + w1), whole + 1.5 + w3 / (w2 + w3), w2 + w3);
+}
+
+// Sum of the orders' powers over z^2 near frequency `f`, in stored units.
+float fluctuation(vec2 f, float z, float level) {
+    vec2 place = f / source.range + 0.5;
+    float x = z * source.x_per_z - 1.0;
+    vec4 t = vec4(1.0, x, 2.0 * x * x - 1.0, (4.0 * x * x - 3.0) * x);
+    // T_k+4 and T_k+5 ... from T_k and T_4: T_m+4 = 2 T_4 T_m - T_|m-4|.
+    float twice_four = 2.0 * (2.0 * t.z * t.z - 1.0);
+    vec4 before = vec4(2.0 * t.z * t.z - 1.0, t.w, t.z, t.y); // T_4, T_3, T_2, T_1: of -4 ... -1
+    vec2 near = place, far = place;
+    vec2 share = vec2(0.0);
+    if (CUBIC) {
+        vec2 size = source.texels * exp2(-level);
+        vec2 texel = place * size;
+        vec3 sx = spline_samples(texel.x), sy = spline_samples(texel.y);
+        near = vec2(sx.x, sy.x) / size;
+        far = vec2(sx.y, sy.y) / size;
+        share = vec2(sx.z, sy.z);
+    }
+    float sum = 0.0;
+    for (int layer = 0; layer < LAYERS; ++layer) {
+        vec4 value = textureLod(powers, vec3(near, layer), level);
+        if (CUBIC) {
+            vec4 right = textureLod(powers, vec3(far.x, near.y, layer), level);
+            vec4 above = textureLod(powers, vec3(near.x, far.y, layer), level);
+            vec4 both = textureLod(powers, vec3(far, layer), level);
+            value = mix(mix(value, right, share.x), mix(above, both, share.x), share.y);
+        }
+        sum += dot(value, t);
+        vec4 next = twice_four * t - before;
+        before = t;
+        t = next;
+    }
+    return max(sum, 0.0);
+}
+
+// The level at wavenumber q whose blur is that of coherence and of a variance of (u, v).
+float level_at(float q2, float variance) {
+    return min(level_of_ratio(source.orders + q2 * variance / source.finest), source.last_level);
+}
+
+bool held(vec2 f) {
+    return all(lessThanEqual(abs(f), source.band));
+}
+
+// q^2 |P|^2/A of the specular order at wavenumber q.
+float specular_power(Pair pair, float q, vec3 c) {
+    float z = 2.0 * PI * q * pair.w;
+    float columns = float(textureSize(specular, 0).x);
+    float power = textureLod(specular, vec2((0.5 * z * source.x_per_z * (columns - 1.0) + 0.5) / columns, 0.5), 0.0).r;
+    float variance = source.specular / (q * q);
+    return power * normal_density(c + vec3(variance, 0.0, variance), pair.toward);
+}
+
+// f cos(theta_i) over the pair's factor of B.12 at one wavenumber: q^2 <|P|^2>/A.
+float mean_power(Pair pair, vec2 toward, float q, float level) {
+    vec2 f = toward * q;
+    float z = 2.0 * PI * q * pair.w;
+    return held(f) ? q * q * z * z * source.unit * fluctuation(f, z, level) : 0.0;
+}
+
+const bool SOURCE_READS_FOOTPRINT = true;
+
+// Node j of a comb reads the footprint at a place of its own along the longer axis, and at one of the two levels around its own: with the
+// tens of nodes of a colour that is the sum over both. Multiples of irrational numbers spread evenly however many there are.
+const vec2 SPREAD = vec2(0.754877666, 0.569840291); // powers of 1 / 1.3247 (Roberts 2018, the sequence R2)
+
+// The standard normal distribution's quantile, good to 5e-4 (Abramowitz & Stegun 26.2.23).
+float normal_quantile(float p) {
+    float tail = min(p, 1.0 - p);
+    float t = sqrt(-2.0 * log(max(tail, 1e-6)));
+    float x = t - (2.515517 + t * (0.802853 + t * 0.010328)) / (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
+    return p < 0.5 ? -x : x;
+}
+
+vec3 source_xyz(Pair pair, Footprint footprint) {
+    vec3 c = covariance(footprint);
+    Ellipse ellipse = ellipse_of(c);
+    float left = sqrt(max(ellipse.longer - ellipse.shorter, 0.0));
+    // The blur along the ray sets how many wavelengths resolve it.
+    float blur = source.finest * source.orders + source.middle * ellipse.shorter;
+    float uv = pair.uv * source.rays * inversesqrt(blur);
+    ivec2 comb = combs[min(int(uv * (0.5 * float(UV_BINS))), UV_BINS - 1)];
+    vec3 sum = vec3(0.0);
+    vec2 place = vec2(0.5);
+    for (int j = 0; j < comb.y; ++j) {
+        vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
+        float q = node.w;
+        vec2 toward = pair.toward + ellipse.axis * (left * normal_quantile(place.x));
+        float level = level_at(q * q, ellipse.shorter);
+        level = floor(level + place.y);
+        sum += node.rgb * (mean_power(pair, toward, q, level) + specular_power(pair, q, c));
+        place = fract(place + SPREAD);
+    }
+    return sum * (pair.factor / (4.0 * PI));
+}
+
+float source_spectral(Pair pair, float wavenumber) {
+    float q = wavenumber;
+    vec3 none = vec3(0.0);
+    float power = mean_power(pair, pair.toward, q, 0.0) + specular_power(pair, q, none);
+    return held(pair.toward * q) ? pair.factor / (4.0 * PI) * power : 0.0;
+}
+
+vec4 source_reads(vec2 pixel, bool scattered, int samples) {
+    return reads_of(powers, pixel, scattered, samples);
+}

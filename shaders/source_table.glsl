@@ -1,0 +1,104 @@
+// Reads a colour table: the mean over coherence areas, summed over the spectrum, as cubics in |w| over -(u, v), in levels that average over
+// growing Gaussians of (u, v). Its CPU twin is src/table/read.rs; the Rust side is src/render/source/table.rs.
+#include "footprint.glsl"
+
+// X, Y and Z of piece after piece of the range of |w|; RGBA: the coefficients of a cubic.
+layout(set = 1, binding = 1) uniform sampler2DArray color_table;
+
+// XYZ of the specular order over |w|, a band of wavelengths a row.
+layout(set = 1, binding = 2) uniform sampler2D specular;
+
+const int BANDS = 8;        // of wavelengths of the specular order
+const float LARGEST_W = 2.0;
+
+layout(set = 1, binding = 0, std140) uniform Table {
+    float normal_reflectance; // R0 of Schlick
+    float texture_per_uv;     // texture coordinate per unit of u
+    float spacing;            // of the finest level's texels in u
+    float unit;               // what a stored 1 stands for [1/sr]
+    float finest;             // variance of u that the finest level averages over
+    float per_growth;         // 1 over the variance by which levels grow
+    float pieces;             // of 0 ... LARGEST_W
+    float last_level;
+    vec4 variances[BANDS / 4]; // of u in each band of the specular order
+} source;
+
+// The constants of src/table/read.rs.
+const float TAP_SPACING = 2.0; // standard deviations of a level's average between two taps
+const float TAP_REACH = 2.0;   // standard deviations of the longer axis that taps reach
+const float MOST_SIDES = 4.0;  // taps on either side
+
+struct Piece {
+    float layer;
+    vec4 powers;
+};
+
+Piece piece_of(float w) {
+    float place = w * (source.pieces / LARGEST_W);
+    float number = min(floor(place), source.pieces - 1.0);
+    float t = 2.0 * (place - number) - 1.0;
+    return Piece(3.0 * number, vec4(1.0, t, t * t, t * t * t));
+}
+
+vec3 read_table(Piece piece, vec2 place, float level) {
+    return vec3(dot(textureLod(color_table, vec3(place, piece.layer), level), piece.powers),
+                dot(textureLod(color_table, vec3(place, piece.layer + 1.0), level), piece.powers),
+                dot(textureLod(color_table, vec3(place, piece.layer + 2.0), level), piece.powers));
+}
+
+// The specular order: a Gaussian of (u, v) for each band of wavelengths.
+vec3 specular_xyz(Pair pair, vec3 c) {
+    // The widest lobe is nowhere else: exp(-0.5 * 40) of its peak.
+    const float NOWHERE = 40.0;
+    float widest = max(c.x, c.z) + source.variances[0].x;
+    int bands = dot(pair.toward, pair.toward) < NOWHERE * widest ? BANDS : 0;
+    float columns = float(textureSize(specular, 0).x);
+    float column = (pair.w / LARGEST_W * (columns - 1.0) + 0.5) / columns;
+    vec3 sum = vec3(0.0);
+    for (int band = 0; band < bands; ++band) {
+        float variance = source.variances[band >> 2][band & 3];
+        vec3 weight = textureLod(specular, vec2(column, (float(band) + 0.5) / float(BANDS)), 0.0).rgb;
+        sum += weight * normal_density(c + vec3(variance, 0.0, variance), pair.toward);
+    }
+    return sum;
+}
+
+const bool SOURCE_READS_FOOTPRINT = true;
+
+vec3 source_xyz(Pair pair, Footprint footprint) {
+    vec3 c = covariance(footprint);
+    Ellipse ellipse = ellipse_of(c);
+    // A level stands for the shorter axis, or for what the taps along the longer one can bridge.
+    float bridged = ellipse.longer * ((TAP_REACH / (TAP_SPACING * MOST_SIDES)) * (TAP_REACH / (TAP_SPACING * MOST_SIDES)));
+    float own = max(max(ellipse.shorter, source.finest), bridged);
+    float left = sqrt(max(ellipse.longer - own, 0.0));
+    float level = min(level_of_ratio((own - source.finest) * source.per_growth + 1.0), source.last_level);
+    float tap = max(sqrt(own), 0.5 * source.spacing);
+    float sides = min(ceil(left * (TAP_REACH / TAP_SPACING) / tap), MOST_SIDES);
+    float distance = TAP_REACH * left / max(sides, 1.0);
+    float fall = 0.5 * distance * distance / max(left * left, 1e-30);
+    Piece piece = piece_of(pair.w);
+    vec2 step = ellipse.axis * (distance * source.texture_per_uv);
+    vec2 place = pair.toward * source.texture_per_uv + 0.5 - sides * step;
+    vec3 sum = vec3(0.0);
+    float norm = 0.0;
+    float k = -sides;
+    do {
+        float weight = exp(-fall * k * k);
+        sum += weight * read_table(piece, place, level);
+        norm += weight;
+        place += step;
+        k += 1.0;
+    } while (k <= sides);
+    vec3 diffracted = sum * (source.unit / norm * pair.w * pair.w);
+    return (diffracted + specular_xyz(pair, c)) * (pair.factor / (4.0 * PI));
+}
+
+// A table has no single wavelength; nobody asks.
+float source_spectral(Pair pair, float wavenumber) {
+    return 0.0;
+}
+
+vec4 source_reads(vec2 pixel, bool scattered, int samples) {
+    return reads_of(color_table, pixel, scattered, samples);
+}

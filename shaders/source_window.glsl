@@ -1,0 +1,35 @@
+// The window: spectra of an expansion's terms through one Gaussian window, summed over wavelengths. Its twin is
+// src/render/source/window.rs.
+#include "spectra.glsl"
+
+const int UV_BINS = 256; // entries of `combs` over |(u, v)| in 0 ... 2
+
+// Wavelength combs: row of `nodes` and number of nodes for each bin of |(u, v)|.
+layout(set = 1, binding = 4, std430) readonly buffer Combs { ivec2 combs[]; };
+
+const bool SOURCE_READS_FOOTPRINT = false;
+
+// XYZ of f cos(theta_i) [1/sr], over the wavelengths that are in the band, by the comb that |(u, v)| needs.
+vec3 source_xyz(Pair pair, Footprint footprint) {
+    Ray ray = ray_of(pair);
+    float largest = largest_wavenumber(pair);
+    vec3 xyz = vec3(0.0);
+    ivec2 comb = combs[min(int(pair.uv * (0.5 * float(UV_BINS))), UV_BINS - 1)];
+    for (int node = 0; node < comb.y; ++node) {
+        vec4 weight_and_wavenumber = texelFetch(nodes, ivec2(node, comb.x), 0);
+        float wavenumber = weight_and_wavenumber.w;
+        if (wavenumber > largest) {
+            break; // wavenumbers grow
+        }
+        xyz += weight_and_wavenumber.xyz * (wavenumber * wavenumber * power(ray, wavenumber));
+    }
+    return cosine_weighted(pair, xyz);
+}
+
+float source_spectral(Pair pair, float wavenumber) {
+    return cosine_weighted_at(pair, wavenumber);
+}
+
+vec4 source_reads(vec2 pixel, bool scattered, int samples) {
+    return reads_of(layers, pixel, scattered, samples);
+}

@@ -1,0 +1,163 @@
+// Spectra of an expansion's terms on the device, and the amplitude that they add up to: what the sources of a window and of a grating
+// share. The f64 twin is src/optics/reference.rs; the Rust side is src/render/source/spectra.rs.
+
+layout(set = 1, binding = 0, std140) uniform Spectra {
+    vec2 texture_size;              // texels of a layer along f_x and f_y
+    vec2 origin;                    // centre of the texel of f = 0, in texels from the texture's corner
+    vec2 texels_per_frequency;      // L_x, L_y [um]
+    vec2 band;                      // largest |f_x|, |f_y| that holds anything [1/um]
+    float sigma;                    // standard deviation of the Gaussian window [um]
+    float normal_reflectance;       // R0 of Schlick
+    vec2 column;                    // texture coordinate of `coefficients` at z = k|w| = 0, and per unit of z [um]
+    float pairs_per_z;              // pairs of terms that k|w| needs: pairs_per_z k|w| + fewest_pairs, rounded up
+    float fewest_pairs;
+    float half_range;               // a: half the range of heights [um]
+} source;
+
+// Spectra of the basis functions: RGBA = Re, Im of term 2p, Re, Im of term 2p + 1, relative to the flat mirror's peak.
+// Pair p of terms is layer p.
+layout(set = 1, binding = 1) uniform sampler2DArray layers;
+
+// c_2p, c_2p+1 as (Re, Im, Re, Im) over z, in the layers of the same numbers. Small tables are textures because software devices read those eight lanes at a time, and buffers lane by lane.
+layout(set = 1, binding = 2) uniform sampler2DArray coefficients;
+
+// XYZ weight and wavenumber 1/lambda [1/um] of nodes, the wavenumber growing along a row; or the colour functions as a density.
+layout(set = 1, binding = 3) uniform sampler2D nodes;
+
+// What a device compiles for. Software devices run both sides of a branch on anything else.
+layout(constant_id = 10) const bool CUBIC_X = false;     // cubic B-spline along f_x, else linear
+layout(constant_id = 11) const bool CUBIC_Y = false;     // the same along f_y
+layout(constant_id = 12) const bool HALF_PLANE = true;   // the layers hold f_x >= 0 only
+layout(constant_id = 13) const int PAIRS = 1;            // pairs of terms
+layout(constant_id = 14) const bool FEWER_PAIRS = false; // small z need fewer
+layout(constant_id = 15) const bool TAYLOR = false;      // coefficients of the Taylor series, by a recurrence; else from the table
+
+// Place and weights of one read of all layers, made once per frequency.
+struct Read {
+    vec2 near;      // texture coordinates of the samples
+    vec2 far;
+    vec2 far_share; // weight of `far` along each axis where the kernel is cubic
+};
+
+// Weights of the four texels around a place at `t` in 0 ... 1 between the middle two (cubic B-spline).
+vec4 spline_weights(float t) {
+    float t2 = t * t, t3 = t2 * t;
+    float w0 = (1.0 - 3.0 * t + 3.0 * t2 - t3) / 6.0;
+    float w1 = (4.0 - 6.0 * t2 + 3.0 * t3) / 6.0;
+    float w3 = t3 / 6.0;
+    return vec4(w0, w1, 1.0 - w0 - w1 - w3, w3);
+}
+
+// Cubic B-spline along an axis from two linear samples (Sigg & Hadwiger, GPU Gems 2, chapter 20): each stands between two
+// texels where the hardware's linear weights give the ratio of the spline's. x, y: the samples [texels]; z: weight of y.
+vec3 spline_samples(float texel) {
+    float whole = floor(texel - 0.5);
+    vec4 w = spline_weights(texel - 0.5 - whole);
+    return vec3(whole - 0.5 + w.y / (w.x + w.y), whole + 1.5 + w.w / (w.z + w.w), w.z + w.w);
+}
+
+Read read_at(vec2 frequency) {
+    vec2 texel = frequency * source.texels_per_frequency + source.origin;
+    vec3 x = vec3(texel.x, texel.x, 0.0), y = vec3(texel.y, texel.y, 0.0);
+    if (CUBIC_X) {
+        x = spline_samples(texel.x);
+    }
+    if (CUBIC_Y) {
+        y = spline_samples(texel.y);
+    }
+    return Read(vec2(x.x, y.x) / source.texture_size, vec2(x.y, y.y) / source.texture_size, vec2(x.z, y.z));
+}
+
+vec4 read_row(Read read, float y, int layer) {
+    vec4 near = textureLod(layers, vec3(read.near.x, y, layer), 0.0);
+    if (!CUBIC_X) {
+        return near;
+    }
+    return mix(near, textureLod(layers, vec3(read.far.x, y, layer), 0.0), read.far_share.x);
+}
+
+vec4 read_layer(Read read, int layer) {
+    vec4 near = read_row(read, read.near.y, layer);
+    if (!CUBIC_Y) {
+        return near;
+    }
+    return mix(near, read_row(read, read.far.y, layer), read.far_share.y);
+}
+
+// A ray of frequencies, -(u, v)/lambda, in the part of the plane that the spectra hold.
+struct Ray {
+    vec2 toward;      // -(u, v), or (u, v) where the layers hold the other half of the plane
+    float conjugate;  // -1 where they have to be conjugated for that
+    float w;          // |w|
+};
+
+Ray ray_of(Pair pair) {
+    // w <= 0, and P(f; -z) = conj(P(-f; z)) because heights are real: |P(f)| = |sum c_n(|z|) P_n(-f)|. Where every b_n is
+    // real the layers hold f_x >= 0, and the other half is P_n(-f) = conj(P_n(f)).
+    float conjugate = HALF_PLANE && pair.toward.x < 0.0 ? -1.0 : 1.0;
+    return Ray(pair.toward * conjugate, conjugate, pair.w);
+}
+
+// The largest wavenumber at which the layers hold anything [1/um]; 0 below the horizon.
+float largest_wavenumber(Pair pair) {
+    if (pair.factor == 0.0) {
+        return 0.0;
+    }
+    vec2 reach = source.band / max(abs(pair.toward), vec2(1e-9)); // straight at the mirror direction every wavenumber is in
+    return min(reach.x, reach.y);
+}
+
+// c_2p P_2p + c_2p+1 P_2p+1 of a pair of terms.
+vec2 sum_of_terms(vec4 c, vec4 s) {
+    return vec2(c.x * s.x - c.y * s.y, c.x * s.y + c.y * s.x) + vec2(c.z * s.z - c.w * s.w, c.z * s.w + c.w * s.z);
+}
+
+// Pairs of terms that k|w| = z needs.
+int pairs_at(float z) {
+    return min(int(ceil(z * source.pairs_per_z + source.fewest_pairs)), PAIRS);
+}
+
+// |P|^2 relative to the flat mirror's peak, at a wavenumber 1/lambda [1/um] within the band.
+float power(Ray ray, float wavenumber) {
+    Read read = read_at(ray.toward * wavenumber);
+    float z = 2.0 * PI * wavenumber * ray.w;
+    float step = z * source.half_range;
+    float column = source.column.x + z * source.column.y;
+    int count = FEWER_PAIRS ? pairs_at(z) : PAIRS;
+    // Of the Taylor series c_n = (i z a)^n/n!: for even n real, for odd n imaginary, whose sign the conjugate changes.
+    vec2 taylor = vec2(1.0, step * ray.conjugate);
+    vec2 p = vec2(0.0);
+    // Tested at its end: software devices run a loop's body until every lane has failed the test, and a test in front would
+    // run it once more for nobody. There is always a pair.
+    int pair = 0;
+    do {
+        vec4 s = read_layer(read, pair);
+        if (TAYLOR) {
+            p += taylor.x * s.xy + taylor.y * vec2(-s.w, s.z);
+            float n = float(2 * pair + 2);
+            // Two terms on: times (i z a)^2 over the next two factors.
+            taylor *= -step * step / (n * vec2(n - 1.0, n + 1.0));
+        } else {
+            vec4 c = textureLod(coefficients, vec3(column, 0.5, pair), 0.0);
+            c.yw *= ray.conjugate;
+            p += sum_of_terms(c, s);
+        }
+        ++pair;
+    } while (pair < count);
+    return dot(p, p);
+}
+
+// f cos(theta_i) of `pair` where q^2 |P|^2, summed or not, is `power` [1/sr].
+float cosine_weighted(Pair pair, float power) {
+    return pair.factor * source.sigma * source.sigma * power;
+}
+
+vec3 cosine_weighted(Pair pair, vec3 powers) {
+    return pair.factor * source.sigma * source.sigma * powers;
+}
+
+// f cos(theta_i) at one wavenumber [1/sr].
+float cosine_weighted_at(Pair pair, float wavenumber) {
+    bool seen = wavenumber <= largest_wavenumber(pair);
+    return seen ? cosine_weighted(pair, wavenumber * wavenumber * power(ray_of(pair), wavenumber)) : 0.0;
+}

@@ -1,0 +1,135 @@
+//! Autotuning: the most accurate setting that keeps a frame rate, found by timing each candidate.
+
+use super::benchmark::{BenchmarkOptions, BenchmarkScene};
+use super::say;
+use crate::error::{Error, Result};
+use crate::expansion::Basis;
+use crate::measure::profile::measure;
+use crate::setup::Method;
+
+/// The candidates without --tolerance, the most accurate first. Tables of smaller tolerances do not fit usual devices.
+const CANDIDATES: [(Method, f64); 6] = [
+    (Method::Spectral, 1e-3),
+    (Method::Spectral, 1e-2),
+    (Method::Table, 1e-2),
+    (Method::Table, 2e-2),
+    (Method::Spectral, 1e-1),
+    (Method::Table, 1e-1),
+];
+/// Number of frames that a candidate is timed with, and the seconds after which no further frame is begun.
+const FRAMES: usize = 5;
+const SECONDS: f64 = 1.0;
+
+/// The result of autotuning.
+pub struct TunedSetting {
+    /// The options of the setting.
+    pub options: BenchmarkOptions,
+    /// The same as command line options.
+    pub flags: String,
+    /// Whether it keeps the frame rate; otherwise it is the fastest candidate.
+    pub keeps: bool,
+}
+
+/// Finds the most accurate setting that draws `fps` frames a second of `scene`. Method, basis and tolerance that `options` name
+/// are kept. Reports each candidate on stderr.
+///
+/// # Errors
+/// When no candidate can be drawn.
+pub fn tune(fps: f64, scene: &BenchmarkScene, options: &BenchmarkOptions) -> Result<TunedSetting> {
+    let mut fastest: Option<(f64, TunedSetting)> = None;
+    let mut refused = None;
+    for options in candidates(options) {
+        let flags = flags(&options);
+        let rate = match frame_rate(scene, &options) {
+            Ok(rate) => rate,
+            Err(error) => {
+                say(&format_args!("{flags}: not possible here ({error})"));
+                refused = Some(error);
+                continue;
+            }
+        };
+        say(&format_args!("{flags}: {rate:.2} frames a second"));
+        let setting = TunedSetting { options, flags, keeps: rate >= fps };
+        if setting.keeps {
+            return Ok(setting);
+        }
+        if fastest.as_ref().is_none_or(|(best, _)| rate > *best) {
+            fastest = Some((rate, setting));
+        }
+    }
+    let none = || Error::usage("--fps leaves no setting to choose", "name fewer of method and tolerance");
+    fastest.map(|(_, setting)| setting).ok_or_else(|| refused.unwrap_or_else(none))
+}
+
+/// The candidates, the most accurate first.
+fn candidates(options: &BenchmarkOptions) -> Vec<BenchmarkOptions> {
+    let optics = &options.optics;
+    let settings: Vec<(Method, f64)> = match optics.tolerance {
+        Some(tolerance) => [Method::Spectral, Method::Table].map(|method| (method, tolerance)).to_vec(),
+        None => CANDIDATES.to_vec(),
+    };
+    // Basis and terms are options of the spectral method.
+    let spectral = optics.basis.is_some() || optics.terms.is_some();
+    let wanted = |method: Method| match optics.method {
+        Some(named) => named == method,
+        None => !spectral || method == Method::Spectral,
+    };
+    let with = |(method, tolerance)| {
+        let mut own = options.clone();
+        own.optics.method = Some(method);
+        own.optics.tolerance = Some(tolerance);
+        own.optics.basis = optics.basis.or((method == Method::Spectral).then_some(Basis::Optimal));
+        own
+    };
+    settings.into_iter().filter(|(method, _)| wanted(*method)).map(with).collect()
+}
+
+/// Frames a second of a setting.
+fn frame_rate(scene: &BenchmarkScene, options: &BenchmarkOptions) -> Result<f64> {
+    let mut painter = scene.prepare(options)?.painter;
+    let times = measure(&mut painter, &scene.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
+    Ok(1e3 / times.frame.p50)
+}
+
+/// A setting as command line options.
+fn flags(own: &BenchmarkOptions) -> String {
+    let tolerance = format!("--tolerance {:e}", own.optics.tolerance());
+    match (own.optics.method(), own.optics.basis) {
+        (Method::Spectral, Some(basis)) => format!("--method spectral --basis {} {tolerance}", basis.name()),
+        (Method::Spectral, None) => format!("--method spectral {tolerance}"),
+        _ => format!("--method table {tolerance}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser, Debug)]
+    struct CommandLine {
+        #[command(flatten)]
+        options: BenchmarkOptions,
+    }
+
+    fn tried(flags: &str) -> Vec<String> {
+        let words = std::iter::once("profile").chain(flags.split_whitespace());
+        candidates(&CommandLine::try_parse_from(words).unwrap().options).iter().map(super::flags).collect()
+    }
+
+    #[test]
+    fn what_is_named_is_kept_and_the_rest_goes_from_fine_to_coarse() {
+        let all = tried("");
+        assert_eq!(all[0], "--method spectral --basis optimal --tolerance 1e-3");
+        assert_eq!(all.last().unwrap(), "--method table --tolerance 1e-1");
+        assert!(tried("--method table").iter().all(|flags| flags.starts_with("--method table")));
+        assert!(
+            tried("--basis taylor").iter().all(|flags| flags.starts_with("--method spectral --basis taylor"))
+        );
+        assert_eq!(
+            tried("--tolerance 3e-2"),
+            ["--method spectral --basis optimal --tolerance 3e-2", "--method table --tolerance 3e-2"]
+        );
+        assert_eq!(tried("--tolerance 3e-2 --method table"), ["--method table --tolerance 3e-2"]);
+    }
+}

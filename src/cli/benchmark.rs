@@ -1,0 +1,298 @@
+//! The benchmark scene that `profile` and `trade` measure: a frame on a device, and the f64 reference of the same directions.
+
+use super::options::{
+    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, lights_of, real,
+};
+use super::prepare;
+use crate::error::{Error, Result};
+use crate::measure::budget::ErrorBudget;
+use crate::measure::error::{self, PixelErrors};
+use crate::measure::profile::measure;
+use crate::measure::trade::Measurement;
+use crate::optics::coherence::Windows;
+use crate::render::frame::View;
+use crate::render::picture::{Directions, Painter, Picture};
+use crate::render::pigment::Pigment;
+use crate::render::reference_picture::{covered, displayed, reference_pixels};
+use crate::render::sampling::Sampling;
+use crate::render::shading::Shading;
+use crate::render::source::cost::Cost;
+use crate::render::source::{Source, Summary};
+use crate::scene::{Light, Scene};
+use crate::setup::{self, Method, Settings};
+use crate::surface::HeightField;
+use crate::units;
+use crate::vk::device::Device;
+use clap::Args;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// What is drawn, how it is shaded, and on which device.
+#[derive(Args, Clone, Debug)]
+pub struct BenchmarkOptions {
+    /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
+    #[arg(default_value = "snake")]
+    pub scene: String,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "640x480")]
+    pub size: [u32; 2],
+    /// A light instead of the scene's, in degrees from up and around it; up to four
+    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
+    pub light: Vec<Light>,
+    #[command(flatten)]
+    pub surface: SurfaceOptions,
+    #[command(flatten)]
+    pub optics: OpticsOptions,
+    #[command(flatten)]
+    pub colour: ColourOptions,
+    #[command(flatten)]
+    pub device: DeviceOptions,
+    #[command(flatten)]
+    pub cache: CacheOptions,
+}
+
+/// Parses a frame rate \[1/s\].
+///
+/// # Errors
+/// Not a number from 1e-3 to 1e5.
+pub fn fps(text: &str) -> Result<f64> {
+    real(text, (1e-3, 1e5), "frame rate")
+}
+
+/// What all settings of a benchmark share.
+pub struct BenchmarkScene {
+    pub device: Arc<Device>,
+    pub scene: Scene,
+    pub field: HeightField,
+    pub view: View,
+    pub size: [u32; 2],
+}
+
+/// A setting, ready to be measured.
+pub struct Benchmark {
+    /// Draws the frame.
+    pub painter: Painter,
+    /// What it is shaded with.
+    pub shading: Shading,
+    /// What it is shaded from.
+    pub summary: Summary,
+    /// Samples and wavelengths of the frame.
+    pub cost: Cost,
+    /// Where its error comes from.
+    pub budget: ErrorBudget,
+    /// The directions of each pixel, one entry per light.
+    pub directions: Vec<Directions>,
+}
+
+/// Errors of a picture.
+#[derive(Default)]
+pub struct PictureErrors {
+    /// Errors of the pixels compared.
+    pub pixels: Option<PixelErrors>,
+    /// Mean FLIP, if every covered pixel was compared.
+    pub flip: Option<f64>,
+}
+
+/// How many frames to time.
+#[derive(Clone, Copy)]
+pub struct TimingLimits {
+    /// Number of frames.
+    pub frames: usize,
+    /// Seconds after which no further frame is begun.
+    pub seconds: f64,
+}
+
+/// The reference of a frame.
+pub struct ReferencePixels {
+    /// Numbers of the covered pixels.
+    pub pixels: Vec<usize>,
+    /// Linear sRGB of each.
+    pub colors: Vec<DVec3>,
+}
+
+/// References of one frame by the window positions that they average over. Each is computed once.
+#[derive(Default)]
+pub struct References {
+    pictures: Vec<(Windows, ReferencePixels)>,
+}
+
+impl References {
+    /// The reference of the frame that shades `directions`, for the window positions of `shading`.
+    ///
+    /// # Errors
+    /// When it does not fit into memory.
+    pub fn of(
+        &mut self,
+        scene: &BenchmarkScene,
+        shading: &Shading,
+        directions: &[Directions],
+    ) -> Result<&ReferencePixels> {
+        let windows = shading.windows;
+        let index = match self.pictures.iter().position(|(known, _)| *known == windows) {
+            Some(index) => index,
+            None => {
+                let pixels = covered(directions);
+                let colors = scene.reference(shading, directions, &pixels)?;
+                self.pictures.push((windows, ReferencePixels { pixels, colors }));
+                self.pictures.len() - 1
+            }
+        };
+        Ok(&self.pictures[index].1)
+    }
+}
+
+impl BenchmarkScene {
+    /// Opens scene, surface and device of `options`.
+    ///
+    /// # Errors
+    /// When one of them cannot be opened, or for `--method reference`.
+    pub fn open(options: &BenchmarkOptions) -> Result<Self> {
+        check_method(options)?;
+        options.optics.for_pictures(&options.colour)?;
+        let scene = Scene::open(&options.scene)?;
+        let field = options.surface.load(None, Some(&scene), "elaphe")?;
+        let view = View::of(&scene, lights_of(&options.light, &scene));
+        let device = prepare::device(&options.device.wish())?;
+        Ok(Self { device, scene, field, view, size: options.size })
+    }
+
+    /// Number of pixels of a picture.
+    pub fn pixels(&self) -> usize {
+        self.size[0] as usize * self.size[1] as usize
+    }
+
+    /// Prepares the setting of `options`.
+    ///
+    /// # Errors
+    /// When it does not fit on the device, or for `--method reference`.
+    pub fn prepare(&self, options: &BenchmarkOptions) -> Result<Benchmark> {
+        check_method(options)?;
+        let shading = options.optics.for_pictures(&options.colour)?;
+        let method = options.optics.picture_method();
+        let mut settings = Settings::new(method, shading.clone());
+        if setup::averages_footprints(&settings) {
+            let sample = Sampling::ONE.sample(0);
+            settings.least_footprint =
+                prepare::least_footprint(&self.device, &self.scene, &self.view, self.size, &sample)?;
+        }
+        let source = prepare::source(&self.field, &settings, &self.device)?;
+        let (painter, directions) = self.painter(&source, &shading)?;
+        Ok(Benchmark {
+            painter,
+            summary: source.summary(&shading),
+            cost: source.cost(&shading, &directions),
+            budget: ErrorBudget::of(&source, &shading),
+            shading,
+            directions,
+        })
+    }
+
+    /// A painter of this frame from `source`, and the directions of each pixel, one entry per light.
+    ///
+    /// # Errors
+    /// When it does not fit on the device, or `source` cannot shade these directions.
+    pub fn painter(&self, source: &Source, shading: &Shading) -> Result<(Painter, Vec<Directions>)> {
+        let (mesh, lights) = (&self.scene.mesh, self.view.lights.len());
+        let mut painter =
+            Painter::new(&self.device, source, shading, mesh, &Pigment::white(), self.size, lights)?;
+        let directions =
+            (0..lights).map(|light| painter.directions(&self.view, light)).collect::<Result<Vec<_>>>()?;
+        source.check(shading, &directions)?;
+        Ok((painter, directions))
+    }
+
+    /// Draws the picture of `painter`.
+    ///
+    /// # Errors
+    /// When the device is lost.
+    pub fn paint(&self, painter: &mut Painter) -> Result<Picture> {
+        painter.paint(&self.view, self.scene.exposure, self.scene.background)
+    }
+
+    /// Errors of the picture at `count` random covered pixels.
+    ///
+    /// # Errors
+    /// When the device is lost or the reference does not fit into memory.
+    pub fn compare(&self, benchmark: &mut Benchmark, count: usize) -> Result<PictureErrors> {
+        let picture = self.paint(&mut benchmark.painter)?;
+        let covered = covered(&benchmark.directions);
+        let pixels = error::sample(&covered, count);
+        let colors = self.reference(&benchmark.shading, &benchmark.directions, &pixels)?;
+        let errors = PixelErrors::of(&shown(&picture, &pixels), &colors, self.scene.exposure);
+        let whole = pixels.len() == covered.len();
+        let exact = ReferencePixels { pixels, colors };
+        Ok(PictureErrors { pixels: Some(errors), flip: whole.then(|| self.flip(&picture, &exact)) })
+    }
+
+    /// Times the frame and measures the errors of its picture; the fields that depend on the setting stay empty.
+    ///
+    /// # Errors
+    /// When the device is lost.
+    pub fn measure(
+        &self,
+        painter: &mut Painter,
+        exact: &ReferencePixels,
+        limits: TimingLimits,
+    ) -> Result<Measurement> {
+        let times = measure(painter, &self.view, limits.frames, limits.seconds, &|_, _| Ok(()))?;
+        let picture = self.paint(painter)?;
+        let errors = PixelErrors::of(&shown(&picture, &exact.pixels), &exact.colors, self.scene.exposure);
+        Ok(Measurement {
+            frame_ms: times.frame.p50,
+            fastest_ms: times.frame.min,
+            gpu_ms: times.gpu.p50,
+            spread: times.spread,
+            relative_l2: errors.relative_l2,
+            p99: errors.p99,
+            flip: self.flip(&picture, exact),
+            ..Measurement::default()
+        })
+    }
+
+    /// The f64 reference of `pixels`, linear sRGB.
+    fn reference(
+        &self,
+        shading: &Shading,
+        directions: &[Directions],
+        pixels: &[usize],
+    ) -> Result<Vec<DVec3>> {
+        let bar = prepare::progress_bar("reference");
+        let progress = |done: usize, of: usize| {
+            bar.set_length(of as u64);
+            bar.set_position(done as u64);
+            Ok(())
+        };
+        let colors = reference_pixels(&self.field, shading, &self.view, directions, pixels, &progress);
+        bar.finish_and_clear();
+        colors
+    }
+
+    /// Mean FLIP between `picture` and the reference, both as displayed.
+    fn flip(&self, picture: &Picture, exact: &ReferencePixels) -> f64 {
+        let mut radiance = vec![[0.0; 4]; picture.radiance.len()];
+        for (&pixel, color) in exact.pixels.iter().zip(&exact.colors) {
+            radiance[pixel] = color.as_vec3().extend(1.0).to_array();
+        }
+        let exact = displayed(&radiance, self.scene.exposure, self.scene.background);
+        error::flip(&picture.display, &exact, picture.size)
+    }
+}
+
+fn check_method(options: &BenchmarkOptions) -> Result<()> {
+    if options.optics.picture_method() == Method::Reference {
+        return Err(Error::usage(
+            "--method reference has no frames to time",
+            "use --method spectral or --method table",
+        ));
+    }
+    Ok(())
+}
+
+/// Linear sRGB of `pixels` of `picture`.
+pub fn shown(picture: &Picture, pixels: &[usize]) -> Vec<DVec3> {
+    let color = |&i: &usize| {
+        let [r, g, b, _] = picture.radiance[i];
+        DVec3::new(r.into(), g.into(), b.into())
+    };
+    pixels.iter().map(color).collect()
+}

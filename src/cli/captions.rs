@@ -1,0 +1,122 @@
+//! Settings as text for the captions of figures.
+
+use super::options::OpticsOptions;
+use crate::optics::coherence::{Coherence, Windows};
+use crate::picture_file::{Notes, quoted};
+use crate::scene::Light;
+use crate::setup::Method;
+use crate::surface::HeightField;
+use std::ffi::OsString;
+
+/// What a picture that this process draws says of itself.
+pub fn notes() -> Notes {
+    Notes { command: command(std::env::args_os()), ..Notes::default() }
+}
+
+/// The command that `words` are (the program's name first), as a shell takes it, without where results go: the same picture
+/// says the same of itself, whatever its file is called.
+fn command(words: impl IntoIterator<Item = OsString>) -> String {
+    let mut kept = vec!["diffract".to_owned()];
+    let mut words = words.into_iter().skip(1).map(|word| word.to_string_lossy().into_owned());
+    while let Some(word) = words.next() {
+        let name = word.split('=').next().unwrap_or_default();
+        if ["-o", "--output", "--plot", "--json", "--cache-size"].contains(&name) {
+            // The value is the next word unless it stands in this one.
+            if name == word {
+                words.next();
+            }
+        } else if !word.starts_with("-o") {
+            kept.push(quoted(&word));
+        }
+    }
+    kept.join(" ")
+}
+
+/// The coherence.
+pub fn coherence(coherence: &Coherence) -> String {
+    match coherence {
+        Coherence::Gaussian { length } => format!("gaussian {} µm", rounded(*length)),
+        Coherence::Repeats([n, m]) => format!("{n}×{m} repeats"),
+    }
+}
+
+/// The method with its settings, the coherence and the refractive index.
+pub fn optics(options: &OpticsOptions) -> String {
+    let method = match options.method() {
+        Method::Reference => "direct sum (reference)".to_owned(),
+        method => {
+            let name = clap::ValueEnum::to_possible_value(&method)
+                .map_or_else(String::new, |v| v.get_name().to_owned());
+            // The basis of a colour table is fixed.
+            let basis = options.basis.filter(|_| method == Method::Spectral);
+            let basis = basis.map_or_else(String::new, |basis| format!(", {} basis", basis.name()));
+            format!("method {name}{basis}, tolerance {}", options.tolerance())
+        }
+    };
+    let windows = match options.windows() {
+        Windows::All => ", mean over all windows".to_owned(),
+        Windows::Grid([1, 1]) => String::new(),
+        Windows::Grid([n, m]) => format!(", {n}×{m} windows"),
+    };
+    format!(
+        "{method}; coherence {}{windows}; refractive index {}",
+        coherence(&options.coherence),
+        options.ior
+    )
+}
+
+/// Name, size, sample spacing and height of a surface.
+pub fn surface(name: &str, field: &HeightField) -> String {
+    let [width, height] = field.patch_size().map(rounded);
+    let [dx, dy] = field.pixel_size().map(|d| (d * 1e4).round() / 10.0);
+    let (low, high) = field.range();
+    let spacing = if dx == dy { format!("{dx} nm") } else { format!("{dx} × {dy} nm") };
+    format!(
+        "{name}, a patch of {width} × {height} µm, samples {spacing} apart, {} nm high",
+        rounded((high - low) * 1e3)
+    )
+}
+
+/// Directions and intensities of lights.
+pub fn lights(lights: &[Light]) -> String {
+    let one = |light: &Light| {
+        let strength =
+            if light.intensity == 1.0 { String::new() } else { format!(", intensity {}", light.intensity) };
+        format!("θ\u{a0}=\u{a0}{}°, φ\u{a0}=\u{a0}{}°{strength}", rounded(light.theta), rounded(light.phi))
+    };
+    lights.iter().map(one).collect::<Vec<_>>().join("; ")
+}
+
+/// `text` as a sentence: a capital letter first, a full stop last.
+pub fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
+    format!("{first}{}.", letters.as_str())
+}
+
+/// Two decimals.
+fn rounded(x: f64) -> f64 {
+    (x * 1e2).round() / 1e2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_of_a_picture_is_without_its_file_and_quoted() {
+        let said = |line: &str| command(line.split(' ').map(OsString::from));
+        let plain = "diffract render sphere --size 8x6";
+        for line in [
+            "/usr/bin/diffract render sphere --size 8x6 -o a.png",
+            "diffract render -o a.png sphere --size 8x6",
+            "diffract render -o=a.png sphere --size 8x6 --cache-size 1MB",
+            "diffract render -oa.png sphere --size 8x6",
+            "diffract render --output=a.png sphere --size 8x6",
+            "diffract render --output a.png sphere --size 8x6",
+        ] {
+            assert_eq!(said(line), plain, "{line}");
+        }
+        assert_eq!(said("diffract render it's.toml"), "diffract render 'it'\\''s.toml'");
+    }
+}

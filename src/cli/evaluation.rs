@@ -1,0 +1,53 @@
+//! What `eval`, `brdf` and `peaks` share: limits of what they ask, and asking with a progress bar.
+
+use super::prepare;
+use crate::brdf::Brdf;
+use crate::error::{Error, Result};
+use crate::optics::geometry::Pair;
+use crate::setup::Method;
+use glam::DVec3;
+use indicatif::ProgressBar;
+
+/// Wavelengths that can be asked for \[µm\]: from hard ultraviolet to far infrared.
+pub const WAVELENGTHS: (f64, f64) = (0.01, 100.0);
+/// Pairs of directions that are asked for together: memory stays at a few megabytes.
+pub const AT_ONCE: usize = 16_384;
+
+/// A progress bar over `count` directions.
+pub fn bar(count: usize) -> ProgressBar {
+    let bar = prepare::progress_bar("directions");
+    bar.set_length(count as u64);
+    bar
+}
+
+/// f \[sr⁻¹\] of every one of `pairs`, in order: three times the value at `wavelength` \[µm\], or the XYZ of the colour.
+///
+/// # Errors
+/// As [`Brdf`].
+pub fn ask(
+    brdf: &mut dyn Brdf,
+    pairs: &[Pair],
+    wavelength: Option<f64>,
+    bar: &ProgressBar,
+) -> Result<Vec<DVec3>> {
+    let mut all = Vec::with_capacity(pairs.len());
+    for part in pairs.chunks(brdf.batch()) {
+        match wavelength {
+            Some(wavelength) => all.extend(brdf.spectral(part, wavelength)?.into_iter().map(DVec3::splat)),
+            None => all.extend(brdf.xyz(part)?),
+        }
+        bar.inc(part.len() as u64);
+    }
+    Ok(all)
+}
+
+/// Fails where `method` has no single wavelengths.
+pub fn check_single_wavelengths(method: Method) -> Result<()> {
+    if method != Method::Table {
+        return Ok(());
+    }
+    Err(Error::usage(
+        "--method table holds colours, summed over the spectrum, and no single wavelength",
+        "use --method spectral or --method reference",
+    ))
+}

@@ -1,0 +1,97 @@
+//! `diffract profile`: how long a frame takes, what it does in that time, and what the device could do.
+
+mod report;
+
+use super::autotune::{TunedSetting, tune};
+use super::benchmark::{BenchmarkOptions, BenchmarkScene, PictureErrors, fps};
+use super::options::{check_lights, sample_pixels};
+use super::{prepare, write};
+use crate::error::Result;
+use crate::files::Files;
+use crate::measure::profile::{measure, rates};
+use clap::Args;
+use report::Report;
+use std::path::PathBuf;
+
+/// Arguments of `profile`.
+#[derive(Args, Clone, Debug)]
+pub struct Arguments {
+    #[command(flatten)]
+    pub benchmark: BenchmarkOptions,
+    /// Write the numbers as JSON too
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Frames to measure
+    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(3..=100_000), allow_hyphen_values = true)]
+    pub frames: u32,
+    /// Compare this many random pixels, or all, with the f64 reference
+    #[arg(long, value_name = "N|all", value_parser = compared_pixels, allow_hyphen_values = true)]
+    pub error: Option<usize>,
+    /// Choose the most accurate setting that keeps this frame rate; method, basis and tolerance that are given stay
+    #[arg(long, value_name = "F", value_parser = fps, allow_hyphen_values = true)]
+    pub fps: Option<f64>,
+    /// Print where the error comes from
+    #[arg(long)]
+    pub explain: bool,
+}
+
+/// Parses the number of pixels of `--error`.
+fn compared_pixels(text: &str) -> Result<usize> {
+    if text.trim() == "all" { Ok(usize::MAX) } else { sample_pixels(text) }
+}
+
+/// Measures and reports.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let options = &arguments.benchmark;
+    options.cache.apply();
+    check_lights(&options.light)?;
+    let files = Files::new()
+        .reads([&options.scene])
+        .reads(options.surface.files(None))
+        .reads(options.colour.files())
+        .writes(&arguments.json);
+    files.check()?;
+    let scene = BenchmarkScene::open(options)?;
+    files.reads(&scene.scene.files).check()?;
+    let tuned = arguments.fps.map(|fps| tune(fps, &scene, &arguments.benchmark)).transpose()?;
+    let options = tuned.as_ref().map_or(&arguments.benchmark, |tuned| &tuned.options);
+    let report = profile(&scene, options, arguments)?;
+    prepare::finish(&scene.device)?;
+    let mut text = report.text();
+    if let (Some(fps), Some(tuned)) = (arguments.fps, &tuned) {
+        text += &tuned_text(fps, tuned);
+    }
+    if arguments.explain {
+        text += &report.budget_text();
+    }
+    write::stdout(&text)?;
+    if let Some(path) = &arguments.json {
+        write::json(path, &report)?;
+    }
+    Ok(())
+}
+
+/// The line about the setting that `--fps` chose.
+fn tuned_text(fps: f64, tuned: &TunedSetting) -> String {
+    let keeps = if tuned.keeps { "keeps it" } else { "is the fastest here and does not keep it" };
+    format!("{:<26}{fps} frames a second: {} {keeps}\n", "asked for", tuned.flags)
+}
+
+fn profile(scene: &BenchmarkScene, options: &BenchmarkOptions, arguments: &Arguments) -> Result<Report> {
+    let mut benchmark = scene.prepare(options)?;
+    let bar = prepare::progress_bar("frames");
+    let progress = |done: usize, of: usize| {
+        bar.set_length(of as u64);
+        bar.set_position(done as u64);
+        Ok(())
+    };
+    let frames = arguments.frames as usize;
+    let times = measure(&mut benchmark.painter, &scene.view, frames, f64::INFINITY, &progress)?;
+    bar.finish_and_clear();
+    let rates = rates(&mut benchmark.painter, scene.pixels())?;
+    let errors = match arguments.error {
+        Some(count) => scene.compare(&mut benchmark, count)?,
+        None => PictureErrors::default(),
+    };
+    Ok(Report::new(scene, benchmark, &times, &rates, errors))
+}

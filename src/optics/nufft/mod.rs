@@ -1,0 +1,161 @@
+//! Non-uniform fast Fourier transforms: the sum of [`super::reference`] for many directions, thousands of times faster.
+//! Spectra of a few functions of the height on an oversampled grid are interpolated with a Kaiser–Bessel kernel, all in f64.
+//! Each direction agrees with the direct sum to better than 1e-6. Shares no code with the layers that are compared with it.
+
+mod axis;
+mod basis;
+mod kernel;
+mod spectra;
+
+use super::geometry::Pair;
+use super::quadrature::{Ladder, Nodes};
+use super::reference::Reference;
+use super::spectrum::{Illuminant, SHORTEST};
+use crate::error::Result;
+use basis::HeightBasis;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use spectra::Spectra;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// Pairs between two calls of `progress`.
+const AT_ONCE: usize = 2048;
+/// Multiplications of the direct sum that take as long as one sample of one transform.
+const SUMS_PER_TRANSFORMED: f64 = 40.0;
+
+/// Called with the steps done and in total; an error from it ends the work.
+pub type Progress<'a> = &'a dyn Fn(usize, usize) -> Result<()>;
+
+/// XYZ of f·cos θ_i \[sr⁻¹\] of many directions; see [`Reference::cosine_weighted_xyz`] for one. A few directions are summed
+/// directly.
+///
+/// # Errors
+/// As [`Reference::cosine_weighted_xyz`], too little memory, and what `progress` returns.
+pub fn cosine_weighted_xyz(
+    reference: &Reference<'_>,
+    illuminant: &Illuminant,
+    pairs: &[Pair],
+    progress: Progress<'_>,
+) -> Result<Vec<DVec3>> {
+    let counts = pairs.iter().map(|pair| node_count(reference, pair)).collect::<Result<Vec<_>>>()?;
+    let z_max = 4.0 * PI / SHORTEST;
+    if is_little(reference, &counts, SHORTEST) {
+        return one_by_one(reference, illuminant, pairs, progress);
+    }
+    let basis = HeightBasis::new(reference.field(), z_max);
+    let combs: BTreeMap<usize, Nodes> = counts
+        .iter()
+        .copied()
+        .collect::<std::collections::BTreeSet<_>>()
+        .into_par_iter()
+        .filter(|&count| count > 0)
+        .map(|count| (count, Nodes::catmull_rom(illuminant, count)))
+        .collect();
+    let mut colours = vec![DVec3::ZERO; pairs.len()];
+    let [n, m] = reference.windows();
+    let reach = reach_of(pairs, SHORTEST);
+    for (window, shift) in shifts(reference).into_iter().enumerate() {
+        let spectra = Spectra::new(reference.field(), reference.coherence(), shift, reach, &basis)?;
+        for (chunk, begin) in colours.chunks_mut(AT_ONCE).zip((0..).step_by(AT_ONCE)) {
+            progress(window * pairs.len() + begin, (n * m) as usize * pairs.len())?;
+            chunk.par_iter_mut().enumerate().for_each(|(i, colour)| {
+                let (pair, count) = (&pairs[begin + i], counts[begin + i]);
+                if let Some(nodes) = combs.get(&count) {
+                    let power = spectra.power(pair.uvw(), nodes.first, nodes.step, count);
+                    *colour += reference.colour_of(pair, nodes, &power) / f64::from(n * m);
+                }
+            });
+        }
+    }
+    progress(1, 1)?;
+    Ok(colours)
+}
+
+/// f·cos θ_i \[sr⁻¹\] of many directions at `wavelength` \[µm\], as [`Reference::cosine_weighted_spectrum`] gives them one by one. A few
+/// directions are left to it.
+///
+/// # Errors
+/// Where memory does not suffice.
+pub fn cosine_weighted(reference: &Reference<'_>, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>> {
+    let q = 1.0 / wavelength;
+    let counts: Vec<usize> = pairs.iter().map(|pair| usize::from(pair.above_horizon())).collect();
+    if is_little(reference, &counts, wavelength) {
+        return Ok(pairs.iter().map(|p| reference.cosine_weighted_spectrum(p, q, 0.0, 1)[0]).collect());
+    }
+    let basis = HeightBasis::new(reference.field(), 4.0 * PI * q);
+    let reach = reach_of(pairs, wavelength);
+    let mut sums = vec![0.0; pairs.len()];
+    let [n, m] = reference.windows();
+    for shift in shifts(reference) {
+        let spectra = Spectra::new(reference.field(), reference.coherence(), shift, reach, &basis)?;
+        sums.par_iter_mut().zip(pairs).filter(|(_, pair)| pair.above_horizon()).for_each(|(sum, pair)| {
+            let power = spectra.power(pair.uvw(), q, 0.0, 1)[0];
+            *sum += reference.cosine_weighted_of(pair, wavelength, power) / f64::from(n * m);
+        });
+    }
+    Ok(sums)
+}
+
+/// Where the windows that `reference` averages over stand \[µm\].
+fn shifts(reference: &Reference<'_>) -> Vec<[f64; 2]> {
+    let ([n, m], patch) = (reference.windows(), reference.field().patch_size());
+    let shift = |window: u32| {
+        [f64::from(window % n) / f64::from(n) * patch[0], f64::from(window / n) / f64::from(m) * patch[1]]
+    };
+    (0..n * m).map(shift).collect()
+}
+
+/// Wavelengths of the colour functions alone, a third of what the direct sum takes: on *Elaphe* through 65 µm, colours
+/// differ by 1e-6 (RMS; the largest of 400 by 1e-5) from those of 1600 and more.
+const COLOUR_NODES: usize = 128;
+
+/// Wavelengths for `pair`, of few different counts; 0 below the horizon.
+fn node_count(reference: &Reference<'_>, pair: &Pair) -> Result<usize> {
+    if !pair.above_horizon() {
+        return Ok(0);
+    }
+    let needed = reference.colour_nodes(pair, COLOUR_NODES)? as f64;
+    let level = (needed.ln() / Ladder::RATIO.ln()).ceil();
+    Ok(Ladder::RATIO.powf(level).ceil() as usize)
+}
+
+/// Largest frequencies of `pairs` along x and y at wavelengths from `shortest` \[µm\] \[µm⁻¹\].
+fn reach_of(pairs: &[Pair], shortest: f64) -> [f64; 2] {
+    let largest = pairs
+        .iter()
+        .filter(|pair| pair.above_horizon())
+        .fold(DVec2::ZERO, |most, pair| most.max(pair.uvw().truncate().abs()));
+    (largest / shortest).to_array()
+}
+
+/// Whether the direct sum is faster than the transforms.
+fn is_little(reference: &Reference<'_>, counts: &[usize], shortest: f64) -> bool {
+    let field = reference.field();
+    let samples = field.heights().len() as f64;
+    let nodes: usize = counts.iter().sum();
+    let transformed: f64 = (0..2)
+        .map(|axis| {
+            let extent = reference.coherence().correlation_extent(field.patch_size(), axis, 1e-9);
+            2.0 * extent / field.pixel_size()[axis]
+        })
+        .product();
+    let terms = 8.0 + 4.0 * PI / shortest * (field.range().1 - field.range().0);
+    nodes as f64 * samples < SUMS_PER_TRANSFORMED * transformed * terms
+}
+
+fn one_by_one(
+    reference: &Reference<'_>,
+    illuminant: &Illuminant,
+    pairs: &[Pair],
+    progress: Progress<'_>,
+) -> Result<Vec<DVec3>> {
+    let one = |(done, pair)| {
+        progress(done, pairs.len())?;
+        reference.cosine_weighted_xyz(pair, illuminant)
+    };
+    pairs.iter().enumerate().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,123 @@
+//! A source on the device as a [`Brdf`].
+
+use super::evaluator::{AT_ONCE, Evaluator, Query};
+use super::shading::Shading;
+use super::source::Source;
+use crate::brdf::{Brdf, without_cosine};
+use crate::error::Result;
+use crate::optics::geometry::Pair;
+use crate::optics::orders::{Colours, Repeats};
+use crate::vk::device::Device;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Evaluates a source on the device.
+///
+/// Of a grating the device gives the response of one period, which is smooth; the periodic factor is multiplied here in f64, where it is
+/// stable at the orders however sharp they are.
+pub struct DeviceBrdf {
+    evaluator: Evaluator,
+    grating: Option<PeriodicFactor>,
+}
+
+impl DeviceBrdf {
+    /// Uploads `source` for `shading`.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn new(device: &Arc<Device>, source: &Source, shading: &Shading) -> Result<Self> {
+        let grating = match source {
+            Source::Grating(grating) => Some(PeriodicFactor {
+                repeats: grating.repeats,
+                colours: Colours::new(&shading.illuminant, shading.quadrature()),
+                tolerance: shading.quadrature(),
+            }),
+            _ => None,
+        };
+        Ok(Self { evaluator: Evaluator::new(device, source, shading)?, grating })
+    }
+
+    fn ask(&mut self, pairs: &[Pair], wavelength: Option<f64>) -> Result<Vec<DVec3>> {
+        let weighted = match &self.grating {
+            Some(grating) => grating.cosine_weighted(&mut self.evaluator, pairs, wavelength)?,
+            None => {
+                let queries: Vec<Query> = pairs.iter().map(|&pair| Query { pair, wavelength }).collect();
+                self.evaluator.cosine_weighted(&queries)?
+            }
+        };
+        Ok(pairs.iter().zip(weighted).map(|(pair, f)| without_cosine(pair, f)).collect())
+    }
+}
+
+impl Brdf for DeviceBrdf {
+    fn spectral(&mut self, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>> {
+        Ok(self.ask(pairs, Some(wavelength))?.into_iter().map(|f| f.x).collect())
+    }
+
+    fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>> {
+        self.ask(pairs, None)
+    }
+
+    fn batch(&self) -> usize {
+        // A colour through a grating is many responses.
+        if self.grating.is_some() { AT_ONCE / 64 } else { AT_ONCE }
+    }
+}
+
+/// The copies of a period, and the colours that are summed through them.
+struct PeriodicFactor {
+    repeats: Repeats,
+    colours: Colours,
+    tolerance: f64,
+}
+
+impl PeriodicFactor {
+    /// f·cos θ_i \[sr⁻¹\] of every pair: three times the value at `wavelength` \[µm\], or the XYZ of the colour.
+    fn cosine_weighted(
+        &self,
+        evaluator: &mut Evaluator,
+        pairs: &[Pair],
+        wavelength: Option<f64>,
+    ) -> Result<Vec<DVec3>> {
+        let mut sums = vec![DVec3::ZERO; pairs.len()];
+        // Responses of one period, each with the pair that it belongs to and its weight there.
+        let mut asked: Vec<(Query, usize, DVec3)> = Vec::new();
+        for (place, &pair) in pairs.iter().enumerate() {
+            for (q, weight) in self.terms(&pair, wavelength)? {
+                asked.push((Query { pair, wavelength: Some(1.0 / q) }, place, weight));
+            }
+            if asked.len() >= AT_ONCE {
+                add(evaluator, &mut asked, &mut sums)?;
+            }
+        }
+        add(evaluator, &mut asked, &mut sums)?;
+        Ok(sums)
+    }
+
+    /// Wavenumbers \[µm⁻¹\] and weights whose responses make up the answer for `pair`.
+    fn terms(&self, pair: &Pair, wavelength: Option<f64>) -> Result<Vec<(f64, DVec3)>> {
+        if !pair.above_horizon() {
+            return Ok(Vec::new());
+        }
+        let uv = pair.uvw().truncate();
+        if let Some(wavelength) = wavelength {
+            let q = 1.0 / wavelength;
+            return Ok(vec![(q, DVec3::splat(self.repeats.factor(uv * q)))]);
+        }
+        let sampling = self.repeats.sampling(uv, self.colours.lag, self.tolerance);
+        self.repeats.check(&sampling)?;
+        Ok(self.repeats.terms(&sampling, uv, &self.colours))
+    }
+}
+
+/// Adds what is `asked` for to `sums`, and forgets it.
+fn add(evaluator: &mut Evaluator, asked: &mut Vec<(Query, usize, DVec3)>, sums: &mut [DVec3]) -> Result<()> {
+    for part in asked.chunks(AT_ONCE) {
+        let single: Vec<Query> = part.iter().map(|(query, ..)| *query).collect();
+        for ((_, place, weight), f) in part.iter().zip(evaluator.of_one_period(&single)?) {
+            sums[*place] += *weight * f.x;
+        }
+    }
+    asked.clear();
+    Ok(())
+}

@@ -1,0 +1,135 @@
+//! How much a pixel covers: of (u, v), which decides how fine a table has to be, and of the surface, which decides whether the mean over
+//! coherence areas is what is seen.
+
+use super::frame::View;
+use super::picture::{Directions, Painter};
+use crate::error::Result;
+use glam::DVec3;
+
+/// The semi-axes of the footprints of a frame: singular values of the Jacobian of (u, v), per pixel, over all lights. A pixel filter of
+/// standard deviation s \[pixels\] becomes an ellipse in (u, v) with these semi-axes times s.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Distribution {
+    // In growing order.
+    minor: Vec<f64>,
+    major: Vec<f64>,
+}
+
+impl Distribution {
+    /// Of the covered pixels of a frame, one entry of `directions` a light. Where light or viewer are below the horizon nothing is
+    /// shaded, and nothing counted.
+    pub fn of(directions: &[Directions]) -> Self {
+        let mut own = Self::default();
+        for seen in directions {
+            let above = |(light, view): (&[f32; 4], &[f32; 4])| light[2] > 0.0 && view[2] > 0.0;
+            let shaded = seen.light.iter().zip(&seen.view).map(above);
+            for (footprint, _) in seen.footprints.iter().zip(shaded).filter(|(_, shaded)| *shaded) {
+                let [minor, major] = semi_axes(*footprint);
+                own.minor.push(minor);
+                own.major.push(major);
+            }
+        }
+        own.minor.sort_by(f64::total_cmp);
+        own.major.sort_by(f64::total_cmp);
+        own
+    }
+
+    /// Number of footprints.
+    pub fn count(&self) -> usize {
+        self.minor.len()
+    }
+
+    /// The minor semi-axis that the part `share` (0 … 1) of the footprints does not exceed; 0 where there are none.
+    pub fn minor(&self, share: f64) -> f64 {
+        quantile(&self.minor, share)
+    }
+
+    /// The major semi-axis that the part `share` (0 … 1) of the footprints does not exceed; 0 where there are none.
+    pub fn major(&self, share: f64) -> f64 {
+        quantile(&self.major, share)
+    }
+}
+
+/// The smaller and the larger singular value of the Jacobian that a footprint `[du/dx, dv/dx, du/dy, dv/dy]` holds.
+pub fn semi_axes(footprint: [f32; 4]) -> [f64; 2] {
+    let [a, b, c, d] = footprint.map(f64::from);
+    // Sum and difference of the singular values of [[a, c], [b, d]].
+    let sum = (a + d).hypot(b - c);
+    let difference = (a - d).hypot(b + c);
+    [(sum - difference).abs() / 2.0, (sum + difference) / 2.0]
+}
+
+/// The value at the place `share` (0 … 1) of `values`, which grow; 0 where there are none.
+fn quantile(values: &[f64], share: f64) -> f64 {
+    let last = values.len().saturating_sub(1);
+    values.get((share.clamp(0.0, 1.0) * last as f64).round() as usize).copied().unwrap_or(0.0)
+}
+
+/// The median area of the surface that a covered pixel of `view` shows \[units of the scene, squared\]; `None` where no pixel shows the
+/// surface from its front.
+///
+/// # Errors
+/// Where the device is lost, and where the pictures have no light.
+pub fn median_pixel_area(painter: &mut Painter, view: &View) -> Result<Option<f64>> {
+    let directions = painter.directions(view, 0)?;
+    let depth = painter.depth()?;
+    let mut areas = pixel_areas(view, painter.target().size(), &depth, &directions.view);
+    areas.sort_by(f64::total_cmp);
+    Ok((!areas.is_empty()).then(|| quantile(&areas, 0.5)))
+}
+
+/// The area of the surface that each covered pixel shows \[units of the scene, squared\], from its depth and ω_r in its tangent frame.
+fn pixel_areas(view: &View, size: [u32; 2], depth: &[f32], to_view: &[[f32; 4]]) -> Vec<f64> {
+    let camera = &view.camera;
+    let world_from_clip = camera.clip_from_world(size, view.centre, view.radius).as_dmat4().inverse();
+    let eye = camera.eye().as_dvec3();
+    let forward = (camera.target.as_dvec3() - eye).normalize_or_zero();
+    // Side of a pixel on the plane at distance 1 before the eye.
+    let side = 2.0 * (f64::from(camera.field_of_view) / 2.0).tan() / f64::from(size[1]);
+    let area = |(pixel, (depth, to_view)): (usize, (&f32, &[f32; 4]))| {
+        let [covered, cosine] = [to_view[3], to_view[2]];
+        if covered == 0.0 || cosine <= 0.0 {
+            return None;
+        }
+        let place = [pixel % size[0] as usize, pixel / size[0] as usize];
+        let [x, y] = [0, 1].map(|axis| (place[axis] as f64 + 0.5) / f64::from(size[axis]) * 2.0 - 1.0);
+        let seen = world_from_clip.project_point3(DVec3::new(x, y, (*depth).into())) - eye;
+        // A pixel `side` wide at distance 1 takes the solid angle side² cos³ of the angle from the axis, and the distance from the eye is
+        // `along` over that cosine.
+        let along = seen.dot(forward);
+        let off_axis = along / seen.length();
+        Some(along.powi(2) * side.powi(2) * off_axis / f64::from(cosine))
+    };
+    depth.iter().zip(to_view).enumerate().filter_map(area).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn semi_axes_are_singular_values() {
+        // A rotation by an angle, stretches of 3 and 0.5, another rotation.
+        let (a, b) = (0.7f64, -1.9f64);
+        let [u, v] = [a, b].map(|t| [[t.cos(), -t.sin()], [t.sin(), t.cos()]]);
+        let stretch = [3.0, 0.5];
+        let entry = |i: usize, j: usize| (0..2).map(|k| u[i][k] * stretch[k] * v[k][j]).sum::<f64>() as f32;
+        let [minor, major] = semi_axes([entry(0, 0), entry(1, 0), entry(0, 1), entry(1, 1)]);
+        assert!((minor - 0.5).abs() < 1e-6 && (major - 3.0).abs() < 1e-6, "{minor}, {major}");
+        assert_eq!(semi_axes([0.0; 4]), [0.0; 2]);
+        assert_eq!(semi_axes([1.0, 0.0, 0.0, -1.0]), [1.0; 2]);
+    }
+
+    #[test]
+    fn a_distribution_counts_what_is_shaded_and_no_more() {
+        let up = [0.0, 0.0, 1.0, 1.0];
+        let seen = Directions {
+            light: vec![up, up, [0.0, 0.0, -1.0, 1.0], [0.0; 4]],
+            view: vec![up, up, up, [0.0; 4]],
+            footprints: vec![[2.0, 0.0, 0.0, 1.0], [4.0, 0.0, 0.0, 3.0], [9.0; 4], [0.0; 4]],
+        };
+        let all = Distribution::of(&[seen]);
+        assert_eq!((all.count(), all.minor(0.0), all.minor(1.0), all.major(1.0)), (2, 1.0, 3.0, 4.0));
+        assert_eq!(Distribution::of(&[]).major(0.5), 0.0);
+    }
+}

@@ -1,0 +1,137 @@
+//! Descriptor set 0 of the graphics stages: the frame, the pigment and what the geometry pass found at each pixel. Its twins are
+//! `shaders/frame.glsl` and `shaders/pixel.glsl`.
+
+use super::pigment::Pigment;
+use super::target::Geometry;
+use super::upload;
+use crate::error::Result;
+use crate::scene::MAX_LIGHTS;
+use crate::vk::buffer::Buffer;
+use crate::vk::descriptors::{Binding, Descriptors};
+use crate::vk::device::Device;
+use crate::vk::image::Image;
+use crate::vk::sampler::Sampler;
+use ash::vk;
+use bytemuck::{Pod, Zeroable};
+use gpu_allocator::MemoryLocation;
+use std::sync::Arc;
+
+/// The `Frame` block (std140).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct FrameBlock {
+    /// World to clip space, column by column.
+    pub clip_from_world: [[f32; 4]; 4],
+    /// Position of the viewer; w unused.
+    pub eye: [f32; 4],
+    /// Unit vector to each light, and its irradiance over π.
+    pub lights: [[f32; 4]; MAX_LIGHTS],
+    /// Albedo of the pigment; w: 1 where the texture counts.
+    pub base_color: [f32; 4],
+    /// x: number of lights.
+    pub counts: [i32; 4],
+    /// Which sample of the picture the frame is.
+    pub sample: SampleBlock,
+}
+
+/// A sample of a picture, as [`super::sampling::Sample`] has it (std140).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct SampleBlock {
+    /// Place in the pixel, from its centre: x to the right, y downward \[pixels\].
+    pub jitter: [f32; 2],
+    /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
+    pub footprint: f32,
+    /// Number of the sample, from 0.
+    pub index: u32,
+    /// Number of samples in the picture.
+    pub count: u32,
+    /// Low bits of the sequence's seed.
+    pub seed: u32,
+    /// std140 rounds a structure up to 16 bytes.
+    pub padding: [u32; 2],
+}
+
+/// Images of the directions to lights beyond the first, two lights each.
+const MORE_LIGHTS: u32 = (MAX_LIGHTS as u32 - 1).div_ceil(2);
+
+/// Binding numbers.
+pub mod binding {
+    /// [`super::FrameBlock`].
+    pub const FRAME: u32 = 0;
+    /// Pigment texture.
+    pub const PIGMENT: u32 = 1;
+    /// ω_r and the first light's ω_i of every pixel.
+    pub const DIRECTIONS: u32 = 2;
+    /// Pigment of every pixel.
+    pub const ALBEDOS: u32 = 3;
+    /// ω_i of every pixel for the second and the third light; the fourth follows.
+    pub const MORE_LIGHTS: u32 = 4;
+    /// Footprints of every pixel for the first light; those of the others follow.
+    pub const FOOTPRINTS: u32 = 6;
+}
+
+/// The set and what it points to.
+pub struct FrameSet {
+    /// The set that pipelines bind.
+    pub descriptors: Descriptors,
+    frame: Buffer,
+    _pigment: Image,
+    _repeat: Sampler,
+    edge: Sampler,
+}
+
+impl FrameSet {
+    /// The set of a frame with `pigment` and what `geometry` holds.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn new(device: &Arc<Device>, pigment: &Pigment, geometry: &Geometry) -> Result<Self> {
+        use vk::DescriptorType as T;
+        let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
+        let images = (binding::PIGMENT..binding::FOOTPRINTS + MAX_LIGHTS as u32)
+            .map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
+        let bindings: Vec<Binding> = std::iter::once((binding::FRAME, T::UNIFORM_BUFFER))
+            .chain(images)
+            .map(|(number, kind)| Binding { number, kind, stages })
+            .collect();
+        let size = pigment.size.map(|n| n as usize);
+        let format = vk::Format::R8G8B8A8_SRGB;
+        let image = upload::texture(device, "pigment", format, size, None, &pigment.texels)?;
+        let edge = Sampler::linear(device, "pixel sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
+        let repeat = Sampler::linear(device, "pigment sampler", vk::SamplerAddressMode::REPEAT)?;
+        let bytes = size_of::<FrameBlock>() as u64;
+        let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
+        let frame = Buffer::new(device, "frame", bytes, uniform, MemoryLocation::CpuToGpu)?;
+        let descriptors = Descriptors::new(device, "frame set", &bindings)?;
+        descriptors.buffer(binding::FRAME, &frame);
+        descriptors.image(binding::PIGMENT, &image, &repeat);
+        let set = Self { descriptors, frame, _pigment: image, _repeat: repeat, edge };
+        set.read_from(geometry);
+        Ok(set)
+    }
+
+    /// Points the set at what the geometry pass writes. The device must not be using the set.
+    pub fn read_from(&self, geometry: &Geometry) {
+        // Every binding has to hold something; what there is none of is never read.
+        let there = &geometry.directions;
+        self.descriptors.image(binding::DIRECTIONS, there, &self.edge);
+        self.descriptors.image(binding::ALBEDOS, geometry.albedo.as_ref().unwrap_or(there), &self.edge);
+        for place in 0..MORE_LIGHTS {
+            let image = geometry.more_lights.get(place as usize).unwrap_or(there);
+            self.descriptors.image(binding::MORE_LIGHTS + place, image, &self.edge);
+        }
+        for light in 0..MAX_LIGHTS {
+            let image = geometry.footprints.get(light).unwrap_or(there);
+            self.descriptors.image(binding::FOOTPRINTS + light as u32, image, &self.edge);
+        }
+    }
+
+    /// Writes the block of the next frame. The device must not be using the set.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn write(&mut self, block: &FrameBlock) -> Result<()> {
+        self.frame.write(bytemuck::bytes_of(block))
+    }
+}

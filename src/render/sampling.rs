@@ -1,0 +1,193 @@
+//! Samples of a picture: where in the pixel each one looks, and the low-discrepancy sequence that everything random about it
+//! comes from.
+//!
+//! A pixel shows the mean over a Gaussian filter of standard deviation ½ pixel. The filter is shared: shading averages over the
+//! pixel's footprint (standard deviation σ_f), and the camera is jittered inside the pixel (σ_j), σ_f² + σ_j² = ¼ pixel². The
+//! variances of two independent Gaussian blurs add, so that both together are the whole filter.
+
+use super::frame_set::SampleBlock;
+use crate::random::Random;
+use std::f64::consts::TAU;
+
+/// Variance of the pixel filter along each axis \[pixel²\].
+const FILTER_VARIANCE: f64 = 0.25;
+/// Variance of the jitter along each axis where there is more than one sample \[pixel²\]. Half of the filter: the jitter's part
+/// converges as samples are added, and also blurs edges, which the footprint cannot; the footprint's part is noiseless from the first
+/// sample on. The share does not depend on the number of samples, so that one level of a table serves pictures of any number.
+const JITTER_VARIANCE: f64 = FILTER_VARIANCE / 2.0;
+/// Bits of a point of the sequence.
+const BITS: u32 = u32::BITS;
+
+/// The samples that a picture is the mean of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampling {
+    /// Number of samples, at least 1.
+    pub count: u32,
+    /// Which of the scrambled sequences they follow.
+    pub seed: u64,
+}
+
+/// One sample of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Its number, from 0.
+    pub index: u32,
+    /// Number of samples in the picture.
+    pub count: u32,
+    /// Which of the scrambled sequences it belongs to.
+    pub seed: u64,
+    /// What the sample looks at, from the pixel's centre: x to the right, y downward \[pixels\].
+    pub jitter: [f64; 2],
+    /// σ_f: standard deviation of the part of the pixel filter that shading averages over \[pixels\].
+    pub footprint: f64,
+}
+
+impl Sampling {
+    /// One sample at the centre of each pixel, whose footprint is the whole filter.
+    pub const ONE: Self = Self { count: 1, seed: 0 };
+
+    /// Sample number `index` of the picture.
+    pub fn sample(&self, index: u32) -> Sample {
+        let mut sample =
+            Sample { index, count: self.count, seed: self.seed, jitter: [0.0; 2], footprint: 0.0 };
+        let variance = if self.count > 1 { JITTER_VARIANCE } else { 0.0 };
+        sample.footprint = (FILTER_VARIANCE - variance).sqrt();
+        if variance > 0.0 {
+            sample.jitter = gaussian(sample.pair(0)).map(|x| x * variance.sqrt());
+        }
+        sample
+    }
+}
+
+impl Sample {
+    /// Coordinate `dimension` of this sample's point, uniform in 0 … 1, both excluded. Dimensions 0 and 1 are the place in the pixel.
+    ///
+    /// Dimensions 2d and 2d + 1 together are the first two dimensions of Sobol's sequence, a (0, 2)-sequence in base 2: of 2^k
+    /// consecutive points each elementary interval of area 2^−k holds one. Each pair of dimensions has a shuffled order and an
+    /// Owen scrambling of its own (Owen 1995, "Randomly permuted (t,m,s)-nets"; Burley 2020, "Practical Hash-based Owen
+    /// Scrambling", for the padding of pairs), so that pairs are independent of each other.
+    pub fn point(&self, dimension: u32) -> f64 {
+        let order = hash(&[self.seed, 0, u64::from(dimension / 2)]);
+        let index = scrambled(self.index.reverse_bits(), order).reverse_bits();
+        let bits = if dimension.is_multiple_of(2) { index.reverse_bits() } else { second_of_sobol(index) };
+        let own = hash(&[self.seed, 1, u64::from(dimension)]);
+        (f64::from(scrambled(bits, own)) + 0.5) / 2f64.powi(BITS as i32)
+    }
+
+    /// Dimensions 2·`pair` and 2·`pair` + 1 of [`Sample::point`].
+    pub fn pair(&self, pair: u32) -> [f64; 2] {
+        [self.point(2 * pair), self.point(2 * pair + 1)]
+    }
+
+    /// The sample as shaders see it. They have the low bits of the seed.
+    pub fn block(&self) -> SampleBlock {
+        SampleBlock {
+            jitter: self.jitter.map(|x| x as f32),
+            footprint: self.footprint as f32,
+            index: self.index,
+            count: self.count,
+            seed: self.seed as u32,
+            padding: [0; 2],
+        }
+    }
+}
+
+/// The second dimension of Sobol's sequence, as a binary fraction of 32 bits.
+fn second_of_sobol(index: u32) -> u32 {
+    let mut direction = 1 << (BITS - 1);
+    let mut bits = 0;
+    for bit in 0..BITS {
+        if index >> bit & 1 == 1 {
+            bits ^= direction;
+        }
+        direction ^= direction >> 1;
+    }
+    bits
+}
+
+/// Owen's nested uniform scrambling of a binary fraction of 32 bits: a bit is flipped or not by a random choice of its own for each value
+/// of the bits above it.
+fn scrambled(bits: u32, seed: u64) -> u32 {
+    (0..BITS).fold(0, |result, place| {
+        let above = u64::from(bits) >> (BITS - place);
+        let flip = hash(&[seed, u64::from(place), above]) as u32 & 1;
+        result | ((bits >> (BITS - 1 - place) & 1) ^ flip) << (BITS - 1 - place)
+    })
+}
+
+/// A well-mixed number for each list of numbers.
+fn hash(numbers: &[u64]) -> u64 {
+    numbers.iter().fold(0, |state, number| Random::new(state ^ number).bits())
+}
+
+/// A point of the standard normal distribution in two dimensions for a uniform point (Box and Muller 1958).
+fn gaussian([u, v]: [f64; 2]) -> [f64; 2] {
+    let radius = (-2.0 * u.ln()).sqrt();
+    let (sin, cos) = (TAU * v).sin_cos();
+    [radius * cos, radius * sin]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn jitters(sampling: Sampling) -> Vec<[f64; 2]> {
+        (0..sampling.count).map(|index| sampling.sample(index).jitter).collect()
+    }
+
+    #[test]
+    fn of_2_to_the_k_points_each_elementary_interval_holds_one() {
+        for (seed, pair, k) in [(0, 0, 4), (1, 0, 6), (7, 3, 5)] {
+            let sampling = Sampling { count: 1 << k, seed };
+            let points: Vec<_> = (0..1 << k).map(|index| sampling.sample(index).pair(pair)).collect();
+            for columns in 0..=k {
+                let size = [f64::from(1 << columns), f64::from(1 << (k - columns))];
+                let mut cells: Vec<_> =
+                    points.iter().map(|p| [(p[0] * size[0]) as u32, (p[1] * size[1]) as u32]).collect();
+                cells.sort_unstable();
+                cells.dedup();
+                assert_eq!(cells.len(), 1 << k, "seed {seed}, pair {pair}, {size:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn jitter_and_footprint_share_a_filter_of_half_a_pixel() {
+        for count in [1, 2, 16, 4096] {
+            let sample = Sampling { count, seed: 3 }.sample(count - 1);
+            let jitter = if count == 1 { 0.0 } else { 0.125 };
+            assert!((sample.footprint.powi(2) + jitter - 0.25).abs() < 1e-15, "{count}");
+        }
+        assert_eq!(Sampling::ONE.sample(0).jitter, [0.0; 2]);
+    }
+
+    #[test]
+    fn the_jitter_has_mean_zero_and_variance_an_eighth_along_each_axis() {
+        for seed in 0..8 {
+            // An integral over a scrambled (0, 2)-net converges faster than that over independent points, whose standard deviations
+            // these bounds are: √(1/8/N) for the mean and 1/8·√(2/N) for the variance.
+            for count in [16, 64, 256, 4096] {
+                let jitters = jitters(Sampling { count, seed });
+                let n = f64::from(count);
+                for axis in 0..2 {
+                    let mean = jitters.iter().map(|j| j[axis]).sum::<f64>() / n;
+                    let variance = jitters.iter().map(|j| j[axis].powi(2)).sum::<f64>() / n;
+                    assert!(mean.abs() < (0.125 / n).sqrt(), "{seed}, {count}: mean {mean}");
+                    let error = (variance - 0.125).abs();
+                    assert!(error < 0.125 * (2.0 / n).sqrt(), "{seed}, {count}: variance {variance}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_seed_is_one_sequence_and_samples_and_dimensions_differ() {
+        let all = |seed| jitters(Sampling { count: 64, seed });
+        assert_eq!(all(5), all(5));
+        assert_ne!(all(5), all(6));
+        let mut points: Vec<_> = (0..8).map(|d| Sampling { count: 4, seed: 1 }.sample(3).point(d)).collect();
+        assert!(points.iter().all(|p| (0.0..1.0).contains(p) && *p > 0.0));
+        points.sort_by(f64::total_cmp);
+        assert!(points.windows(2).all(|p| p[0] < p[1]), "{points:?}");
+    }
+}

@@ -1,0 +1,60 @@
+//! The classical shader of a grating of one period, to compare with. Its twin is `shaders/source_classical_grating.glsl`.
+
+use super::bound::{BoundSource, Kind, uniform};
+use super::{Summary, stages};
+use crate::error::Result;
+use crate::optics::brdf::schlick;
+use crate::render::shading::Shading;
+use crate::vk::device::Device;
+use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
+
+/// A grating of one period. It has no data.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ClassicalGrating {
+    /// Along which the heights repeat: a unit vector in the tangent plane.
+    pub axis: [f64; 2],
+    /// The period \[µm\].
+    pub period: f64,
+    /// Radiance of the first order under a light of irradiance 1.
+    pub strength: f64,
+}
+
+/// The `ClassicalGrating` block (std140).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+struct Block {
+    normal_reflectance: f32,
+    period: f32,
+    strength: f32,
+    gap: f32,
+    axis: [f32; 2],
+    padding: [f32; 2],
+}
+
+impl ClassicalGrating {
+    pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
+        let stages = stages!("classical_grating");
+        let kinds = [Kind::UNIFORM_BUFFER];
+        let mut bound = BoundSource::new(device, "classical grating set", &kinds, stages, Vec::new())?;
+        bound.spectral = false;
+        self.set(device, &mut bound, shading)?;
+        Ok(bound)
+    }
+
+    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
+        let block = Block {
+            normal_reflectance: schlick(shading.ior, 1.0) as f32,
+            period: self.period as f32,
+            strength: self.strength as f32,
+            axis: self.axis.map(|x| x as f32),
+            ..Block::default()
+        };
+        bound.replace(device, Vec::new(), vec![(0, uniform(device, "classical grating block", &block)?)])
+    }
+
+    pub(super) fn summary(&self) -> Summary {
+        let (method, kernel) = ("classical grating", "none".to_owned());
+        Summary { method, basis: None, terms: 0, layers: 0, kernel }
+    }
+}

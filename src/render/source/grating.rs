@@ -1,0 +1,123 @@
+//! A finite grating: n × m copies of the patch. Spectra of one copy, times the periodic factors. Its twin is
+//! `shaders/source_grating.glsl`.
+
+use super::bound::{BoundSource, Kind, uniform};
+use super::cost::Cost;
+use super::{Summary, spectra, stages};
+use crate::error::Result;
+use crate::optics::geometry::Pair;
+use crate::optics::orders::{Colours, Repeats};
+use crate::precompute::Layers;
+use crate::render::picture::Directions;
+use crate::render::shading::Shading;
+use crate::render::tables::Combs;
+use crate::vk::device::Device;
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// One period of a surface, and how often it repeats.
+#[derive(Clone, Debug)]
+pub struct Grating {
+    /// Spectra of one period.
+    pub layers: Arc<Layers>,
+    /// The copies.
+    pub repeats: Repeats,
+}
+
+/// Binding number of set 1 behind those of [`spectra::binding`].
+const COPIES: u32 = 4;
+
+/// The `Grating` block of the source, and what `bake.comp` takes of it (std140).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct CopiesBlock {
+    /// Copies of the patch along x and y.
+    pub count: [f32; 2],
+    /// T_x, T_y \[µm\].
+    pub period: [f32; 2],
+    /// Lag beyond which the colour functions have little \[µm\].
+    pub colour_lag: f32,
+    /// Relative error of the sum over wavelengths.
+    pub tolerance: f32,
+    /// std140 rounds a block up to 16 bytes.
+    pub padding: [f32; 2],
+}
+
+impl CopiesBlock {
+    /// The block of `repeats` for colours of `shading`.
+    pub fn new(repeats: &Repeats, colours: &Colours, tolerance: f64) -> Self {
+        Self {
+            count: repeats.copies.map(|n| n as f32),
+            period: repeats.period.map(|x| x as f32),
+            colour_lag: colours.lag as f32,
+            tolerance: tolerance as f32,
+            padding: [0.0; 2],
+        }
+    }
+}
+
+impl Grating {
+    pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
+        let kinds = [spectra::KINDS.as_slice(), &[Kind::UNIFORM_BUFFER]].concat();
+        let constants = spectra::constants(&self.layers);
+        let mut bound = BoundSource::new(device, "grating set", &kinds, stages!("grating"), constants)?;
+        // The periodic factor of single wavelengths is multiplied in f64.
+        bound.spectral = false;
+        spectra::upload(device, &mut bound, &self.layers)?;
+        self.set(device, &mut bound, shading)?;
+        Ok(bound)
+    }
+
+    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
+        let colours = self.colours(shading);
+        let of = (&*self.layers, self.repeats.sigma());
+        let nodes = Combs::densities(&colours).nodes;
+        let (tables, mut buffers) = spectra::settings(device, of, shading.ior, &nodes)?;
+        let block = CopiesBlock::new(&self.repeats, &colours, shading.quadrature());
+        buffers.push((COPIES, uniform(device, "grating block", &block)?));
+        bound.replace(device, tables, buffers)
+    }
+
+    /// The colour functions of `shading`.
+    fn colours(&self, shading: &Shading) -> Colours {
+        Colours::new(&shading.illuminant, shading.quadrature())
+    }
+
+    pub(super) fn summary(&self, shading: &Shading) -> Summary {
+        Summary {
+            method: "spectral",
+            basis: Some(shading.basis),
+            terms: self.layers.terms,
+            layers: self.layers.pairs(),
+            kernel: format!("{} kernel", self.layers.interpolation.name()),
+        }
+    }
+
+    pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
+        let (colours, tolerance) = (self.colours(shading), shading.quadrature());
+        let per_read = self.layers.interpolation.samples() as usize;
+        Cost::counted(directions, |pair| {
+            let sampling = self.repeats.sampling(pair.uvw().truncate(), colours.lag, tolerance);
+            spectra::counted(&self.layers, pair, per_read, sampling.wavenumbers())
+        })
+    }
+
+    pub(super) fn has_limits(&self, shading: &Shading) -> bool {
+        self.repeats.most_wavelengths(self.colours(shading).lag) > self.repeats.limit()
+    }
+
+    pub(super) fn check(&self, shading: &Shading, directions: &[Directions]) -> Result<()> {
+        let (colours, tolerance) = (self.colours(shading), shading.quadrature());
+        let uvs = directions.iter().flat_map(|seen| {
+            let covered = seen.light.iter().zip(&seen.view).filter(|(_, view)| view[3] != 0.0);
+            covered.map(|(light, view)| {
+                let vector = |v: &[f32; 4]| Vec3::new(v[0], v[1], v[2]).as_dvec3();
+                Pair::new(vector(light), vector(view)).uvw().truncate()
+            })
+        });
+        uvs.map(|uv| self.repeats.sampling(uv, colours.lag, tolerance))
+            .max_by(|a, b| a.wavelengths().total_cmp(&b.wavelengths()))
+            .map_or(Ok(()), |most| self.repeats.check(&most))
+    }
+}

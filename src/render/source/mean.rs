@@ -1,0 +1,215 @@
+//! The mean over coherence areas, from power spectra: wavelengths are summed for every pixel. Its twin is `shaders/source_mean.glsl`.
+
+use super::bound::{BoundSource, Kind, uniform};
+use super::cost::Cost;
+use super::spectra::numbers;
+use super::{Extent, Summary, stages};
+use crate::error::Result;
+use crate::optics::brdf::schlick;
+use crate::precompute::kernel::Kernel;
+use crate::render::picture::Directions;
+use crate::render::shading::Shading;
+use crate::render::tables::Combs;
+use crate::render::upload;
+use crate::spectra::power::PowerSpectra;
+use crate::spectra::power::chebyshev::polynomials;
+use crate::vk::buffer::Buffer;
+use crate::vk::device::Device;
+use crate::vk::image::{Description, Image};
+use crate::vk::pipeline::Constant;
+use crate::vk::sampler::Sampler;
+use ash::vk;
+use bytemuck::{Pod, Zeroable};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Power spectra.
+#[derive(Clone, Debug)]
+pub struct Mean {
+    /// The spectra.
+    pub spectra: Arc<PowerSpectra>,
+}
+
+/// Binding numbers of set 1.
+mod binding {
+    pub const BLOCK: u32 = 0;
+    pub const POWERS: u32 = 1;
+    pub const SPECULAR: u32 = 2;
+    pub const NODES: u32 = 3;
+    pub const COMBS: u32 = 4;
+}
+
+const KINDS: [Kind; 5] = [
+    Kind::UNIFORM_BUFFER,
+    Kind::COMBINED_IMAGE_SAMPLER,
+    Kind::COMBINED_IMAGE_SAMPLER,
+    Kind::COMBINED_IMAGE_SAMPLER,
+    Kind::STORAGE_BUFFER,
+];
+
+/// A wavelength in the middle of the visible range \[µm\], where the blur along a ray is taken that sets the number of wavelengths.
+const MIDDLE: f64 = 0.55;
+/// Samples of the specular order's power over z: between two, the phase of the farthest heights of 1 µm turns by a thirtieth of a radian.
+const SPECULAR_SAMPLES: usize = 1024;
+
+/// The `Mean` block (std140).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct MeanBlock {
+    /// Texels of the finest level.
+    pub texels: [f32; 2],
+    /// Range of frequencies that the texture covers \[µm⁻¹\].
+    pub range: [f32; 2],
+    /// Largest |f_x|, |f_y| that the samples hold \[µm⁻¹\].
+    pub band: [f32; 2],
+    /// R₀ of Schlick.
+    pub normal_reflectance: f32,
+    /// 2 over the largest z \[µm\].
+    pub x_per_z: f32,
+    /// What a stored 1 stands for.
+    pub unit: f32,
+    /// Variance of an order's blur over that of the finest level.
+    pub orders: f32,
+    /// Variance of the finest level's blur \[µm⁻²\].
+    pub finest: f32,
+    /// Variance of the specular order's blur \[µm⁻²\].
+    pub specular: f32,
+    /// Number of the coarsest level.
+    pub last_level: f32,
+    /// |(u, v)| of a comb's bin per unit of |(u, v)| over the blur \[µm⁻¹\].
+    pub rays: f32,
+    /// Squared wavenumber in the middle of the spectrum \[µm⁻²\].
+    pub middle: f32,
+    /// std140 rounds a block up to 16 bytes.
+    pub padding: f32,
+}
+
+impl Mean {
+    pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
+        const CUBIC: u32 = 10;
+        const LAYERS: u32 = 11;
+        let header = &self.spectra.header;
+        let layers = header.terms.div_ceil(4) as u32;
+        let constants =
+            vec![Constant::new(CUBIC, header.grid.kernel == Kernel::Cubic), Constant::new(LAYERS, layers)];
+        let mut bound = BoundSource::new(device, "mean set", &KINDS, stages!("mean"), constants)?;
+        bound.reads_footprints = true;
+        let description = Description {
+            name: "power spectra",
+            format: vk::Format::R16G16B16A16_SFLOAT,
+            size: header.grid.size.map(|n| n as u32),
+            layers,
+            array: true,
+            usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
+        };
+        let image = Image::with_levels(device, &description, header.grid.levels as u32)?;
+        let levels: Vec<&[u8]> =
+            self.spectra.levels.iter().map(|level| bytemuck::cast_slice(level)).collect();
+        upload::levels(device, &image, layers, &levels)?;
+        bound.data(binding::POWERS, image, Sampler::trilinear(device, "power spectra sampler")?);
+        let specular = self.specular();
+        let format = vk::Format::R32G32B32A32_SFLOAT;
+        let size = [specular.len(), 1];
+        let image =
+            upload::texture(device, "specular order", format, size, None, bytemuck::cast_slice(&specular))?;
+        let edge = Sampler::linear(device, "specular sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
+        bound.data(binding::SPECULAR, image, edge);
+        self.set(device, &mut bound, shading)?;
+        Ok(bound)
+    }
+
+    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
+        let header = &self.spectra.header;
+        let combs = self.combs(shading);
+        let pair = |v: [f64; 2]| v.map(|x| x as f32);
+        let mean = |v: [f64; 2]| 0.5 * (v[0] + v[1]);
+        let (finest, orders) = (mean(header.grid.blur.variance), mean(header.orders_blur.variance));
+        let block = MeanBlock {
+            texels: header.grid.size.map(|n| n as f32),
+            range: pair(header.grid.range),
+            band: pair(header.band),
+            normal_reflectance: schlick(shading.ior, 1.0) as f32,
+            x_per_z: (2.0 / header.z_max) as f32,
+            unit: header.unit as f32,
+            orders: (orders / finest) as f32,
+            finest: finest as f32,
+            specular: (1.0 / (8.0 * (PI * header.sigma).powi(2))) as f32,
+            last_level: (header.grid.levels - 1) as f32,
+            rays: finest.sqrt() as f32,
+            middle: MIDDLE.powi(-2) as f32,
+            padding: 0.0,
+        };
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let bins = Buffer::with_data(device, "combs", storage, bytemuck::cast_slice(&combs.bins))?;
+        let tables = vec![(binding::NODES, numbers(device, "nodes", &combs.nodes)?)];
+        bound.replace(
+            device,
+            tables,
+            vec![(binding::BLOCK, uniform(device, "mean block", &block)?), (binding::COMBS, bins)],
+        )
+    }
+
+    /// The wavelengths of each |(u, v)| at the blur of the finest level.
+    fn combs(&self, shading: &Shading) -> Combs {
+        let [x, y] = self.spectra.header.grid.blur.variance;
+        // The blur of a coherence window of this standard deviation.
+        let sigma = 1.0 / (PI * (4.0 * (x + y)).sqrt());
+        Combs::new(&shading.illuminant, sigma, shading.quadrature(), shading.wavelengths)
+    }
+
+    /// |c_0|² over z, a texel a sample.
+    fn specular(&self) -> Vec<[f32; 4]> {
+        let series = &self.spectra.header.specular;
+        let mut t = vec![0.0; series.len()];
+        (0..SPECULAR_SAMPLES)
+            .map(|i| {
+                polynomials(2.0 * i as f64 / (SPECULAR_SAMPLES - 1) as f64 - 1.0, &mut t);
+                let power: f64 = series.iter().zip(&t).map(|(a, t)| a * t).sum();
+                [power.max(0.0) as f32, 0.0, 0.0, 0.0]
+            })
+            .collect()
+    }
+
+    pub(super) fn extent(&self) -> Extent {
+        let header = &self.spectra.header;
+        Extent {
+            layers: header.terms.div_ceil(4),
+            size: header.grid.size,
+            bytes: header.grid.bytes(header.terms) as u64,
+        }
+    }
+
+    pub(super) fn summary(&self) -> Summary {
+        let header = &self.spectra.header;
+        Summary {
+            method: "spectral",
+            basis: None,
+            terms: header.terms,
+            layers: header.terms.div_ceil(4),
+            kernel: format!("{} kernel", header.grid.kernel.name()),
+        }
+    }
+
+    /// Samples of the wavelengths of `directions`.
+    pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
+        let header = &self.spectra.header;
+        let combs = self.combs(shading);
+        let per_wavelength = header.terms.div_ceil(4) * header.grid.kernel.samples().pow(2) as usize;
+        let mean = |v: [f64; 2]| 0.5 * (v[0] + v[1]);
+        let (finest, orders) = (mean(header.grid.blur.variance), mean(header.orders_blur.variance));
+        let mut cost = Cost::default();
+        for (index, seen) in directions.iter().enumerate() {
+            for i in (0..seen.view.len()).filter(|&i| seen.view[i][3] != 0.0) {
+                cost.covered += usize::from(index == 0);
+                let shorter = seen.covariance(i).axes()[1];
+                let toward = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
+                let uv = toward(0).hypot(toward(1));
+                let blur = orders + shorter / MIDDLE.powi(2);
+                let nodes = combs.nodes_at(uv * (finest / blur).sqrt()).len();
+                cost.wavelengths += nodes;
+                cost.samples += nodes * per_wavelength;
+            }
+        }
+        cost
+    }
+}

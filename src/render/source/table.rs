@@ -1,0 +1,140 @@
+//! A colour table: the spectrum is summed beforehand, and a direction reads the sum. Its twin is `shaders/source_table.glsl`; on the CPU it is
+//! [`crate::table::TableReader`].
+
+use super::bound::{BoundSource, Kind, uniform};
+use super::cost::Cost;
+use super::{Extent, Summary, stages};
+use crate::error::Result;
+use crate::optics::brdf::schlick;
+use crate::render::picture::Directions;
+use crate::render::shading::Shading;
+use crate::render::upload;
+use crate::table::{BANDS, ColorTable, SPECULAR_SAMPLES, TableReader};
+use crate::vk::device::Device;
+use crate::vk::image::{Description, Image};
+use crate::vk::sampler::Sampler;
+use ash::vk;
+use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
+
+/// A colour table.
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// The table.
+    pub table: Arc<ColorTable>,
+}
+
+/// Binding numbers of set 1.
+mod binding {
+    pub const BLOCK: u32 = 0;
+    pub const COLOURS: u32 = 1;
+    pub const SPECULAR: u32 = 2;
+}
+
+const KINDS: [Kind; 3] = [Kind::UNIFORM_BUFFER, Kind::COMBINED_IMAGE_SAMPLER, Kind::COMBINED_IMAGE_SAMPLER];
+
+/// The `Table` block (std140).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct TableBlock {
+    /// R₀ of Schlick.
+    pub normal_reflectance: f32,
+    /// Texture coordinate per unit of u.
+    pub texture_per_uv: f32,
+    /// Distance of the finest level's texels in u.
+    pub spacing: f32,
+    /// What a stored 1 stands for \[sr⁻¹\].
+    pub unit: f32,
+    /// Variance of u that the finest level averages over.
+    pub finest: f32,
+    /// 1 over the variance by which levels grow.
+    pub per_growth: f32,
+    /// Pieces of the range of |w|.
+    pub pieces: f32,
+    /// Number of the coarsest level.
+    pub last_level: f32,
+    /// Variance of u in each band of the specular order.
+    pub variances: [f32; BANDS],
+}
+
+impl Table {
+    pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
+        let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), Vec::new())?;
+        bound.spectral = false;
+        bound.reads_footprints = true;
+        let header = &self.table.header;
+        let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+        let layers = 3 * header.pieces as u32;
+        let description = Description {
+            name: "colour table",
+            format: vk::Format::R16G16B16A16_SFLOAT,
+            size: [header.grid.side as u32; 2],
+            layers,
+            array: true,
+            usage,
+        };
+        let image = Image::with_levels(device, &description, header.grid.levels as u32)?;
+        let levels: Vec<&[u8]> = self.table.levels.iter().map(|level| bytemuck::cast_slice(level)).collect();
+        upload::levels(device, &image, layers, &levels)?;
+        bound.data(binding::COLOURS, image, Sampler::trilinear(device, "colour table sampler")?);
+        let weights: Vec<[f32; 4]> =
+            header.specular.weights.iter().flatten().map(|&[x, y, z]| [x, y, z, 0.0]).collect();
+        let format = vk::Format::R32G32B32A32_SFLOAT;
+        let size = [SPECULAR_SAMPLES, BANDS];
+        let image =
+            upload::texture(device, "specular order", format, size, None, bytemuck::cast_slice(&weights))?;
+        let edge = Sampler::linear(device, "specular sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
+        bound.data(binding::SPECULAR, image, edge);
+        self.set(device, &mut bound, shading)?;
+        Ok(bound)
+    }
+
+    /// Of a table only the reflectance depends on more than the table.
+    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
+        let header = &self.table.header;
+        let grid = &header.grid;
+        let block = TableBlock {
+            normal_reflectance: schlick(shading.ior, 1.0) as f32,
+            texture_per_uv: (0.5 / grid.extent) as f32,
+            spacing: grid.spacing(0) as f32,
+            unit: header.unit as f32,
+            finest: grid.finest.powi(2) as f32,
+            per_growth: grid.growth.powi(-2) as f32,
+            pieces: header.pieces as f32,
+            last_level: (grid.levels - 1) as f32,
+            variances: std::array::from_fn(|band| header.specular.variances[band] as f32),
+        };
+        bound.replace(device, Vec::new(), vec![(binding::BLOCK, uniform(device, "table block", &block)?)])
+    }
+
+    pub(super) fn extent(&self) -> Extent {
+        let header = &self.table.header;
+        Extent { layers: 3 * header.pieces, size: [header.grid.side; 2], bytes: self.table.bytes() as u64 }
+    }
+
+    pub(super) fn summary(&self) -> Summary {
+        let pieces = self.table.header.pieces;
+        Summary {
+            method: "table",
+            basis: None,
+            terms: 4 * pieces,
+            layers: 3 * pieces,
+            kernel: "linear, between levels".to_owned(),
+        }
+    }
+
+    /// Samples along the footprints of `directions`.
+    pub(super) fn cost(&self, directions: &[Directions]) -> Cost {
+        let reader = TableReader::new(&self.table);
+        let mut cost = Cost::default();
+        for (index, seen) in directions.iter().enumerate() {
+            for i in (0..seen.view.len()).filter(|&i| seen.view[i][3] != 0.0) {
+                cost.covered += usize::from(index == 0);
+                let around = seen.covariance(i);
+                // X, Y and Z.
+                cost.samples += 3 * (2 * reader.taps(&around).sides + 1);
+            }
+        }
+        cost
+    }
+}

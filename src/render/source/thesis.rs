@@ -1,0 +1,96 @@
+//! The thesis' own sum over 3 × 3 bins of a Fourier series, to compare with. Its twin is `shaders/source_thesis.glsl`.
+
+use super::bound::{BoundSource, Kind, uniform};
+use super::cost::Cost;
+use super::spectra::{edge, format, numbers};
+use super::{Summary, stages};
+use crate::error::Result;
+use crate::expansion::Basis;
+use crate::optics::brdf::schlick;
+use crate::precompute::Layers;
+use crate::precompute::thesis::{TAPS, WAVELENGTHS};
+use crate::render::picture::Directions;
+use crate::render::shading::Shading;
+use crate::render::tables::Combs;
+use crate::render::upload;
+use crate::vk::device::Device;
+use crate::vk::pipeline::Constant;
+use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
+
+/// What [`crate::precompute::thesis`] makes.
+#[derive(Clone, Debug)]
+pub struct Thesis {
+    /// The Fourier series of the powers of the height.
+    pub layers: Arc<Layers>,
+    /// Half the range of heights \[µm\].
+    pub half_range: f64,
+}
+
+/// Binding numbers of set 1.
+mod binding {
+    pub const BLOCK: u32 = 0;
+    pub const SERIES: u32 = 1;
+    pub const NODES: u32 = 2;
+}
+
+const KINDS: [Kind; 3] = [Kind::UNIFORM_BUFFER, Kind::COMBINED_IMAGE_SAMPLER, Kind::COMBINED_IMAGE_SAMPLER];
+
+/// The `Thesis` block (std140).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+struct ThesisBlock {
+    normal_reflectance: f32,
+    sigma: f32,
+    half_range: f32,
+    wavelengths: i32,
+    bins_per_frequency: [f32; 2],
+    origin: [f32; 2],
+    band: [f32; 2],
+    padding: [f32; 2],
+}
+
+impl Thesis {
+    pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
+        const PAIRS: u32 = 10;
+        let layers = &self.layers;
+        let constants = vec![Constant::new(PAIRS, layers.pairs() as u32)];
+        let mut bound = BoundSource::new(device, "thesis set", &KINDS, stages!("thesis"), constants)?;
+        let (count, texels) = (Some(layers.pairs() as u32), &layers.texels);
+        let image =
+            upload::texture(device, "Fourier series", format(texels), layers.size, count, texels.bytes())?;
+        bound.data(binding::SERIES, image, edge(device)?);
+        self.set(device, &mut bound, shading)?;
+        Ok(bound)
+    }
+
+    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
+        let pair = |v: [f64; 2]| v.map(|x| x as f32);
+        let layers = &self.layers;
+        let block = ThesisBlock {
+            normal_reflectance: schlick(shading.ior, 1.0) as f32,
+            sigma: layers.sigma as f32 * layers.texels.unit(),
+            half_range: self.half_range as f32,
+            wavelengths: WAVELENGTHS as i32,
+            bins_per_frequency: pair(layers.length),
+            // The shader truncates.
+            origin: layers.origin.map(|n| n as f32 + 0.5),
+            band: pair(layers.band),
+            padding: [0.0; 2],
+        };
+        let combs = Combs::even_wavelengths(&shading.illuminant, WAVELENGTHS);
+        let nodes = numbers(device, "nodes", &combs.nodes)?;
+        let block = uniform(device, "thesis block", &block)?;
+        bound.replace(device, vec![(binding::NODES, nodes)], vec![(binding::BLOCK, block)])
+    }
+
+    pub(super) fn summary(&self) -> Summary {
+        let (terms, kernel) = (self.layers.terms, "3 x 3 bins".to_owned());
+        Summary { method: "thesis", basis: Some(Basis::Taylor), terms, layers: terms, kernel }
+    }
+
+    pub(super) fn cost(&self, directions: &[Directions]) -> Cost {
+        // Two terms share a texel.
+        Cost::counted(directions, |_| (WAVELENGTHS, WAVELENGTHS * self.layers.pairs() * TAPS))
+    }
+}

@@ -1,0 +1,63 @@
+//! Spectra through one Gaussian window, summed over wavelengths. Its twin is `shaders/source_window.glsl`.
+
+use super::bound::{BoundSource, Kind};
+use super::cost::Cost;
+use super::{Summary, spectra, stages};
+use crate::error::Result;
+use crate::precompute::Layers;
+use crate::render::picture::Directions;
+use crate::render::shading::Shading;
+use crate::render::tables::Combs;
+use crate::vk::buffer::Buffer;
+use crate::vk::device::Device;
+use ash::vk;
+use std::sync::Arc;
+
+/// Spectra through a window.
+#[derive(Clone, Debug)]
+pub struct Window {
+    /// The spectra.
+    pub layers: Arc<Layers>,
+}
+
+/// Binding number of set 1 behind those of [`spectra::binding`].
+const COMBS: u32 = 4;
+
+impl Window {
+    pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
+        let layers = &self.layers;
+        let kinds = [spectra::KINDS.as_slice(), &[Kind::STORAGE_BUFFER]].concat();
+        let constants = spectra::constants(layers);
+        let mut bound = BoundSource::new(device, "window set", &kinds, stages!("window"), constants)?;
+        spectra::upload(device, &mut bound, layers)?;
+        self.set(device, &mut bound, shading)?;
+        Ok(bound)
+    }
+
+    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
+        let layers = &self.layers;
+        let combs = Combs::of(layers, shading);
+        let of = (&**layers, layers.sigma);
+        let (tables, mut buffers) = spectra::settings(device, of, shading.ior, &combs.nodes)?;
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        buffers
+            .push((COMBS, Buffer::with_data(device, "combs", storage, bytemuck::cast_slice(&combs.bins))?));
+        bound.replace(device, tables, buffers)
+    }
+
+    pub(super) fn summary(&self, shading: &Shading) -> Summary {
+        let layers = &self.layers;
+        let kernel = format!("{} kernel", layers.interpolation.name());
+        let (terms, basis) = (layers.terms, Some(shading.basis));
+        Summary { method: "spectral", basis, terms, layers: layers.pairs(), kernel }
+    }
+
+    pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
+        let (layers, combs) = (&self.layers, Combs::of(&self.layers, shading));
+        let per_read = layers.interpolation.samples() as usize;
+        Cost::counted(directions, |pair| {
+            let nodes = combs.nodes_at(pair.uvw().truncate().length()).iter().map(|node| f64::from(node[3]));
+            spectra::counted(layers, pair, per_read, nodes)
+        })
+    }
+}

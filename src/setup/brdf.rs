@@ -1,0 +1,64 @@
+//! The BRDF of a height field by the method that is asked for.
+
+use super::{InUse, Method, Progress, Settings, Target, check, source};
+use crate::brdf::mean::Mean;
+use crate::brdf::{Brdf, DirectSum, MeanReference};
+use crate::error::Result;
+use crate::optics::coherence::Windows;
+use crate::optics::reference::Reference;
+use crate::render::device_brdf::DeviceBrdf;
+use crate::render::shading::Shading;
+use crate::surface::HeightField;
+use crate::vk::device::Device;
+use std::sync::Arc;
+
+/// Windows whose spectra the cache on disk keeps: more would fill it.
+const CACHED_WINDOWS: u32 = 16;
+
+/// Lets `ask` have the BRDF of `field` under `settings`: once, or, where the method does one window at a time, once for each window.
+/// It is told the share of this BRDF in the mean. `device` opens the device, where one is needed; `note` is told what the user should know.
+///
+/// # Errors
+/// As [`source`], and what `ask` returns.
+pub fn for_each_window(
+    field: &HeightField,
+    settings: &Settings,
+    device: &dyn Fn() -> Result<Arc<Device>>,
+    progress: &Progress<'_>,
+    note: &dyn Fn(&str),
+    mut ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
+) -> Result<()> {
+    let shading = &settings.shading;
+    check(settings)?;
+    if settings.method == Method::Reference {
+        let illuminant = &shading.illuminant;
+        let Windows::Grid(windows) = shading.windows else {
+            let sigma = settings.power_sigma()?;
+            let mean = Mean { field, sigma, beyond: shading.beyond, ior: shading.ior };
+            return ask(&mut MeanReference::new(mean, illuminant, settings.shortest), 1.0);
+        };
+        let reference = Reference::new(field, shading.coherence, windows, shading.ior);
+        return ask(&mut DirectSum { reference, illuminant: &shading.illuminant }, 1.0);
+    }
+    let device = device()?;
+    // Spectra of the mean and colour tables average by themselves.
+    let [n, m] = shading.windows.grid().unwrap_or([1, 1]);
+    let one = match shading.windows {
+        Windows::Grid(_) => Shading { windows: Windows::ONE, ..shading.clone() },
+        Windows::All => shading.clone(),
+    };
+    let patch = field.patch_size();
+    for (i, j) in (0..m).flat_map(|j| (0..n).map(move |i| (i, j))) {
+        let shift = [f64::from(i) / f64::from(n) * patch[0], f64::from(j) / f64::from(m) * patch[1]];
+        let cached = n * m <= CACHED_WINDOWS;
+        let settings = Settings { shading: one.clone(), shift, cached, ..settings.clone() };
+        let made = source(field, &settings, Target::from(&device), &mut InUse::default(), progress)?;
+        if let Some(text) = &made.note {
+            note(text);
+        }
+        let mut brdf = DeviceBrdf::new(&device, &made.source, &one)?;
+        drop(made);
+        ask(&mut brdf, 1.0 / (f64::from(n) * f64::from(m)))?;
+    }
+    Ok(())
+}

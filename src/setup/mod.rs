@@ -1,0 +1,346 @@
+//! From a height field and settings to what is shaded from: what every command and the viewer start with.
+
+mod brdf;
+
+pub use brdf::for_each_window;
+
+use crate::cache::{Kept, Key, Store};
+use crate::error::{Error, Result};
+use crate::optics::coherence::{Beyond, Coherence, Windows};
+use crate::optics::orders::Repeats;
+use crate::optics::spectrum::SHORTEST;
+use crate::precompute::{self, Layers, compute_at};
+use crate::render::shading::Shading;
+use crate::render::source::{Grating, Mean, Source, Table};
+use crate::spectra::power::{PowerSettings, PowerSpectra, power_spectra};
+use crate::surface::{HeightField, tiling};
+use crate::table::{ColorTable, TableSettings, bake};
+use crate::vk::device::Device;
+use crate::vk::selection::Candidate;
+use std::sync::{Arc, Weak};
+
+/// How the optics is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Wavelengths are summed over spectra, on the device.
+    #[default]
+    Spectral,
+    /// A colour table is read, on the device.
+    Table,
+    /// The direct sum in f64, on the CPU.
+    Reference,
+}
+
+impl Method {
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Spectral => "spectral",
+            Self::Table => "table",
+            Self::Reference => "reference",
+        }
+    }
+}
+
+/// Everything that a source follows from beside the height field.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// By which method.
+    pub method: Method,
+    /// The optics.
+    pub shading: Shading,
+    /// Shortest wavelength that will be asked for \[µm\].
+    pub shortest: f64,
+    /// The window's centre from that of the patch \[µm\].
+    pub shift: [f64; 2],
+    /// Whether the result is worth a place in the cache on disk.
+    pub cached: bool,
+    /// Least standard deviation of (u, v) that a pixel averages over; 0 where single directions are asked for.
+    pub least_footprint: f64,
+}
+
+impl Settings {
+    /// A window in the middle, for colours.
+    pub fn new(method: Method, shading: Shading) -> Self {
+        Self { method, shading, shortest: SHORTEST, shift: [0.0; 2], cached: true, least_footprint: 0.0 }
+    }
+}
+
+/// The device that a source is made for.
+#[derive(Clone, Copy)]
+pub struct Target<'a> {
+    /// What it can hold.
+    pub limits: &'a Candidate,
+    /// The device itself, which bakes colour tables.
+    pub device: Option<&'a Arc<Device>>,
+}
+
+impl<'a> From<&'a Arc<Device>> for Target<'a> {
+    fn from(device: &'a Arc<Device>) -> Self {
+        Self { limits: device.candidate(), device: Some(device) }
+    }
+}
+
+/// Called with what is made, steps done and steps in all, as far as they are known; an error from it cancels the work.
+pub type Progress<'a> = dyn Fn(&'static str, usize, usize) -> Result<()> + 'a;
+
+/// A source, and why it could not be kept for next time, where that is so.
+pub struct Made {
+    /// The source.
+    pub source: Source,
+    /// For the user.
+    pub note: Option<String>,
+}
+
+/// Data that is still in use somewhere, for requests that share it.
+#[derive(Default)]
+pub struct InUse {
+    layers: Known<Layers>,
+    powers: Known<PowerSpectra>,
+    tables: Known<ColorTable>,
+}
+
+/// Data of one kind by its key, as long as it is in use.
+type Known<T> = Vec<(Key, Weak<T>)>;
+
+/// The source of `field` under `settings` on `target`: from what is `in_use`, from the cache on disk, or made and kept there.
+///
+/// # Errors
+/// For settings that the method cannot do, where the data does not fit into the device or this machine, and what `progress` returns.
+pub fn source(
+    field: &HeightField,
+    settings: &Settings,
+    target: Target<'_>,
+    in_use: &mut InUse,
+    progress: &Progress<'_>,
+) -> Result<Made> {
+    let shading = &settings.shading;
+    check(settings)?;
+    match (settings.method, shading.coherence) {
+        (Method::Reference, _) => Err(Error::usage(
+            "--method reference has no device to shade on",
+            "use --method spectral or --method table",
+        )),
+        (Method::Table, _) => {
+            let (table, note) = table(field, settings, target, in_use, progress)?;
+            Ok(Made { source: Source::Table(Table { table }), note })
+        }
+        (Method::Spectral, _) if shading.windows == Windows::All => {
+            let (spectra, note) = powers(field, settings, target, in_use, progress)?;
+            Ok(Made { source: Source::Mean(Mean { spectra }), note })
+        }
+        (Method::Spectral, Coherence::Gaussian { length }) => {
+            let (layers, note) = layers(field, settings, length / 4.0, target, in_use, progress)?;
+            Ok(Made { source: Source::window(layers), note })
+        }
+        (Method::Spectral, Coherence::Repeats(copies)) => {
+            shading.check_wavelengths()?;
+            let repeats = Repeats { copies, period: field.patch_size() };
+            // A grating that begins elsewhere is the grating of a surface that does.
+            let begun = field.begun_at(settings.shift);
+            let settings = Settings { shift: [0.0; 2], ..settings.clone() };
+            let (layers, note) = layers(&begun, &settings, f64::INFINITY, target, in_use, progress)?;
+            Ok(Made { source: Source::Grating(Grating { layers, repeats }), note })
+        }
+    }
+}
+
+/// Spectra through a Gaussian of standard deviation `sigma` \[µm\], or, where that is infinite, of one period.
+fn layers(
+    field: &HeightField,
+    settings: &Settings,
+    sigma: f64,
+    target: Target<'_>,
+    in_use: &mut InUse,
+    progress: &Progress<'_>,
+) -> Result<(Arc<Layers>, Option<String>)> {
+    let own = settings.shading.windowed_settings(sigma, settings.shortest, target.limits)?;
+    let key = precompute::cache::key(field, &own, settings.shift)?;
+    let wanted = Wanted {
+        key,
+        name: "the spectra",
+        memory_limit: precompute::cache::memory_limit(&own),
+        cached: settings.cached,
+    };
+    let make =
+        |_: &mut InUse| compute_at(field, &own, settings.shift, &|done, of| progress("spectra", done, of));
+    wanted.obtain(in_use, |in_use| &mut in_use.layers, make)
+}
+
+/// The power spectra of the mean.
+fn powers(
+    field: &HeightField,
+    settings: &Settings,
+    target: Target<'_>,
+    in_use: &mut InUse,
+    progress: &Progress<'_>,
+) -> Result<(Arc<PowerSpectra>, Option<String>)> {
+    let own = settings.power_settings(target.limits)?;
+    let wanted = Wanted {
+        key: Key::new(&PowerSpectra::FORMAT, &own, field)?,
+        name: "the power spectra",
+        memory_limit: own.memory_limit as u64,
+        cached: settings.cached,
+    };
+    let make = |_: &mut InUse| power_spectra(field, &own, &|done, of| progress("spectra", done, of));
+    wanted.obtain(in_use, |in_use| &mut in_use.powers, make)
+}
+
+/// The colour table of the mean.
+fn table(
+    field: &HeightField,
+    settings: &Settings,
+    target: Target<'_>,
+    in_use: &mut InUse,
+    progress: &Progress<'_>,
+) -> Result<(Arc<ColorTable>, Option<String>)> {
+    let own = settings.table_settings(target.limits);
+    let wanted = Wanted {
+        key: Key::new(&ColorTable::FORMAT, &(settings.power_settings(target.limits)?, &own), field)?,
+        name: "the colour table",
+        memory_limit: own.memory_limit as u64,
+        cached: settings.cached,
+    };
+    let make = |in_use: &mut InUse| {
+        let (spectra, _) = powers(field, settings, target, in_use, progress)?;
+        bake(&spectra, &own, &|done, of| progress("colours", done, of))
+    };
+    wanted.obtain(in_use, |in_use| &mut in_use.tables, make)
+}
+
+/// Data that a source needs.
+struct Wanted {
+    key: Key,
+    // For the user.
+    name: &'static str,
+    // Most bytes that it may take.
+    memory_limit: u64,
+    // Whether the cache on disk keeps it.
+    cached: bool,
+}
+
+impl Wanted {
+    /// The data: from the list `known` of what is in use, from the cache on disk, or from `make`. Beside it, why it could not be kept, where
+    /// that is so.
+    fn obtain<T: Kept>(
+        &self,
+        in_use: &mut InUse,
+        known: impl Fn(&mut InUse) -> &mut Known<T>,
+        make: impl FnOnce(&mut InUse) -> Result<T>,
+    ) -> Result<(Arc<T>, Option<String>)> {
+        if let Some(data) = find(known(in_use), &self.key) {
+            return Ok((data, None));
+        }
+        let store = if self.cached { Store::open() } else { None };
+        let kept = store.as_ref().and_then(|store| store.load_kept(&self.key, self.memory_limit));
+        let (data, note) = match kept {
+            Some(data) => (data, None),
+            None => {
+                let made = make(in_use)?;
+                let outcome = store.map_or(Ok(()), |store| store.save_kept(&self.key, &made));
+                let name = self.name;
+                (made, outcome.err().map(|e| format!("{name} cannot be kept for next time: {e}")))
+            }
+        };
+        let data = Arc::new(data);
+        known(in_use).push((self.key, Arc::downgrade(&data)));
+        Ok((data, note))
+    }
+}
+
+/// How the surface goes on beyond a patch like `field`, unless the user says: copies where they join without visible steps.
+pub fn beyond_of(field: &HeightField) -> Beyond {
+    match tiling::tiles(field).verdict {
+        tiling::Verdict::Tiles => Beyond::Copies,
+        _ => Beyond::Alike,
+    }
+}
+
+/// Whether the source of `settings` averages over the footprints of pixels.
+pub fn averages_footprints(settings: &Settings) -> bool {
+    settings.method != Method::Reference && settings.shading.windows == Windows::All
+}
+
+/// Fails for combinations that cannot be.
+///
+/// # Errors
+/// With what to change.
+pub fn check(settings: &Settings) -> Result<()> {
+    let shading = &settings.shading;
+    let gaussian = shading.coherence.sigma().is_some();
+    match (settings.method, shading.windows) {
+        (_, Windows::All) if !gaussian => Err(Error::usage(
+            "a finite grating stands at one place, and a mean over all windows is of Gaussian coherence",
+            "use --windows 1x1, or --coherence gaussian:LENGTH",
+        )),
+        (Method::Table, Windows::Grid(_)) => Err(Error::usage(
+            "a colour table holds the mean over all windows",
+            "use --windows all, or --method spectral",
+        )),
+        (_, Windows::All) if shading.terms.is_some() => Err(Error::usage(
+            "--terms are those of the expansion for one window",
+            "add --windows 1x1, or leave --terms away",
+        )),
+        _ => Ok(()),
+    }
+}
+
+impl Settings {
+    /// Share of the device's memory that a source may take; pictures and the rest need some.
+    const DEVICE_SHARE: f64 = 0.75;
+
+    fn memory_limit(limits: &Candidate) -> usize {
+        (limits.memory as f64 * Self::DEVICE_SHARE) as usize
+    }
+
+    /// Standard deviation of the coherence window that the mean is of \[µm\].
+    fn power_sigma(&self) -> Result<f64> {
+        self.shading.coherence.sigma().ok_or_else(|| {
+            Error::usage(
+                "the mean over all windows is of Gaussian coherence",
+                "use --coherence gaussian:LENGTH",
+            )
+        })
+    }
+
+    /// What power spectra are made for.
+    fn power_settings(&self, limits: &Candidate) -> Result<PowerSettings> {
+        let sigma = self.power_sigma()?;
+        let budget = self.shading.budget();
+        Ok(PowerSettings {
+            sigma,
+            beyond: self.shading.beyond,
+            shortest: self.shortest,
+            series_error: budget.expansion,
+            reading_error: budget.interpolation,
+            least_footprint: self.least_footprint,
+            side_limit: limits.max_side as usize,
+            memory_limit: Self::memory_limit(limits),
+        })
+    }
+
+    /// What a colour table is made for.
+    fn table_settings(&self, limits: &Candidate) -> TableSettings {
+        let tolerance = self.shading.tolerance;
+        TableSettings {
+            illuminant: self.shading.illuminant.clone(),
+            wavelengths: self.shading.wavelengths,
+            quadrature_error: self.shading.quadrature(),
+            reading_error: READING_SHARE * self.shading.gain() * tolerance,
+            cubic_error: CUBIC_SHARE * tolerance,
+            finest: self.least_footprint,
+            side_limit: limits.max_side as usize,
+            memory_limit: Self::memory_limit(limits),
+        }
+    }
+}
+
+/// Shares of a table's tolerance for reading between texels, and for the cubics in |w|.
+pub const READING_SHARE: f64 = 0.7;
+const CUBIC_SHARE: f64 = 1.0;
+
+/// What is known by `key`; forgets what nobody uses any more.
+fn find<T>(known: &mut Known<T>, key: &Key) -> Option<Arc<T>> {
+    known.retain(|(_, data)| data.strong_count() > 0);
+    known.iter().find(|(own, _)| own == key).and_then(|(_, data)| data.upgrade())
+}

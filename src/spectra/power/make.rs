@@ -1,0 +1,269 @@
+//! From a height field to its power spectra: how many terms in z, how fine a grid, and the audit of both.
+
+use super::chebyshev::{coefficients_from_values, nodes, polynomials};
+use super::orders::{OrderGrid, OrderPowers, Transform};
+use super::texture::{self, FrequencyGrid, Levels, PER_TEXEL};
+use super::{Beyond, Blur};
+use crate::error::{Error, Result};
+use crate::memory;
+use crate::precompute::kernel::Kernel;
+use crate::surface::HeightField;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// What power spectra are made for. Everything here and the height field is the key of a cache entry.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PowerSettings {
+    /// Standard deviation of the coherence window \[µm\], a quarter of the coherence length.
+    pub sigma: f64,
+    /// How the surface goes on beyond the patch.
+    pub beyond: Beyond,
+    /// Shortest wavelength that is asked for \[µm\].
+    pub shortest: f64,
+    /// Relative error of the power between the nodes in z, RMS over the bright orders.
+    pub series_error: f64,
+    /// Relative error of reading between texels, of a single wavelength.
+    pub reading_error: f64,
+    /// The least standard deviation of (u, v) that is averaged over, which the finest level need not resolve better.
+    pub least_footprint: f64,
+    /// Most texels along a side of a texture.
+    pub side_limit: usize,
+    /// Most bytes of all levels. Not part of the key: it decides whether they are made.
+    #[serde(skip)]
+    pub memory_limit: usize,
+}
+
+/// The powers of a surface's orders, blurred by the coherence of the light, as Chebyshev series in z over a grid of frequencies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PowerSpectra {
+    /// Everything but the numbers of the texels.
+    pub header: Header,
+    /// Coefficients of Σ|c_m|² γ̂(f − m/T)/z² over `unit`, without the specular order.
+    pub levels: Levels,
+}
+
+/// What the numbers of [`PowerSpectra`] mean.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Header {
+    /// Where the texels stand.
+    pub grid: FrequencyGrid,
+    /// Number of Chebyshev terms in z, a multiple of 4.
+    pub terms: usize,
+    /// Largest z \[rad/µm\]: the series are over 0 … z_max.
+    pub z_max: f64,
+    /// What a stored 1 stands for \[µm⁴/rad²\].
+    pub unit: f64,
+    /// Coefficients of the specular order's power |c_0|² over the same range.
+    pub specular: Vec<f64>,
+    /// Standard deviation of the coherence window \[µm\].
+    pub sigma: f64,
+    /// Blur of the orders by the coherence of the light and the lag window.
+    pub orders_blur: Blur,
+    /// Largest |f_x|, |f_y| that the samples hold \[µm⁻¹\].
+    pub band: [f64; 2],
+    /// Relative error between the nodes in z, measured on the surface.
+    pub series_error: f64,
+    /// Relative error of reading between texels, from the kernel's transform.
+    pub reading_error: f64,
+}
+
+/// Fewest terms: one texel.
+pub(super) const FEWEST_TERMS: usize = PER_TEXEL;
+/// Most terms: heights of about 6 µm.
+pub(super) const MOST_TERMS: usize = 128;
+/// z between the nodes at which the audit compares series with transforms, as shares of the range. Both ends are among them.
+const AUDITED: [f64; 4] = [0.03, 0.35, 0.7, 0.997];
+/// Orders that the audit judges: this share of the brightest ones.
+const JUDGED_SHARE: f64 = 0.1;
+/// Levels that a texture has at most, and fewest texels along a side of the coarsest.
+pub(super) const MOST_LEVELS: usize = 8;
+const FEWEST_TEXELS: usize = 16;
+
+/// Makes the power spectra of `field`.
+///
+/// # Errors
+/// Where memory or the limits of the settings do not suffice, where no number of terms meets the tolerance, what `progress` returns.
+pub fn power_spectra(
+    field: &HeightField,
+    settings: &PowerSettings,
+    progress: &dyn Fn(usize, usize) -> Result<()>,
+) -> Result<PowerSpectra> {
+    let z_max = 4.0 * PI / settings.shortest;
+    let orders_blur = Blur::of_orders(settings.sigma, field.patch_size(), settings.beyond);
+    // What the kernel and the finest blur reach beyond the band.
+    let guard = 4.0 * orders_blur.variance[0].max(orders_blur.variance[1]).sqrt();
+    let orders = OrderGrid::new(field, 2.0 / settings.shortest, guard);
+    let (grid, reading_error) = choose_grid(&orders, orders_blur, settings);
+    let transform = Transform::new(field, orders, settings.beyond);
+    transform.ensure_room()?;
+    let [dx, dy] = field.pixel_size();
+    let audited: Vec<OrderPowers> = AUDITED.iter().map(|share| transform.at(share * z_max)).collect();
+    let mut terms = first_terms(field, z_max);
+    loop {
+        check_room(&grid, &orders, terms, settings)?;
+        let (series, specular) = series(&transform, terms, z_max, progress)?;
+        let series_error = audit(&series, &audited, z_max);
+        if series_error > settings.series_error && terms < MOST_TERMS {
+            terms = (terms + PER_TEXEL).min(MOST_TERMS);
+            continue;
+        }
+        if series_error > settings.series_error {
+            return Err(Error::failed(
+                format!("{terms} terms in z leave a relative error of {series_error:.1e} on this surface"),
+                "ask for a larger --tolerance, or use --method reference",
+            ));
+        }
+        let (levels, unit) = texture::levels(&orders, &series, &grid);
+        progress(terms, terms)?;
+        let header = Header {
+            grid,
+            terms,
+            z_max,
+            unit,
+            specular,
+            sigma: settings.sigma,
+            orders_blur,
+            band: [0.5 / dx, 0.5 / dy],
+            series_error,
+            reading_error,
+        };
+        return Ok(PowerSpectra { header, levels });
+    }
+}
+
+/// Terms to begin with: e^{iz(h − h′)} turns by z_max H over the range, half of it to either side.
+fn first_terms(field: &HeightField, z_max: f64) -> usize {
+    let (low, high) = field.range();
+    let turns = 0.5 * z_max * (high - low);
+    ((turns + 3.0).ceil() as usize).next_multiple_of(PER_TEXEL).clamp(FEWEST_TERMS, MOST_TERMS)
+}
+
+/// The grid on which reading errs by no more than `settings` allow, or the finest that the limits allow, and its error.
+fn choose_grid(orders: &OrderGrid, blur: Blur, settings: &PowerSettings) -> (FrequencyGrid, f64) {
+    let range = [0, 1].map(|i| orders.size[i] as f64 / orders.patch[i]);
+    // A footprint blurs by its width over the wavelength; the longest has the least.
+    let footprint = settings.least_footprint / crate::optics::spectrum::LONGEST;
+    let finest = Blur { variance: blur.variance.map(|v| v.max(footprint * footprint)) };
+    // γ = exp(−2π²b²Δ²) is a window of this standard deviation.
+    let window = [0, 1].map(|i| 1.0 / (2.0 * PI * finest.variance[i].sqrt()));
+    let kernel = Kernel::Cubic;
+    let error_of = |size: [usize; 2]| {
+        let axis = |i: usize| kernel.amplitude_error(size[i] as f64 / range[i] / window[i]);
+        axis(0).hypot(axis(1))
+    };
+    let mut density = 0.8;
+    loop {
+        let exact = [0, 1].map(|i| (range[i] * window[i] * 2.0 * PI * density).ceil() as usize);
+        let levels = levels_for(exact);
+        let size = exact.map(|n| n.next_multiple_of(1 << (levels - 1)).max(FEWEST_TEXELS));
+        let error = error_of(size);
+        let at_limit = size.iter().any(|&n| n as f64 * 1.05 > settings.side_limit as f64);
+        if error <= settings.reading_error || at_limit {
+            return (FrequencyGrid { size, range, levels, blur: finest, kernel }, error);
+        }
+        density *= 1.05;
+    }
+}
+
+fn levels_for(size: [usize; 2]) -> usize {
+    let least = size[0].min(size[1]);
+    let halvings = (least / FEWEST_TEXELS).max(1).ilog2() as usize;
+    (halvings + 1).min(MOST_LEVELS)
+}
+
+fn check_room(
+    grid: &FrequencyGrid,
+    orders: &OrderGrid,
+    terms: usize,
+    settings: &PowerSettings,
+) -> Result<()> {
+    const MIB: f64 = 1024.0 * 1024.0;
+    let bytes = grid.bytes(terms);
+    if bytes > settings.memory_limit {
+        return Err(Error::failed(
+            format!(
+                "the power spectra would take {:.0} MiB of {:.0}",
+                bytes as f64 / MIB,
+                settings.memory_limit as f64 / MIB
+            ),
+            "ask for a larger --tolerance, or a shorter --coherence",
+        ));
+    }
+    let working = orders.count() * terms * size_of::<f64>() + 4 * grid.size[0] * grid.size[1] * 16;
+    memory::ensure_room((bytes + working) as u64, "the power spectra")
+}
+
+/// The Chebyshev series of every order's power over z², [term][order], and of the specular order's power.
+fn series(
+    transform: &Transform<'_>,
+    terms: usize,
+    z_max: f64,
+    progress: &dyn Fn(usize, usize) -> Result<()>,
+) -> Result<(Vec<Vec<f64>>, Vec<f64>)> {
+    let mut values: Vec<Vec<f64>> = Vec::with_capacity(terms);
+    let mut specular = Vec::with_capacity(terms);
+    for (j, z) in nodes(terms, z_max).into_iter().enumerate() {
+        progress(j, terms)?;
+        let mut at = transform.at(z);
+        at.powers.iter_mut().for_each(|power| *power /= z * z);
+        specular.push(at.specular);
+        values.push(at.powers);
+    }
+    let matrix = coefficients_from_values(terms);
+    let specular = matrix.iter().map(|row| row.iter().zip(&specular).map(|(m, v)| m * v).sum()).collect();
+    // In place, an order at a time.
+    const AT_ONCE: usize = 4096;
+    let count = transform.grid().count();
+    let blocks: Vec<Vec<f64>> = (0..count.div_ceil(AT_ONCE))
+        .into_par_iter()
+        .map(|block| {
+            let range = block * AT_ONCE..((block + 1) * AT_ONCE).min(count);
+            let mut out = vec![0.0; range.len() * terms];
+            for (k, row) in matrix.iter().enumerate() {
+                let own = &mut out[k * range.len()..(k + 1) * range.len()];
+                for (value, m) in values.iter().zip(row) {
+                    own.iter_mut().zip(&value[range.clone()]).for_each(|(o, v)| *o += m * v);
+                }
+            }
+            out
+        })
+        .collect();
+    for (k, term) in values.iter_mut().enumerate() {
+        for (part, block) in term.chunks_mut(AT_ONCE).zip(&blocks) {
+            let n = part.len();
+            part.copy_from_slice(&block[k * n..(k + 1) * n]);
+        }
+    }
+    Ok((values, specular))
+}
+
+/// The largest of the audited z's RMS relative errors over the brightest orders there.
+fn audit(series: &[Vec<f64>], audited: &[OrderPowers], z_max: f64) -> f64 {
+    let mut worst: f64 = 0.0;
+    let mut t = vec![0.0; series.len()];
+    for (share, exact) in AUDITED.iter().zip(audited) {
+        let z = share * z_max;
+        polynomials(2.0 * share - 1.0, &mut t);
+        let mut sorted = exact.powers.clone();
+        let rank = ((1.0 - JUDGED_SHARE) * sorted.len() as f64) as usize;
+        if sorted.is_empty() {
+            continue;
+        }
+        let (_, faintest, _) =
+            sorted.select_nth_unstable_by(rank.min(exact.powers.len() - 1), f64::total_cmp);
+        // Rounding of the transform: fainter powers are nothing.
+        let floor = faintest.max(1e-20);
+        let (mut squares, mut count) = (0.0, 0usize);
+        for (i, &power) in exact.powers.iter().enumerate().filter(|(_, p)| **p >= floor) {
+            let sum: f64 = series.iter().zip(&t).map(|(term, t)| term[i] * t).sum();
+            squares += (sum * z * z / power - 1.0).powi(2);
+            count += 1;
+        }
+        if count > 0 {
+            worst = worst.max((squares / count as f64).sqrt());
+        }
+    }
+    worst
+}

@@ -1,0 +1,217 @@
+//! The powers |c_m(z)|² of a patch's orders at one z, by an f64 Fourier transform.
+
+use super::Beyond;
+use crate::error::Result;
+use crate::memory;
+use crate::surface::HeightField;
+use rayon::prelude::*;
+use rustfft::num_complex::Complex64;
+use rustfft::{Fft, FftPlanner};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Which orders of a patch are kept: a block of m around 0 along each axis. Order m = (i − origin) stands at column or row i,
+/// with f_y growing with the row.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct OrderGrid {
+    /// Orders along m_x and m_y.
+    pub size: [usize; 2],
+    /// Column and row of order 0.
+    pub origin: [usize; 2],
+    /// Side lengths T_x, T_y of the patch \[µm\]: orders are 1/T apart.
+    pub patch: [f64; 2],
+    /// Whether all orders that the samples hold are kept, so that the grid repeats beyond its ends.
+    pub periodic: [bool; 2],
+}
+
+impl OrderGrid {
+    /// The orders of `field` up to the frequency `band` \[µm⁻¹\] and `guard` \[µm⁻¹\] beyond, or all that its samples hold.
+    pub fn new(field: &HeightField, band: f64, guard: f64) -> Self {
+        let samples = [field.columns(), field.rows()];
+        let patch = field.patch_size();
+        let kept = [0, 1].map(|i| (2 * ((band + guard) * patch[i]).ceil() as usize + 1).min(samples[i]));
+        Self {
+            size: kept,
+            origin: kept.map(|n| n / 2),
+            patch,
+            periodic: [0, 1].map(|i| kept[i] == samples[i]),
+        }
+    }
+
+    /// Number of orders kept.
+    pub fn count(&self) -> usize {
+        self.size[0] * self.size[1]
+    }
+}
+
+/// The powers of the orders at one z.
+#[derive(Clone, Debug)]
+pub struct OrderPowers {
+    /// Power of the specular order, |⟨e^{izh}⟩|².
+    pub specular: f64,
+    /// |c_m|² of the others, row by row in growing m_y; with [`Beyond::Copies`] order 0 is 0 here.
+    pub powers: Vec<f64>,
+}
+
+/// Transforms one field at many z.
+pub struct Transform<'a> {
+    field: &'a HeightField,
+    grid: OrderGrid,
+    beyond: Beyond,
+    // Square root of the taper's share of each column and row; their squares have a mean of 1.
+    taper: [Vec<f64>; 2],
+    middle: f64,
+    along_x: Arc<dyn Fft<f64>>,
+    along_y: Arc<dyn Fft<f64>>,
+}
+
+impl<'a> Transform<'a> {
+    /// For the orders `grid` of `field`.
+    pub fn new(field: &'a HeightField, grid: OrderGrid, beyond: Beyond) -> Self {
+        let mut planner = FftPlanner::new();
+        let (low, high) = field.range();
+        let taper = [field.columns(), field.rows()].map(|n| match beyond {
+            Beyond::Copies => vec![1.0; n],
+            Beyond::Alike => hann(n),
+        });
+        Self {
+            field,
+            grid,
+            beyond,
+            taper,
+            middle: 0.5 * (low + high),
+            // Frequencies are those of ω_i + ω_r and z is positive, so that the sum is over e^{izh} e^{2πi f·x}. Along y rows run downward,
+            // so that the sign turns.
+            along_x: planner.plan_fft_inverse(field.columns()),
+            along_y: planner.plan_fft_forward(field.rows()),
+        }
+    }
+
+    /// The orders that are kept.
+    pub fn grid(&self) -> &OrderGrid {
+        &self.grid
+    }
+
+    /// Asks for the memory that [`Transform::at`] takes.
+    ///
+    /// # Errors
+    /// Where it is not there.
+    pub fn ensure_room(&self) -> Result<()> {
+        let bytes = (self.field.rows() * self.grid.size[0] + self.grid.count()) * size_of::<Complex64>();
+        memory::ensure_room(bytes as u64, "the transforms of the heights")
+    }
+
+    /// The specular amplitude at z \[rad/µm\], the mean of e^{iz(h − middle)} over the taper's power.
+    fn mean(&self, z: f64) -> Complex64 {
+        let rows: Vec<Complex64> = (0..self.field.rows())
+            .into_par_iter()
+            .map(|row| {
+                let weigh = self.taper[1][row].powi(2);
+                let heights = self.field.row(row).iter().zip(&self.taper[0]);
+                heights.map(|(h, t)| Complex64::cis(z * (h - self.middle)) * (t * t)).sum::<Complex64>()
+                    * weigh
+            })
+            .collect();
+        rows.iter().sum::<Complex64>() / (self.field.columns() * self.field.rows()) as f64
+    }
+
+    /// The powers at z \[rad/µm\].
+    pub fn at(&self, z: f64) -> OrderPowers {
+        let (columns, rows) = (self.field.columns(), self.field.rows());
+        let [kept_x, kept_y] = self.grid.size;
+        let mean = self.mean(z);
+        let offset = if self.beyond == Beyond::Alike { mean } else { Complex64::ZERO };
+        // Row transforms, the kept columns alone.
+        let mut half: Vec<Complex64> = vec![Complex64::ZERO; rows * kept_x];
+        half.par_chunks_mut(kept_x).enumerate().for_each_init(
+            || vec![Complex64::ZERO; columns],
+            |buffer, (row, kept)| {
+                let weigh = self.taper[1][row];
+                let source = self.field.row(row).iter().zip(&self.taper[0]);
+                for (slot, (h, t)) in buffer.iter_mut().zip(source) {
+                    *slot = (Complex64::cis(z * (h - self.middle)) - offset) * (t * weigh);
+                }
+                self.along_x.process(buffer);
+                for (i, slot) in kept.iter_mut().enumerate() {
+                    *slot = buffer[wrapped(i, self.grid.origin[0], columns)];
+                }
+            },
+        );
+        let norm = 1.0 / (columns * rows) as f64;
+        let columns_done: Vec<Vec<f64>> = (0..kept_x)
+            .into_par_iter()
+            .map(|column| {
+                let mut buffer: Vec<Complex64> = (0..rows).map(|row| half[row * kept_x + column]).collect();
+                self.along_y.process(&mut buffer);
+                (0..kept_y)
+                    .map(|j| (buffer[wrapped(j, self.grid.origin[1], rows)] * norm).norm_sqr())
+                    .collect()
+            })
+            .collect();
+        let mut powers = vec![0.0; kept_x * kept_y];
+        powers.par_chunks_mut(kept_x).enumerate().for_each(|(j, row)| {
+            row.iter_mut().zip(&columns_done).for_each(|(slot, column)| *slot = column[j]);
+        });
+        if self.beyond == Beyond::Copies {
+            powers[self.grid.origin[1] * kept_x + self.grid.origin[0]] = 0.0;
+        }
+        OrderPowers { specular: mean.norm_sqr(), powers }
+    }
+}
+
+/// Bin of a transform of `samples` that holds order `place − origin`.
+fn wrapped(place: usize, origin: usize, samples: usize) -> usize {
+    (place + samples - origin) % samples
+}
+
+/// Hann's window over `count` samples, scaled so that the mean of its square is 1; a single sample has no taper.
+pub(super) fn hann(count: usize) -> Vec<f64> {
+    let window = |i: usize| (PI * (i as f64 + 0.5) / count as f64).sin().powi(2);
+    let power: f64 = (0..count).map(|i| window(i).powi(2)).sum::<f64>() / count as f64;
+    (0..count).map(|i| window(i) / power.sqrt()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rough(columns: usize, rows: usize) -> HeightField {
+        let heights = (0..columns * rows).map(|i| 0.2 * ((i * 37 % 101) as f64 * 0.7).sin()).collect();
+        HeightField::new(columns, rows, [0.1, 0.12], heights).unwrap()
+    }
+
+    #[test]
+    fn each_order_is_the_plain_sum_over_the_patch() {
+        for (columns, rows) in [(8, 6), (7, 9)] {
+            let field = rough(columns, rows);
+            let grid = OrderGrid::new(&field, 100.0, 0.0);
+            let powers = Transform::new(&field, grid, Beyond::Copies).at(9.0);
+            for (mx, my) in [(1i64, 0i64), (0, 1), (2, -1), (-3, 2)] {
+                let mut sum = Complex64::ZERO;
+                for row in 0..rows {
+                    for column in 0..columns {
+                        let turns = mx as f64 * field.x(column) / grid.patch[0]
+                            + my as f64 * field.y(row) / grid.patch[1];
+                        sum += Complex64::cis(9.0 * field.row(row)[column] + 2.0 * PI * turns);
+                    }
+                }
+                let plain = (sum / (columns * rows) as f64).norm_sqr();
+                let place = |m: i64, axis: usize| (m + grid.origin[axis] as i64) as usize;
+                let got = powers.powers[place(my, 1) * grid.size[0] + place(mx, 0)];
+                assert!((got - plain).abs() < 1e-14, "{columns}x{rows} order {mx},{my}: {got} {plain}");
+                assert!(plain > 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn all_orders_together_hold_the_power_of_a_mirror() {
+        let field = rough(12, 10);
+        for beyond in [Beyond::Copies, Beyond::Alike] {
+            let grid = OrderGrid::new(&field, 100.0, 0.0);
+            let powers = Transform::new(&field, grid, beyond).at(11.0);
+            let sum = powers.specular + powers.powers.iter().sum::<f64>();
+            assert!((sum - 1.0).abs() < 1e-12, "{beyond:?}: {sum}");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Where the texels of a colour table stand, and what each level averages over.
+
+use serde::{Deserialize, Serialize};
+
+/// A square of texels over (u, v), and its levels: level l has half of the texels of level l − 1 along each axis.
+///
+/// Level l averages over a Gaussian of the variance s_0² + c² (4ˡ − 1) in u and in v, where c is [`Grid::growth`]. So each level is a blur of
+/// the one before by 3·4^(l−1) c², and a linear mixture of two neighbours has any variance between theirs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Grid {
+    /// Texels along a side of level 0, a multiple of 2^(levels − 1).
+    pub side: usize,
+    /// Number of levels.
+    pub levels: usize,
+    /// Half the side of the square: texels cover −extent … extent.
+    pub extent: f64,
+    /// Standard deviation s_0 of u and of v that level 0 averages over.
+    pub finest: f64,
+    /// Standard deviation c by which levels grow.
+    pub growth: f64,
+}
+
+/// Fewest texels along a side of the coarsest level, and most levels.
+const FEWEST: usize = 16;
+pub(super) const MOST_LEVELS: usize = 8;
+/// |(u, v)| is at most 2.
+const REACH: f64 = 2.0;
+
+impl Grid {
+    /// Texels at most `spacing` apart, for averages over standard deviations of (u, v) from `finest` on.
+    pub fn new(spacing: f64, finest: f64) -> Self {
+        let exact = (2.0 * REACH / spacing).ceil() as usize;
+        let levels = ((exact / FEWEST).max(1).ilog2() as usize + 1).min(MOST_LEVELS);
+        let side = exact.next_multiple_of(1 << (levels - 1)).max(FEWEST);
+        // A blur to the next level of at least so many of its own texels leaves nothing that half as many texels cannot hold.
+        const LEAST_GROWTH: f64 = 0.75;
+        let own = 2.0 * REACH / side as f64;
+        Self { side, levels, extent: REACH, finest, growth: finest.max(LEAST_GROWTH * own) }
+    }
+
+    /// Distance between the texels of `level`.
+    pub fn spacing(&self, level: usize) -> f64 {
+        2.0 * self.extent / self.side_of(level) as f64
+    }
+
+    /// Texels along a side of `level`.
+    pub fn side_of(&self, level: usize) -> usize {
+        self.side >> level
+    }
+
+    /// u or v of texel `i` of `level`.
+    pub fn at(&self, level: usize, i: usize) -> f64 {
+        (i as f64 + 0.5) * self.spacing(level) - self.extent
+    }
+
+    /// The level, with a fraction, that averages over the variance `variance` of u and of v.
+    pub fn level(&self, variance: f64) -> f64 {
+        let ratio = (variance - self.finest.powi(2)) / self.growth.powi(2) + 1.0;
+        crate::spectra::power::read::level_of_ratio(ratio, self.levels)
+    }
+
+    /// Bytes of all levels with `pieces` cubics of three channels.
+    pub fn bytes(&self, pieces: usize) -> usize {
+        (0..self.levels).map(|l| self.side_of(l).pow(2)).sum::<usize>() * pieces * 3 * 8
+    }
+}

@@ -1,0 +1,61 @@
+//! Colour tables: the mean response summed over the spectrum of one light, so that a picture reads one colour instead of tens of
+//! wavelengths.
+//!
+//! With R the reflectance and G the geometric factor, f cos θ_i = R G cos θ_i · (X(u, v, |w|) + X₀). X is the sum over wavelengths of
+//! q² ⟨|P|²⟩/(A w²) without the specular order, a smooth function of |w| that the table holds as cubics over pieces of 0 … 2. X₀ is
+//! the specular order, a Gaussian in (u, v) for each band of wavelengths, which needs no table over (u, v).
+//!
+//! Level l of a table is the average over a Gaussian of (u, v) of standard deviation s_l; see [`Grid`].
+
+mod bake;
+mod cache;
+mod grid;
+mod read;
+mod specular;
+
+pub use bake::{TableSettings, bake};
+pub use grid::Grid;
+pub use read::TableReader;
+pub use specular::{BANDS, SPECULAR_SAMPLES, Specular};
+
+use half::f16;
+use serde::{Deserialize, Serialize};
+
+/// A colour table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColorTable {
+    /// Everything but the numbers of the texels.
+    pub header: Header,
+    /// For each level [layer][row][column][power of the place in the piece, 0 … 3], layer = piece · 3 + channel of XYZ, rows in growing v.
+    /// Places are those of ω_i + ω_r = −(u, v).
+    pub levels: Vec<Vec<f16>>,
+}
+
+/// What the numbers of a [`ColorTable`] mean.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Header {
+    /// Where the texels stand.
+    pub grid: Grid,
+    /// Equal pieces of 0 … 2, the range of |w|, each with a cubic.
+    pub pieces: usize,
+    /// What a stored 1 stands for \[sr⁻¹\].
+    pub unit: f64,
+    /// The specular order.
+    pub specular: Specular,
+    /// Relative error of the cubics, measured.
+    pub cubic_error: f64,
+}
+
+impl ColorTable {
+    /// Bytes of all levels.
+    pub fn bytes(&self) -> usize {
+        self.levels.iter().map(|level| level.len() * size_of::<f16>()).sum()
+    }
+}
+
+/// The largest |w|.
+pub const LARGEST_W: f64 = 2.0;
+
+#[cfg(test)]
+mod tests;

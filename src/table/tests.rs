@@ -1,0 +1,166 @@
+//! Power spectra and colour tables against the f64 mean.
+
+use super::*;
+use crate::brdf::mean::{Covariance, Mean, TabulatedMean};
+use crate::optics::geometry::{Pair, direction};
+use crate::optics::spectrum::Illuminant;
+use crate::random::Random;
+use crate::spectra::power::{Beyond, PowerSettings, PowerSpectra, power_spectra};
+use crate::surface::HeightField;
+use crate::surface::synth::{self, Kind, Spec};
+use glam::DVec3;
+
+const IOR: f64 = 1.5;
+
+fn spectra(field: &HeightField, sigma: f64, tolerance: f64, finest: f64) -> PowerSpectra {
+    let settings = PowerSettings {
+        sigma,
+        beyond: Beyond::Copies,
+        shortest: 0.38,
+        series_error: 0.5 * tolerance,
+        reading_error: tolerance,
+        least_footprint: finest,
+        side_limit: 16384,
+        memory_limit: 1 << 31,
+    };
+    power_spectra(field, &settings, &|_, _| Ok(())).unwrap()
+}
+
+fn table(spectra: &PowerSpectra, tolerance: f64, finest: f64) -> ColorTable {
+    let settings = TableSettings {
+        illuminant: Illuminant::D65,
+        wavelengths: None,
+        quadrature_error: 0.4 * tolerance,
+        reading_error: 0.7 * tolerance,
+        cubic_error: 0.3 * tolerance,
+        finest,
+        side_limit: 16384,
+        memory_limit: 1 << 31,
+    };
+    bake(spectra, &settings, &|_, _| Ok(())).unwrap()
+}
+
+fn pairs(count: usize, seed: u64) -> Vec<Pair> {
+    let mut random = Random::new(seed);
+    (0..count)
+        .map(|_| {
+            let light = direction(70.0 * random.share(), 360.0 * random.share());
+            let mut view = direction(75.0 * random.share(), 360.0 * random.share());
+            if random.share() < 0.5 {
+                // Near the specular direction, where most of the power is.
+                let near = DVec3::new(random.share() - 0.5, random.share() - 0.5, 0.0) * 0.4;
+                view = (DVec3::new(-light.x, -light.y, light.z) + near).normalize();
+                view.z = view.z.abs();
+            }
+            Pair::new(light, view)
+        })
+        .collect()
+}
+
+/// Relative L2 error and the RMS of each colour's own.
+fn errors(colours: &[DVec3], exact: &[DVec3]) -> (f64, f64) {
+    let (mut error, mut energy, mut own) = (0.0, 0.0, 0.0);
+    for (a, b) in colours.iter().zip(exact) {
+        error += (*a - *b).length_squared();
+        energy += b.length_squared();
+        own += (*a - *b).length_squared() / b.length_squared().max(1e-30);
+    }
+    ((error / energy).sqrt(), (own / exact.len() as f64).sqrt())
+}
+
+#[test]
+fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
+    let field = synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(Kind::Elaphe) }).unwrap();
+    let (sigma, tolerance) = (3.0, 2e-2);
+    let mean = Mean { field: &field, sigma, beyond: Beyond::Copies, ior: IOR };
+    let exact = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
+    let spectra = spectra(&field, sigma, tolerance, 0.0);
+    let table = table(&spectra, tolerance, 0.0);
+    let reader = TableReader::new(&table);
+    for around in [
+        Covariance::default(),
+        Covariance { uu: 1e-4, uv: 0.0, vv: 1e-4 },
+        Covariance { uu: 4e-4, uv: 3e-4, vv: 3e-4 },
+        Covariance { uu: 1e-3, uv: -2e-3, vv: 5e-3 },
+    ] {
+        let pairs = pairs(300, 3);
+        let asked: Vec<_> = pairs.iter().map(|pair| (*pair, around)).collect();
+        let exact = exact.xyz(&Illuminant::D65, &asked, &|_, _| Ok(())).unwrap();
+        let colours: Vec<DVec3> = pairs.iter().map(|pair| reader.xyz(pair, IOR, &around)).collect();
+        let (l2, own) = errors(&colours, &exact);
+        eprintln!("{around:?}: L2 {l2:.1e}, own {own:.1e}");
+        assert!(l2 <= tolerance, "{around:?}: {l2}");
+    }
+}
+
+#[test]
+#[ignore = "prints the costs and errors of the default surface"]
+fn costs_of_the_default_surface() {
+    let start = std::time::Instant::now();
+    let field = synth::generate(&Spec::new(Kind::Elaphe)).unwrap();
+    eprintln!("surface {:.2} s", start.elapsed().as_secs_f64());
+    let mean = Mean { field: &field, sigma: 65.0 / 4.0, beyond: Beyond::Copies, ior: IOR };
+    let start = std::time::Instant::now();
+    let exact = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
+    eprintln!("reference {:.2} s", start.elapsed().as_secs_f64());
+    for finest in [0.0, 0.005, 0.01] {
+        let start = std::time::Instant::now();
+        let spectra = spectra(&field, mean.sigma, 2e-2, finest);
+        let h = &spectra.header;
+        eprintln!(
+            "spectra {:.2} s, {} terms, {:?} texels, {} levels, {:.1} MiB, series {:.1e}, reading {:.1e}",
+            start.elapsed().as_secs_f64(),
+            h.terms,
+            h.grid.size,
+            h.grid.levels,
+            h.grid.bytes(h.terms) as f64 / 1048576.0,
+            h.series_error,
+            h.reading_error
+        );
+        if finest == 0.0 {
+            continue;
+        }
+        let start = std::time::Instant::now();
+        let table = table(&spectra, 2e-2, finest);
+        let h = &table.header;
+        eprintln!(
+            "table {:.2} s, {} pieces, side {}, {:.1} MiB, cubics {:.1e}",
+            start.elapsed().as_secs_f64(),
+            h.pieces,
+            h.grid.side,
+            table.bytes() as f64 / 1048576.0,
+            h.cubic_error
+        );
+        let reader = TableReader::new(&table);
+        for (uu, uv, vv) in
+            [(finest * finest, 0.0, finest * finest), (4e-4, 0.0, finest * finest), (1e-3, 5e-4, 4e-4)]
+        {
+            let around = Covariance { uu, uv, vv };
+            let pairs = pairs(200, 3);
+            let asked: Vec<_> = pairs.iter().map(|pair| (*pair, around)).collect();
+            let start = std::time::Instant::now();
+            let exact = exact.xyz(&Illuminant::D65, &asked, &|_, _| Ok(())).unwrap();
+            let took = start.elapsed().as_secs_f64() / 200.0;
+            let colours: Vec<DVec3> = pairs.iter().map(|pair| reader.xyz(pair, IOR, &around)).collect();
+            let (l2, own) = errors(&colours, &exact);
+            let own_error = |i: &usize| (colours[*i] - exact[*i]).length() / exact[*i].length().max(5e-6);
+            let mut worst: Vec<usize> = (0..pairs.len()).collect();
+            worst.sort_by(|a, b| own_error(b).total_cmp(&own_error(a)));
+            for i in worst.iter().take(6) {
+                eprintln!("    {:?} exact {:?} got {:?}", pairs[*i].uvw(), exact[*i], colours[*i]);
+            }
+            eprintln!(
+                "    own error: worst {:.2e}, 5 % {:.2e}, 25 % {:.2e}, median {:.2e}",
+                own_error(&worst[0]),
+                own_error(&worst[10]),
+                own_error(&worst[50]),
+                own_error(&worst[100])
+            );
+            eprintln!(
+                "  {around:?}: L2 {l2:.1e}, own {own:.1e}, taps {:?}; reference {:.2} ms a colour",
+                reader.taps(&around),
+                took * 1e3
+            );
+        }
+    }
+}

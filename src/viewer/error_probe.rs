@@ -1,0 +1,136 @@
+//! Measures the error of the picture shown: random pixels against the f64 reference.
+
+use super::prepared::Prepared;
+use crate::error::{Error, Result};
+use crate::measure::error::{PixelErrors, sample};
+use crate::render::frame::View;
+use crate::render::picture::{Directions, Painter};
+use crate::render::reference_picture::{covered, reference_pixels};
+use glam::DVec3;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Pixels that are compared.
+const PIXELS: usize = 300;
+/// Pixels that suffice to count the cost of a picture.
+const COUNTED: usize = 4096;
+
+/// Pixels of a picture, with the directions that they were shaded for.
+#[derive(Clone, Debug)]
+pub struct ProbeSamples {
+    /// Linear sRGB radiance of each pixel.
+    pub radiance: Vec<DVec3>,
+    /// Directions of each pixel, one entry per light.
+    pub directions: Vec<Directions>,
+}
+
+/// The directions of every pixel, one entry per light of `view`.
+///
+/// # Errors
+/// When the device is lost.
+pub fn directions(painter: &mut Painter, view: &View) -> Result<Vec<Directions>> {
+    (0..view.lights.len()).map(|light| painter.directions(view, light)).collect()
+}
+
+/// About [`COUNTED`] of `pixels`, evenly spaced.
+pub fn thinned(directions: &[Directions], pixels: usize) -> Vec<Directions> {
+    // With an odd stride the samples of a picture of even width are not confined to a few columns.
+    let stride = (pixels / COUNTED).max(1) | 1;
+    let some = |all: &[[f32; 4]]| all.iter().step_by(stride).copied().collect();
+    directions
+        .iter()
+        .map(|d| Directions { light: some(&d.light), view: some(&d.view), ..Directions::default() })
+        .collect()
+}
+
+/// Random covered pixels of the picture of `view` that `painter` drew last.
+///
+/// # Errors
+/// When the device is lost.
+pub fn samples(painter: &mut Painter, view: &View) -> Result<ProbeSamples> {
+    let radiance = painter.picture()?.radiance;
+    let directions = directions(painter, view)?;
+    let chosen = sample(&covered(&directions), PIXELS);
+    let some = |all: &[[f32; 4]]| chosen.iter().map(|&i| all[i]).collect();
+    Ok(ProbeSamples {
+        radiance: chosen
+            .iter()
+            .map(|&i| DVec3::from_array([0, 1, 2].map(|c| radiance[i][c].into())))
+            .collect(),
+        directions: directions
+            .iter()
+            .map(|d| Directions { light: some(&d.light), view: some(&d.view), ..Directions::default() })
+            .collect(),
+    })
+}
+
+/// Pixels to compare with the reference, and the settings that they were drawn with.
+pub struct Probe {
+    /// Surface and settings.
+    pub prepared: Arc<Prepared>,
+    /// Camera and lights.
+    pub view: View,
+    /// Exposure \[stops\].
+    pub exposure: f64,
+    /// The pixels.
+    pub samples: ProbeSamples,
+}
+
+/// State of a measurement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ProbeStatus {
+    /// The fraction of the work that is done.
+    Running(f32),
+    /// The result.
+    Done(PixelErrors),
+}
+
+/// A measurement in the background. Dropping it cancels it without waiting.
+pub struct ErrorProbe {
+    stop: Arc<AtomicBool>,
+}
+
+impl ErrorProbe {
+    /// Compares the pixels of `probe` with the reference and sends progress and result to `reply`.
+    ///
+    /// # Errors
+    /// When the system refuses a thread.
+    pub fn new(probe: Probe, reply: impl Fn(Result<ProbeStatus>) + Send + 'static) -> Result<Self> {
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = stop.clone();
+        let work = move || {
+            let stopped = || stopped.load(Ordering::Relaxed);
+            let progress = |done: usize, of: usize| {
+                if stopped() {
+                    return Err(Error::failed("the picture has changed", "measure again"));
+                }
+                reply(Ok(ProbeStatus::Running(done as f32 / of.max(1) as f32)));
+                Ok(())
+            };
+            let errors = probe.errors(&progress);
+            if !stopped() {
+                reply(errors.map(ProbeStatus::Done));
+            }
+        };
+        std::thread::Builder::new().name("reference".to_owned()).spawn(work).map_err(|e| {
+            Error::failed(format!("the system refuses a thread ({e})"), "close other programs")
+        })?;
+        Ok(Self { stop })
+    }
+}
+
+impl Probe {
+    fn errors(&self, progress: &dyn Fn(usize, usize) -> Result<()>) -> Result<PixelErrors> {
+        let Prepared { field, shading, .. } = &*self.prepared;
+        let ProbeSamples { radiance, directions } = &self.samples;
+        let pixels: Vec<usize> = (0..radiance.len()).collect();
+        let exact = reference_pixels(field, shading, &self.view, directions, &pixels, progress)?;
+        Ok(PixelErrors::of(radiance, &exact, self.exposure))
+    }
+}
+
+impl Drop for ErrorProbe {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+}

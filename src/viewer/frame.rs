@@ -1,0 +1,121 @@
+//! A frame of the scene: what it is drawn from, how it is asked for, what comes back.
+
+use super::compare::Compare;
+use super::inset::Inset;
+use super::prepared::Prepared;
+use super::quality::Quality;
+use crate::error::Result;
+use crate::render::frame::View;
+use crate::render::pigment::Pigment;
+use crate::scene::Scene;
+use crate::vk::image::Image;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// A scene with its pigment texture read, ready for upload.
+pub struct LoadedScene {
+    /// The scene.
+    pub scene: Scene,
+    /// Its pigment texture, white where it has none.
+    pub pigment: Pigment,
+}
+
+impl LoadedScene {
+    /// Reads the pigment texture of `scene`.
+    ///
+    /// # Errors
+    /// When the texture cannot be read.
+    pub fn of(scene: Scene) -> Result<Self> {
+        let pigment = scene.pigment.as_deref().map(Pigment::read).transpose()?.unwrap_or_else(Pigment::white);
+        Ok(Self { scene, pigment })
+    }
+}
+
+/// A frame to draw.
+#[derive(Clone)]
+pub struct FrameRequest {
+    /// Mesh and pigment.
+    pub loaded: Arc<LoadedScene>,
+    /// The user's setting.
+    pub own: Arc<Prepared>,
+    /// The setting to compare with.
+    pub other: Option<Arc<Prepared>>,
+    /// A cheaper setting that replaces `own` at this quality.
+    pub lighter: Option<Arc<Prepared>>,
+    /// How much of the work is done.
+    pub quality: Quality,
+    /// Whether camera or lights are moving. Such a frame is finished before a newer request is taken, unless it takes too
+    /// long.
+    pub moving: bool,
+    /// Whether to draw even if the same picture is on the device already.
+    pub again: bool,
+    /// Camera, lights, pigment.
+    pub view: View,
+    /// Exposure \[stops\].
+    pub exposure: f64,
+    /// Linear sRGB of pixels that the mesh does not cover.
+    pub background: DVec3,
+    /// Pixels of the picture.
+    pub size: [u32; 2],
+    /// What is shown right of the split.
+    pub compare: Compare,
+    /// Whether to compute the BRDF of the first light over the hemisphere.
+    pub inset: bool,
+}
+
+impl FrameRequest {
+    /// Whether `other` asks for the same image at the same quality.
+    pub fn shows_the_same_as(&self, other: &Self) -> bool {
+        let number = |p: &Option<Arc<Prepared>>| p.as_ref().map(|p| p.number);
+        Arc::ptr_eq(&self.loaded, &other.loaded)
+            && self.own.number == other.own.number
+            && number(&self.other) == number(&other.other)
+            && self.compare == other.compare
+            && self.quality == other.quality
+            && self.moving == other.moving
+            && self.size == other.size
+            && self.inset == other.inset
+            && self.exposure == other.exposure
+            && self.background == other.background
+            && self.view == other.view
+    }
+
+    /// Whether an error that was measured on the picture of `other` holds for this one too.
+    pub fn has_the_radiance_of(&self, other: &Self) -> bool {
+        self.view == other.view && self.own.number == other.own.number && self.size == other.size
+    }
+}
+
+/// A frame on the device, ready to be presented.
+#[derive(Clone)]
+pub struct RenderedFrame {
+    /// The picture, and the one right of the split.
+    pub images: [Arc<Image>; 2],
+    /// Pixels drawn of each.
+    pub sizes: [[u32; 2]; 2],
+    /// How much of the work was done.
+    pub quality: Quality,
+    /// Time on the device \[ms\]; 0 when only the exposure changed.
+    pub gpu_ms: f64,
+    /// Elapsed time \[ms\].
+    pub wall_ms: f64,
+    /// Whether it is the first frame of its painter, which includes one-off work of the driver.
+    pub first: bool,
+    /// Cost of the whole picture, if it was counted.
+    pub cost: Option<PictureCost>,
+    /// The hemisphere, if it was asked for.
+    pub inset: Option<Arc<Inset>>,
+    /// [`Prepared::number`] of the setting shown.
+    pub number: u64,
+}
+
+/// Cost of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureCost {
+    /// Fraction of the picture that the mesh covers.
+    pub covered: f64,
+    /// Wavelengths per covered pixel.
+    pub wavelengths: f64,
+    /// Texture samples per covered pixel.
+    pub samples: f64,
+}

@@ -1,0 +1,129 @@
+//! Keys, and the pointer over the picture.
+
+use super::compare::Compare;
+use super::model::{Model, SaveAs};
+use super::orbit::{self, Drag};
+use egui::{Key, Modifiers, PointerButton, Rect, Sense, Ui};
+use glam::Vec2;
+
+/// Every key and gesture with its meaning, as F1 lists them.
+pub const KEYS: [(&str, &str); 16] = [
+    ("left drag", "orbit"),
+    ("wheel", "zoom"),
+    ("middle or Shift + left drag", "pan"),
+    ("right or Ctrl + left drag", "move the first light over the hemisphere"),
+    ("double click", "look at the point under the pointer"),
+    ("R", "reset all settings"),
+    ("S", "save the picture as PNG; Shift + S: as EXR too"),
+    ("C", "compare: alone, split, error in false colour"),
+    ("drag the line", "move the split"),
+    ("E", "measure the error against the f64 reference"),
+    ("B", "show or hide the BRDF hemisphere"),
+    ("space", "draw continuously, or only on changes"),
+    ("+ and −", "exposure"),
+    ("P", "show or hide the panel"),
+    ("F1", "show or hide this list"),
+    ("Esc", "close"),
+];
+
+/// Applies key presses to `model`.
+pub fn keys(ui: &Ui, model: &mut Model) {
+    if ui.ctx().text_edit_focused() {
+        return;
+    }
+    ui.input(|i| {
+        // Repeats of a held key are ignored: none of these actions should be repeated.
+        let pressed = |wanted: Key| {
+            i.events.iter().any(
+                |e| matches!(e, egui::Event::Key { key, pressed: true, repeat: false, .. } if *key == wanted),
+            )
+        };
+        model.actions.reset |= pressed(Key::R);
+        if pressed(Key::S) {
+            model.actions.save = Some(if i.modifiers.shift { SaveAs::PngAndExr } else { SaveAs::Png });
+        }
+        if pressed(Key::C) {
+            model.comparison.mode = model.comparison.mode.next();
+        }
+        model.actions.measure |= pressed(Key::E);
+        model.visible.inset ^= pressed(Key::B);
+        model.pacing.continuous ^= pressed(Key::Space);
+        model.visible.panel ^= pressed(Key::P);
+        model.visible.help ^= pressed(Key::F1);
+        if pressed(Key::Escape) {
+            // If the list of keys is open, Esc closes the list.
+            model.actions.close = !model.visible.help;
+            model.visible.help = false;
+        }
+        for (key, step) in [(Key::Plus, 0.5), (Key::Equals, 0.5), (Key::Minus, -0.5)] {
+            if i.key_pressed(key) {
+                model.settings.exposure = (model.settings.exposure + step).clamp(-20.0, 20.0);
+            }
+        }
+    });
+}
+
+/// Applies the pointer over the picture in `rect` to `model`.
+pub fn pointer(ui: &mut Ui, rect: Rect, model: &mut Model) {
+    let picture = ui.interact(rect, ui.id().with("picture"), Sense::click_and_drag());
+    if picture.double_clicked()
+        && let Some(at) = picture.interact_pointer_pos()
+    {
+        let at = (at - rect.min) * ui.ctx().pixels_per_point();
+        model.actions.focus = Some([at.x, at.y]);
+    }
+    let modifiers = ui.input(|i| i.modifiers);
+    if let Some(drag) = drag(&picture, modifiers) {
+        let delta = Vec2::new(picture.drag_delta().x, picture.drag_delta().y);
+        if delta != Vec2::ZERO {
+            let settings = &mut model.settings;
+            match (drag, settings.lights.first_mut()) {
+                (Drag::Light, Some(light)) => {
+                    *light = orbit::light_dragged(*light, settings.camera, delta, rect.height());
+                }
+                (drag, _) => settings.camera = orbit::dragged(settings.camera, drag, delta, rect.height()),
+            }
+        }
+    }
+    if picture.hovered() {
+        /// Points per step of the wheel.
+        const STEP: f32 = 40.0;
+        let wheel = ui.input(|i| i.smooth_scroll_delta().y);
+        if wheel != 0.0 {
+            let radius = model.loaded.scene.mesh.bounds().radius;
+            model.settings.camera = orbit::zoomed(model.settings.camera, wheel / STEP, radius);
+        }
+    }
+    if model.comparison.mode != Compare::Alone {
+        split(ui, rect, model);
+    }
+}
+
+/// The kind of a drag over the picture.
+fn drag(picture: &egui::Response, modifiers: Modifiers) -> Option<Drag> {
+    let by = |button| picture.dragged_by(button);
+    if by(PointerButton::Secondary) || by(PointerButton::Primary) && modifiers.ctrl {
+        Some(Drag::Light)
+    } else if by(PointerButton::Middle) || by(PointerButton::Primary) && modifiers.shift {
+        Some(Drag::Pan)
+    } else {
+        by(PointerButton::Primary).then_some(Drag::Orbit)
+    }
+}
+
+/// Lets the split between the two pictures be dragged.
+fn split(ui: &mut Ui, rect: Rect, model: &mut Model) {
+    /// Distance from the line at which it can be grabbed [points].
+    const REACH: f32 = 7.0;
+    let x = rect.left() + model.comparison.split * rect.width();
+    let line = Rect::from_x_y_ranges(x - REACH..=x + REACH, rect.y_range());
+    let handle = ui.interact(line, ui.id().with("split"), Sense::drag());
+    if handle.hovered() || handle.dragged() {
+        ui.ctx().set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
+    }
+    if handle.dragged()
+        && let Some(at) = handle.interact_pointer_pos()
+    {
+        model.comparison.split = ((at.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
+    }
+}

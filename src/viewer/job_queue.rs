@@ -1,0 +1,88 @@
+//! Messages to and from the render thread: the newest frame request, jobs in order, and the replies.
+
+use super::error_probe::Probe;
+use super::frame::{FrameRequest, RenderedFrame};
+use super::quality::{Detail, Quality};
+use crate::error::Error;
+use crate::render::picture::Picture;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+/// Work that is done once and never replaced by a newer request.
+pub enum Job {
+    /// Draw the whole frame and return it as a picture.
+    Picture(FrameRequest),
+    /// Draw the whole frame and return random pixels with their directions.
+    Samples(FrameRequest),
+}
+
+/// What the render thread reports.
+pub enum RenderReply {
+    /// A frame is on the device.
+    Drawn(Box<RenderedFrame>),
+    /// A frame of a moving scene was abandoned after this many milliseconds.
+    TooSlow(Quality, f64),
+    /// The device has no memory for the spectra of moving pictures.
+    NoRoom(Detail),
+    /// The picture of [`Job::Picture`].
+    Picture(Box<Picture>),
+    /// The pixels of [`Job::Samples`].
+    Samples(Box<Probe>),
+    /// A request or a job failed.
+    Failed(Error),
+}
+
+/// What the render thread has yet to do.
+#[derive(Default)]
+pub struct Pending {
+    /// The newest frame request.
+    pub frame: Option<FrameRequest>,
+    /// Jobs, the oldest first.
+    pub jobs: Vec<Job>,
+    /// Whether the thread is to end.
+    pub stop: bool,
+}
+
+/// The next thing to do.
+pub enum Task {
+    /// Draw a frame.
+    Frame(FrameRequest),
+    /// Do a job.
+    Job(Job),
+}
+
+/// Pending work, shared between the window's thread and the render thread.
+#[derive(Default)]
+pub struct JobQueue {
+    pending: Mutex<Pending>,
+    changed: Condvar,
+}
+
+impl JobQueue {
+    /// The pending work, locked.
+    pub fn pending(&self) -> MutexGuard<'_, Pending> {
+        self.pending.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Changes the pending work and wakes the render thread.
+    pub fn update(&self, change: impl FnOnce(&mut Pending)) {
+        change(&mut self.pending());
+        self.changed.notify_one();
+    }
+
+    /// Waits for the next task, jobs first; `None` when the thread is to end.
+    pub fn next(&self) -> Option<Task> {
+        let mut pending = self.pending();
+        loop {
+            if pending.stop {
+                return None;
+            }
+            if !pending.jobs.is_empty() {
+                return Some(Task::Job(pending.jobs.remove(0)));
+            }
+            if let Some(request) = pending.frame.take() {
+                return Some(Task::Frame(request));
+            }
+            pending = self.changed.wait(pending).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Presents frames of the window: the pictures, with the panel on top, two frames in flight.
+
+use super::atlas::FrameResources;
+use super::gui::{Gui, PaintJobs};
+use crate::error::Result;
+use crate::render::window::{Pictures, Place, WindowPass};
+use crate::vk::access::Access;
+use crate::vk::commands::Commands;
+use crate::vk::device::Device;
+use crate::vk::image::Image;
+use crate::vk::semaphore::Semaphore;
+use crate::vk::surface::Surface;
+use crate::vk::swapchain::{Shown, Swapchain};
+use ash::vk;
+use std::sync::Arc;
+use winit::window::Window;
+
+/// Number of frames in flight: one is recorded while the one before is shown.
+const FRAMES_IN_FLIGHT: usize = 2;
+
+/// What one frame in flight uses.
+struct FrameInFlight {
+    // First: dropping it waits for the work that uses the other fields.
+    commands: Commands,
+    acquired: Semaphore,
+    pictures: Pictures,
+    resources: FrameResources,
+}
+
+/// The pictures to show and their place.
+pub struct ShownPictures<'a> {
+    /// Left and right of the split.
+    pub images: [&'a Arc<Image>; 2],
+    /// Their place in the window.
+    pub place: Place,
+}
+
+/// The surface of a window and everything that draws to it.
+pub struct Presenter {
+    frames: Vec<FrameInFlight>,
+    next: usize,
+    gui: Gui,
+    pass: WindowPass,
+    // `None` while the window has no area.
+    swapchain: Option<Swapchain>,
+    outdated: bool,
+    mode: vk::PresentModeKHR,
+    surface: Arc<Surface>,
+    window: Arc<Window>,
+    device: Arc<Device>,
+}
+
+impl Presenter {
+    /// A presenter for `window`, in presentation mode `mode` if the device supports it.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn new(
+        device: &Arc<Device>,
+        surface: &Arc<Surface>,
+        window: &Arc<Window>,
+        mode: vk::PresentModeKHR,
+    ) -> Result<Self> {
+        let format = Swapchain::format_of(device, surface)?;
+        let pass = WindowPass::new(device, format)?;
+        let frame = || {
+            Ok(FrameInFlight {
+                commands: Commands::new(device, "window")?,
+                acquired: Semaphore::new(device, "image acquired")?,
+                pictures: pass.pictures()?,
+                resources: FrameResources::default(),
+            })
+        };
+        Ok(Self {
+            frames: (0..FRAMES_IN_FLIGHT).map(|_| frame()).collect::<Result<_>>()?,
+            next: 0,
+            gui: Gui::new(device, format, FRAMES_IN_FLIGHT)?,
+            pass,
+            swapchain: None,
+            outdated: true,
+            mode,
+            surface: surface.clone(),
+            window: window.clone(),
+            device: device.clone(),
+        })
+    }
+
+    /// Recreates the swapchain before the next frame, because the window was resized.
+    pub fn resized(&mut self) {
+        self.outdated = true;
+    }
+
+    /// The presentation mode.
+    pub fn mode(&self) -> vk::PresentModeKHR {
+        self.swapchain.as_ref().map_or(self.mode, Swapchain::mode)
+    }
+
+    /// Draws a frame and presents it; false if nothing was shown because the window has no area or was resized meanwhile.
+    ///
+    /// # Errors
+    /// When the device is lost.
+    pub fn draw(&mut self, pictures_shown: Option<&ShownPictures<'_>>, jobs: &mut PaintJobs) -> Result<bool> {
+        if self.outdated {
+            self.recreate_swapchain()?;
+        }
+        let Some(swapchain) = &self.swapchain else { return Ok(false) };
+        let frame = &mut self.frames[self.next];
+        frame.commands.wait()?;
+        frame.resources.clear();
+        let index = match swapchain.acquire(&frame.acquired)? {
+            Shown::Done(index) => index,
+            Shown::Outdated => {
+                self.outdated = true;
+                return Ok(false);
+            }
+            Shown::Lost => return self.recreate_surface(),
+        };
+        self.next = (self.next + 1) % FRAMES_IN_FLIGHT;
+        if let Some(ShownPictures { images: [left, right], .. }) = pictures_shown {
+            self.pass.show(&mut frame.pictures, left, right);
+        }
+        let image = swapchain.image(index);
+        let (pass, pictures, gui, resources) =
+            (&self.pass, &frame.pictures, &mut self.gui, &mut frame.resources);
+        let record = |record: &crate::vk::commands::Recorder<'_>| {
+            gui.upload(record, &mut jobs.textures, resources)?;
+            record.images(&[(image, Access::Nothing, Access::ColorAttachment)]);
+            let mut drawn = Ok(());
+            record.render(&[(image, Some(BACKGROUND))], None, |draw| {
+                if let Some(pictures_shown) = pictures_shown {
+                    pass.draw(draw, pictures, &pictures_shown.place);
+                }
+                drawn = gui.draw(draw, image.size(), jobs, resources);
+            });
+            record.images(&[(image, Access::ColorAttachment, Access::Present)]);
+            drawn
+        };
+        frame.commands.start(record, Some(&frame.acquired), Some(swapchain.drawn(index)))?;
+        match swapchain.present(index)? {
+            Shown::Done(()) => Ok(true),
+            Shown::Outdated => {
+                self.outdated = true;
+                Ok(true)
+            }
+            Shown::Lost => self.recreate_surface(),
+        }
+    }
+
+    /// Recreates the swapchain.
+    fn recreate_swapchain(&mut self) -> Result<()> {
+        self.frames.iter_mut().try_for_each(|frame| frame.commands.wait())?;
+        let size: [u32; 2] = self.window.inner_size().into();
+        match Swapchain::new(&self.device, &self.surface, size, self.mode, self.swapchain.take())? {
+            Shown::Done(swapchain) => {
+                // A window without area needs a swapchain once it has one.
+                self.outdated = swapchain.is_none();
+                self.swapchain = swapchain;
+                Ok(())
+            }
+            Shown::Outdated => Ok(()),
+            Shown::Lost => self.recreate_surface().map(drop),
+        }
+    }
+
+    /// Recreates surface and swapchain.
+    fn recreate_surface(&mut self) -> Result<bool> {
+        self.frames.iter_mut().try_for_each(|frame| frame.commands.wait())?;
+        self.swapchain = None;
+        self.surface = Arc::new(Surface::new(self.device.instance(), &self.window)?);
+        self.outdated = true;
+        Ok(false)
+    }
+}
+
+/// Colour behind picture and panel, linear.
+const BACKGROUND: [f32; 4] = [0.07, 0.075, 0.085, 1.0];

@@ -1,0 +1,50 @@
+//! The thread that draws the scene, with the same painters as `diffract render`.
+
+use super::frame::FrameRequest;
+use super::job_queue::{Job, JobQueue, RenderReply};
+use super::renderer::Renderer;
+use crate::error::{Error, Result};
+use crate::vk::device::Device;
+use std::sync::Arc;
+use std::thread::JoinHandle;
+
+/// The render thread. Dropping it ends the thread and waits for it.
+pub struct RenderThread {
+    queue: Arc<JobQueue>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl RenderThread {
+    /// Starts a thread that draws on `device` and sends its replies to `reply`.
+    ///
+    /// # Errors
+    /// When the system refuses a thread.
+    pub fn new(device: &Arc<Device>, reply: impl Fn(RenderReply) + Send + 'static) -> Result<Self> {
+        let queue = Arc::<JobQueue>::default();
+        let (tasks, device) = (queue.clone(), device.clone());
+        let work = move || Renderer::new(device).run(&tasks, &reply);
+        let thread = std::thread::Builder::new().name("pictures".to_owned()).spawn(work).map_err(|e| {
+            Error::failed(format!("the system refuses a thread ({e})"), "close other programs")
+        })?;
+        Ok(Self { queue, thread: Some(thread) })
+    }
+
+    /// Requests a frame; it replaces the request before it.
+    pub fn request(&self, request: FrameRequest) {
+        self.queue.update(|pending| pending.frame = Some(request));
+    }
+
+    /// Adds a job.
+    pub fn submit(&self, job: Job) {
+        self.queue.update(|pending| pending.jobs.push(job));
+    }
+}
+
+impl Drop for RenderThread {
+    fn drop(&mut self) {
+        self.queue.update(|pending| pending.stop = true);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join(); // the thread reports its errors itself
+        }
+    }
+}

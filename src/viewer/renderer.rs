@@ -1,0 +1,331 @@
+//! What the render thread draws with: a painter for each setting, and results that are kept between frames.
+
+use super::compare::Compare;
+use super::error_probe::{self, Probe};
+use super::frame::{FrameRequest, LoadedScene, PictureCost, RenderedFrame};
+use super::inset::{self, Inset};
+use super::job_queue::{Job, JobQueue, RenderReply, Task};
+use super::prepared::Prepared;
+use super::quality::{Detail, Quality};
+use crate::error::{Error, Result};
+use crate::render::difference::DifferencePass;
+use crate::render::frame::View;
+use crate::render::picture::Painter;
+use crate::render::source::Source;
+use crate::vk::device::Device;
+use crate::vk::image::Image;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// A painter and what it was made for.
+struct Slot {
+    painter: Painter,
+    prepared: Arc<Prepared>,
+    loaded: Arc<LoadedScene>,
+    displayed: Option<Displayed>,
+}
+
+/// What the display image of a painter shows.
+#[derive(Clone, PartialEq)]
+struct Displayed {
+    view: View,
+    exposure: f64,
+    size: [u32; 2],
+}
+
+impl Slot {
+    /// Whether the textures of `prepared` and the scene of `request` are on the device already.
+    fn serves(&self, prepared: &Prepared, request: &FrameRequest) -> bool {
+        Arc::ptr_eq(&self.loaded, &request.loaded)
+            && self.prepared.shaded_from.shares_data_with(&prepared.shaded_from)
+    }
+
+    /// Shades with `prepared` from now on. The textures on the device stay; what depends on other settings is rebuilt.
+    fn take_over(&mut self, prepared: &Arc<Prepared>) -> Result<()> {
+        if self.prepared.number != prepared.number {
+            self.displayed = None;
+            self.painter.shade_by(&prepared.shaded_from, &prepared.shading)?;
+            self.prepared = prepared.clone();
+        }
+        Ok(())
+    }
+}
+
+/// Time that a frame took \[ms\]; zero when only its exposure changed.
+#[derive(Clone, Copy, Default)]
+struct FrameTime {
+    gpu: f64,
+    wall: f64,
+}
+
+/// A [`PictureCost`] and the picture that it was counted for.
+struct CountedPicture {
+    number: u64,
+    view: View,
+    size: [u32; 2],
+    cost: PictureCost,
+}
+
+/// What the render thread keeps between frames.
+pub struct Renderer {
+    own: Option<Slot>,
+    other: Option<Slot>,
+    // For moving pictures.
+    coarse: Option<Slot>,
+    fewer_wavelengths: Option<Slot>,
+    difference: Option<DifferencePass>,
+    // With the number of the setting that it was computed for.
+    inset: Option<(Arc<Inset>, u64)>,
+    counted: Option<CountedPicture>,
+    device: Arc<Device>,
+}
+
+/// A frame of a moving scene is abandoned after this time \[ms\] when there is a newer request.
+const LONGEST_MOVING_FRAME: f64 = 400.0;
+
+impl Renderer {
+    /// A renderer without any painter.
+    pub fn new(device: Arc<Device>) -> Self {
+        Self {
+            own: None,
+            other: None,
+            coarse: None,
+            fewer_wavelengths: None,
+            difference: None,
+            inset: None,
+            counted: None,
+            device,
+        }
+    }
+
+    /// Works on the tasks of `queue` until it is stopped.
+    pub fn run(mut self, queue: &JobQueue, reply: &dyn Fn(RenderReply)) {
+        while let Some(task) = queue.next() {
+            let result = match task {
+                Task::Frame(request) => self.draw(&request, queue),
+                Task::Job(job) => self.perform(&job).map(Some),
+            };
+            match result {
+                Ok(Some(done)) => reply(done),
+                Ok(None) => {}
+                Err(e) => reply(RenderReply::Failed(e)),
+            }
+        }
+    }
+
+    /// Draws `request`; `None` when a newer one replaced it.
+    fn draw(&mut self, request: &FrameRequest, queue: &JobQueue) -> Result<Option<RenderReply>> {
+        let start = Instant::now();
+        let superseded = || {
+            let pending = queue.pending();
+            pending.stop || pending.frame.is_some()
+        };
+        let newer = || superseded() || !queue.pending().jobs.is_empty();
+        let milliseconds = || start.elapsed().as_secs_f64() * 1e3;
+        let mut go_on = || !newer() || (request.moving && milliseconds() <= LONGEST_MOVING_FRAME);
+        self.drop_outdated(request);
+        let slot = match (request.quality.detail, &request.lighter) {
+            (Detail::Full, _) | (_, None) => &mut self.own,
+            (Detail::Coarse, _) => &mut self.coarse,
+            (Detail::FewerWavelengths, _) => &mut self.fewer_wavelengths,
+        };
+        let prepared = request.lighter.as_ref().unwrap_or(&request.own);
+        let size = request.quality.size(request.size);
+        let first = slot.as_ref().is_none_or(|slot| !slot.serves(prepared, request));
+        let painted = match paint(&self.device, slot, prepared, request, size, &mut go_on) {
+            Err(_) if request.lighter.is_some() && !self.device.is_lost() => {
+                *slot = None;
+                return Ok(Some(RenderReply::NoRoom(request.quality.detail)));
+            }
+            painted => painted?,
+        };
+        let Some(mut time) = painted else {
+            return Ok(request.moving.then(|| RenderReply::TooSlow(request.quality, milliseconds())));
+        };
+        let Some(left) = slot.as_ref().map(|s| s.painter.target().display.clone()) else { return Ok(None) };
+        let mut right = left.clone();
+        if let Some(other) = request.other.as_ref().filter(|_| request.compare != Compare::Alone) {
+            let Some(more) = paint(&self.device, &mut self.other, other, request, size, &mut go_on)? else {
+                return Ok(None);
+            };
+            time = FrameTime { gpu: time.gpu + more.gpu, wall: time.wall + more.wall };
+            if let Some(image) = self.right_image(request)? {
+                right = image;
+            }
+        } else {
+            self.other = None;
+        }
+        let inset = if request.inset { self.hemisphere(request)? } else { None };
+        // A newer request counts its own picture; a job draws nothing that would be counted.
+        let whole = request.quality == Quality::WHOLE && !superseded();
+        let cost = if whole { self.count(request)? } else { None };
+        Ok(Some(RenderReply::Drawn(Box::new(RenderedFrame {
+            images: [left, right],
+            sizes: [size; 2],
+            quality: request.quality,
+            gpu_ms: time.gpu,
+            wall_ms: time.wall,
+            first,
+            cost,
+            inset,
+            number: request.own.number,
+        }))))
+    }
+
+    /// The image right of the split: the other setting's, or the relative difference of both.
+    fn right_image(&mut self, request: &FrameRequest) -> Result<Option<Arc<Image>>> {
+        let (Some(own), Some(other)) = (&self.own, &self.other) else { return Ok(None) };
+        if request.compare != Compare::Error {
+            return Ok(Some(other.painter.target().display.clone()));
+        }
+        let pass = match &mut self.difference {
+            Some(pass) => pass,
+            none => none.insert(DifferencePass::new(&self.device, request.size)?),
+        };
+        let targets = [own, other].map(|slot| slot.painter.target());
+        let geometry = other.painter.geometry();
+        pass.draw(geometry, targets, request.exposure, request.background).map(|image| Some(image.clone()))
+    }
+
+    /// Frees the painters of moving pictures that belong to a former setting.
+    fn drop_outdated(&mut self, request: &FrameRequest) {
+        for slot in [&mut self.coarse, &mut self.fewer_wavelengths] {
+            // Cheaper settings are requested after the user's own, so theirs have larger numbers.
+            slot.take_if(|slot| slot.prepared.number < request.own.number);
+        }
+    }
+
+    /// The hemisphere of the first light, from a texture that is on the device already.
+    fn hemisphere(&mut self, request: &FrameRequest) -> Result<Option<Arc<Inset>>> {
+        let Some(light) = request.view.lights.first().copied() else { return Ok(None) };
+        let number = request.own.number;
+        if let Some((inset, of)) = &self.inset
+            && (inset.light, *of) == (light, number)
+        {
+            return Ok(Some(inset.clone()));
+        }
+        let has = |slot: &&mut Slot, number: u64| slot.prepared.number == number;
+        let own = self.own.as_mut().filter(|slot| has(slot, number));
+        // The spectra of moving pictures are accurate enough for an inset of a few thousand points.
+        let lighter = request.lighter.as_ref().map(|prepared| prepared.number);
+        let mut others = [&mut self.coarse, &mut self.fewer_wavelengths].into_iter().flatten();
+        let other = others.find(|slot| lighter.is_some_and(|number| has(slot, number)));
+        let Some(slot) = own.or(other) else { return Ok(None) };
+        let inset = Arc::new(inset::hemisphere(&mut slot.painter, light)?);
+        self.inset = Some((inset.clone(), number));
+        Ok(Some(inset))
+    }
+
+    /// Counts the cost of the whole picture, once per picture.
+    fn count(&mut self, request: &FrameRequest) -> Result<Option<PictureCost>> {
+        let (number, size) = (request.own.number, request.size);
+        let known = self.counted.as_ref();
+        if let Some(known) =
+            known.filter(|c| c.number == number && c.view == request.view && c.size == request.size)
+        {
+            return Ok(Some(known.cost));
+        }
+        let Some(slot) = &mut self.own else { return Ok(None) };
+        let pixels = size[0] as usize * size[1] as usize;
+        let directions = error_probe::directions(&mut slot.painter, &request.view)?;
+        let Prepared { shaded_from, shading, .. } = &*request.own;
+        let counted = match shaded_from {
+            // The mip level of a table depends on the distance between neighbouring pixels, so it needs all of them.
+            Source::Table(_) => directions,
+            _ => error_probe::thinned(&directions, pixels),
+        };
+        let cost = shaded_from.cost(shading, &counted);
+        let seen = counted.first().map_or(1, |d| d.view.len()).max(1);
+        let cost = PictureCost {
+            covered: cost.covered as f64 / seen as f64,
+            wavelengths: cost.wavelengths_per_pixel(),
+            samples: cost.samples_per_pixel(),
+        };
+        self.counted = Some(CountedPicture { number, view: request.view.clone(), size, cost });
+        Ok(Some(cost))
+    }
+
+    /// Does `job`.
+    fn perform(&mut self, job: &Job) -> Result<RenderReply> {
+        let (Job::Picture(request) | Job::Samples(request)) = job;
+        paint(&self.device, &mut self.own, &request.own, request, request.size, &mut || true)?;
+        let Some(slot) = &mut self.own else {
+            return Err(Error::failed("there is no picture", "report this as a bug of diffract"));
+        };
+        match job {
+            Job::Picture(_) => Ok(RenderReply::Picture(Box::new(slot.painter.picture()?))),
+            Job::Samples(request) => Ok(RenderReply::Samples(Box::new(Probe {
+                samples: error_probe::samples(&mut slot.painter, &request.view)?,
+                prepared: request.own.clone(),
+                view: request.view.clone(),
+                exposure: request.exposure,
+            }))),
+        }
+    }
+}
+
+/// Draws `request` from `prepared` with the painter of `slot`, at `size` pixels; `None` when `go_on` returned false. Makes the
+/// painter if the slot has none that serves.
+fn paint(
+    device: &Arc<Device>,
+    slot: &mut Option<Slot>,
+    prepared: &Arc<Prepared>,
+    request: &FrameRequest,
+    size: [u32; 2],
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Option<FrameTime>> {
+    let slot = serving(device, slot, prepared, request)?;
+    let (view, exposure, background) = (&request.view, request.exposure, request.background);
+    let wanted = Displayed { view: view.clone(), exposure, size };
+    if let Some(displayed) = &slot.displayed
+        && !request.again
+        && slot.painter.target().size() == request.size
+        && *displayed == (Displayed { exposure: displayed.exposure, ..wanted.clone() })
+    {
+        if displayed.exposure == exposure {
+            return Ok(Some(FrameTime::default()));
+        }
+        if slot.painter.display_again(size, exposure, background)? {
+            slot.displayed = Some(wanted);
+            return Ok(Some(FrameTime::default()));
+        }
+    }
+    if prepared.shaded_from.has_limits(&prepared.shading) {
+        let directions = error_probe::directions(&mut slot.painter, view)?;
+        prepared.shaded_from.check(&prepared.shading, &directions)?;
+    }
+    slot.displayed = None;
+    let start = Instant::now();
+    let gpu = slot.painter.draw_while(view, exposure, background, size, go_on)?;
+    Ok(gpu.map(|gpu| {
+        slot.displayed = Some(wanted);
+        FrameTime { gpu, wall: start.elapsed().as_secs_f64() * 1e3 }
+    }))
+}
+
+/// The painter of `slot`, made to draw `request` from `prepared`.
+fn serving<'a>(
+    device: &Arc<Device>,
+    slot: &'a mut Option<Slot>,
+    prepared: &Arc<Prepared>,
+    request: &FrameRequest,
+) -> Result<&'a mut Slot> {
+    let lights = request.view.lights.len();
+    // A painter that does not serve is dropped here, so that its memory is free for the next one.
+    let ready = match slot.take().filter(|slot| slot.serves(prepared, request)) {
+        Some(mut ready) => {
+            ready.painter.resize(request.size, lights)?;
+            ready.take_over(prepared)?;
+            ready
+        }
+        None => {
+            let LoadedScene { scene, pigment } = &*request.loaded;
+            let Prepared { shaded_from, shading, .. } = &**prepared;
+            let painter =
+                Painter::new(device, shaded_from, shading, &scene.mesh, pigment, request.size, lights)?;
+            let (prepared, loaded) = (prepared.clone(), request.loaded.clone());
+            Slot { painter, prepared, loaded, displayed: None }
+        }
+    };
+    Ok(slot.insert(ready))
+}

@@ -1,0 +1,82 @@
+//! What the window starts with.
+
+use super::settings::{OpticsSettings, ViewSettings};
+use crate::expansion::Basis;
+use crate::optics::coherence::{Beyond, Coherence, Windows};
+use crate::scene::Scene;
+use crate::setup::Method;
+use crate::surface::Source;
+use crate::vk::selection::DeviceChoice;
+use ash::vk;
+
+/// Remedy where no window can be opened.
+pub const RENDER: &str = "draw into a file with `diffract render -o picture.png` instead";
+
+/// The options of `diffract view`.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// Name of the scene.
+    pub name: String,
+    /// The scene with the options applied.
+    pub scene: Scene,
+    /// The scene without the options.
+    pub plain: Scene,
+    /// The height field.
+    pub surface: Source,
+    /// The method.
+    pub method: Method,
+    /// Positions of the coherence window.
+    pub windows: Windows,
+    /// How the surface goes on beyond the patch.
+    pub beyond: Beyond,
+    /// The basis.
+    pub basis: Basis,
+    /// Accepted relative error.
+    pub tolerance: f64,
+    /// Number of terms; `None` follows from the tolerance.
+    pub terms: Option<usize>,
+    /// Number of wavelengths; `None` follows from the tolerance.
+    pub wavelengths: Option<usize>,
+    /// What surrounds the patch.
+    pub coherence: Coherence,
+    /// Refractive index.
+    pub ior: f64,
+    /// Spectrum of the light: a name or a file.
+    pub illuminant: String,
+    /// Size of the window \[pixels\].
+    pub size: [u32; 2],
+    /// Frames a second to keep while something moves.
+    pub fps: f64,
+    /// Presentation mode.
+    pub present: vk::PresentModeKHR,
+    /// The device to use.
+    pub device: DeviceChoice,
+    /// Whether to enable validation layers.
+    pub validation: bool,
+}
+
+impl Start {
+    /// The settings to start with.
+    pub fn settings(&self) -> ViewSettings {
+        ViewSettings {
+            scene: self.name.clone(),
+            surface: self.surface.clone(),
+            optics: OpticsSettings {
+                method: self.method,
+                windows: self.windows,
+                basis: self.basis,
+                tolerance: self.tolerance,
+                terms: self.terms,
+                wavelengths: self.wavelengths,
+            },
+            coherence: self.coherence,
+            beyond: self.beyond,
+            ior: self.ior,
+            illuminant: self.illuminant.clone(),
+            lights: self.scene.lights.clone(),
+            exposure: self.scene.exposure,
+            base_color: self.scene.base_color,
+            camera: self.scene.camera,
+        }
+    }
+}

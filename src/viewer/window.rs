@@ -1,0 +1,375 @@
+//! The open window: it runs the panel, asks the background threads for what has changed, and presents what they return.
+
+mod actions;
+mod replies;
+mod requests;
+
+use super::compare::Compare;
+use super::error_probe::ErrorProbe;
+use super::event::Event;
+use super::frame::{FrameRequest, LoadedScene};
+use super::gui::PaintJobs;
+use super::model::Model;
+use super::prepared::ROLES;
+use super::presenter::{Presenter, ShownPictures};
+use super::render_thread::RenderThread;
+use super::settings::ViewSettings;
+use super::start::{RENDER, Start};
+use super::text_dump::TextDump;
+use super::worker::Worker;
+use super::{input, overlay, panel, style};
+use crate::error::{Error, Result};
+use crate::render::window::Place;
+use crate::vk::device::Device;
+use crate::vk::instance::Instance;
+use crate::vk::surface::Surface;
+use ash::vk;
+use egui::{Rect, TexturesDelta, ViewportId};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use winit::event::WindowEvent;
+use winit::event_loop::EventLoopProxy;
+use winit::raw_window_handle::HasDisplayHandle;
+use winit::window::Window;
+
+/// Camera and lights count as moving until they have not changed for this long.
+const MOTION_TIMEOUT: Duration = Duration::from_millis(160);
+
+/// After a frame the driver's own thread may read from the display's connection and swallow the wake-up of the event loop.
+/// For [`POLL_PERIOD`] after each frame the loop therefore polls every [`POLL_INTERVAL`].
+const POLL_PERIOD: Duration = Duration::from_millis(500);
+const POLL_INTERVAL: Duration = Duration::from_millis(8);
+
+/// A picture that the render thread is drawing for a file.
+struct PendingSave {
+    // Path without its extension.
+    stem: PathBuf,
+    with_exr: bool,
+    command: String,
+}
+
+/// The background threads. The order of the fields is the order in which they end.
+struct Threads {
+    probe: Option<ErrorProbe>,
+    render: RenderThread,
+    worker: Worker,
+}
+
+/// egui and what it left to draw.
+struct WindowGui {
+    state: egui_winit::State,
+    context: egui::Context,
+    paint_jobs: PaintJobs,
+    // For tests.
+    text_dump: Option<TextDump>,
+}
+
+impl WindowGui {
+    fn new(window: &Window, device: &Device) -> Self {
+        let context = egui::Context::default();
+        style::apply(&context);
+        let (scale, largest) = (window.scale_factor() as f32, device.candidate().max_side as usize);
+        let state = egui_winit::State::new(
+            context.clone(),
+            ViewportId::ROOT,
+            window,
+            Some(scale),
+            None,
+            Some(largest),
+        );
+        let paint_jobs = PaintJobs { primitives: Vec::new(), textures: TexturesDelta::default(), scale: 1.0 };
+        Self { state, context, paint_jobs, text_dump: TextDump::from_environment() }
+    }
+}
+
+impl Drop for WindowGui {
+    fn drop(&mut self) {
+        // egui complains about texture changes that are dropped.
+        self.paint_jobs.textures.clear();
+    }
+}
+
+/// The last request for a role of the worker.
+struct PreparationRequest {
+    number: u64,
+    settings: ViewSettings,
+}
+
+/// What was requested of the background threads last.
+#[derive(Default)]
+struct Requested {
+    // The number of the newest preparation request.
+    number: u64,
+    // By role.
+    preparations: [Option<PreparationRequest>; ROLES],
+    frame: Option<FrameRequest>,
+}
+
+/// How camera and lights moved lately.
+struct Motion {
+    // The settings after the last change, and its time.
+    last: ViewSettings,
+    changed: Option<Instant>,
+    // `Pacing::continuous` at the last pass.
+    continuous: bool,
+}
+
+/// When to draw without an event.
+struct Schedule {
+    wake: Option<Instant>,
+    // When the last frame was presented.
+    presented: Instant,
+}
+
+/// Everything behind an open window. The order of the fields is the order of destruction: threads first.
+pub struct ViewerWindow {
+    threads: Threads,
+    model: Model,
+    presenter: Presenter,
+    gui: WindowGui,
+    requested: Requested,
+    motion: Motion,
+    schedule: Schedule,
+    saves: Vec<PendingSave>,
+    proxy: EventLoopProxy<Event>,
+    device: Arc<Device>,
+    window: Arc<Window>,
+}
+
+impl ViewerWindow {
+    /// Opens the device, starts the threads. `instance` receives the instance even if the rest fails.
+    pub fn new(
+        start: &Start,
+        window: Arc<Window>,
+        proxy: EventLoopProxy<Event>,
+        instance: &mut Option<Arc<Instance>>,
+    ) -> Result<Self> {
+        let display = window
+            .display_handle()
+            .map_err(|e| Error::failed(format!("the display is gone ({e})"), RENDER))?
+            .as_raw();
+        let opened = Arc::new(Instance::for_windows(start.validation, display)?);
+        *instance = Some(opened.clone());
+        let surface = Arc::new(Surface::new(&opened, &window)?);
+        let device = Device::open_for(&surface, &start.device)?;
+        let presenter = Presenter::new(&device, &surface, &window, start.present)?;
+        let threads = Threads::start(&device, &proxy)?;
+        let loaded = Arc::new(LoadedScene::of(start.plain.clone())?);
+        let settings = start.settings();
+        let name = format!("{}, {}", device.candidate().name, device.reason());
+        let mut opened = Self {
+            threads,
+            model: Model::new(settings.clone(), loaded, start.fps, name),
+            presenter,
+            gui: WindowGui::new(&window, &device),
+            requested: Requested::default(),
+            motion: Motion { last: settings, changed: None, continuous: false },
+            schedule: Schedule { wake: None, presented: Instant::now() },
+            saves: Vec::new(),
+            proxy,
+            device,
+            window,
+        };
+        opened.set_title();
+        opened.request_preparations();
+        opened.window.request_redraw();
+        Ok(opened)
+    }
+
+    /// An event of the window.
+    pub fn event(&mut self, event: &WindowEvent) {
+        match event {
+            WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
+                self.presenter.resized();
+                self.window.request_redraw();
+            }
+            WindowEvent::DroppedFile(path) => {
+                self.model.actions.open = Some(path.to_string_lossy().into_owned());
+                self.window.request_redraw();
+            }
+            _ => {}
+        }
+        // The panel runs before and after each press and release. If it ran once a frame only, it would miss clicks and drags
+        // that are shorter than a frame.
+        let button = matches!(event, WindowEvent::MouseInput { .. });
+        if button {
+            self.pass();
+        }
+        if self.gui.state.on_window_event(&self.window, event).repaint {
+            self.window.request_redraw();
+        }
+        if button {
+            self.pass();
+        }
+    }
+
+    /// Whether the user has closed the window.
+    pub fn closes(&self) -> bool {
+        self.model.actions.close
+    }
+
+    /// The `diffract render` command of what is shown.
+    pub fn command(&self) -> String {
+        let size = self.model.size.map(|n| n.max(1));
+        self.model.shown().command(&self.model.loaded.scene, size, "picture.png")
+    }
+
+    /// When a frame has to be drawn even without an event.
+    pub fn wake(&self) -> Option<Instant> {
+        self.schedule.wake
+    }
+
+    /// When to poll for events next; see [`POLL_PERIOD`].
+    pub fn poll(&self) -> Option<Instant> {
+        let now = Instant::now();
+        (now < self.schedule.presented + POLL_PERIOD).then(|| now + POLL_INTERVAL)
+    }
+
+    /// Asks for a frame.
+    pub fn request_redraw(&mut self) {
+        self.schedule.wake = None;
+        self.window.request_redraw();
+    }
+
+    /// Runs the panel and draws a frame of the window.
+    pub fn redraw(&mut self) -> Result<()> {
+        self.schedule.wake = None;
+        self.pass();
+        let pictures = pictures(&self.model);
+        let drawn = self.presenter.draw(pictures.as_ref(), &mut self.gui.paint_jobs);
+        self.schedule.presented = Instant::now();
+        let area: [u32; 2] = self.window.inner_size().into();
+        if !drawn? && !area.contains(&0) {
+            self.window.request_redraw();
+        }
+        Ok(())
+    }
+
+    /// Runs the panel on the events since the last pass, and acts on what changed.
+    fn pass(&mut self) {
+        let input = self.gui.state.take_egui_input(&self.window);
+        self.model.device.memory = self.device.memory_in_use();
+        self.model.device.present_mode = match self.presenter.mode() {
+            vk::PresentModeKHR::IMMEDIATE => "immediate",
+            vk::PresentModeKHR::MAILBOX => "mailbox",
+            _ => "FIFO",
+        };
+        let context = self.gui.context.clone();
+        let mut picture = Rect::NOTHING;
+        let output = context.run_ui(input, |ui| picture = show(ui, &mut self.model));
+        let scale = output.pixels_per_point;
+        if let Some(dump) = &mut self.gui.text_dump {
+            dump.write(&output.shapes, scale);
+        }
+        self.model.size = [picture.width(), picture.height()].map(|n| (n.max(0.0) * scale).round() as u32);
+        self.gui.state.handle_platform_output(&self.window, output.platform_output);
+        let jobs = &mut self.gui.paint_jobs;
+        jobs.primitives = context.tessellate(output.shapes, scale);
+        jobs.textures.append(output.textures_delta);
+        jobs.scale = scale;
+        if let Some(root) = output.viewport_output.get(&ViewportId::ROOT) {
+            match root.repaint_delay {
+                Duration::ZERO => self.window.request_redraw(),
+                delay => self.wake_by(Instant::now().checked_add(delay)),
+            }
+        }
+        self.act();
+    }
+
+    /// Wakes the event loop at `at` or earlier.
+    fn wake_by(&mut self, at: Option<Instant>) {
+        self.schedule.wake = match (self.schedule.wake, at) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        };
+    }
+
+    /// Carries out the user's actions and requests what has changed.
+    fn act(&mut self) {
+        let actions = std::mem::take(&mut self.model.actions);
+        self.model.actions.close = actions.close;
+        self.carry_out(actions);
+        self.model.pacing.quality.set_fps(self.model.pacing.fps);
+        self.request_preparations();
+        self.track_motion();
+        // Each frame of continuous drawing requests the next one; this requests the first.
+        let begins = self.model.pacing.continuous && !self.motion.continuous;
+        self.motion.continuous = self.model.pacing.continuous;
+        self.request_frame(begins);
+    }
+
+    /// Decides whether camera or lights are moving.
+    fn track_motion(&mut self) {
+        let now = Instant::now();
+        let (new, old) = (&self.model.settings, &self.motion.last);
+        if new.camera != old.camera || new.lights != old.lights {
+            self.motion.changed = Some(now);
+            self.motion.last = new.clone();
+        }
+        let ends = self.motion.changed.map(|at| at + MOTION_TIMEOUT);
+        let moving = ends.is_some_and(|at| now < at);
+        if moving != self.model.pacing.moving {
+            self.model.pacing.moving = moving;
+            self.window.request_redraw();
+        }
+        if moving {
+            self.wake_by(ends);
+        }
+    }
+
+    fn set_title(&self) {
+        let s = &self.model.settings;
+        let short = |name: &str| {
+            Path::new(name).file_name().map_or(name.to_owned(), |n| n.to_string_lossy().into_owned())
+        };
+        self.window.set_title(&format!("diffract: {}, {}", short(&s.scene), short(&s.surface.name)));
+    }
+}
+
+impl Threads {
+    /// Starts the render thread and the worker, which answer by events.
+    fn start(device: &Arc<Device>, proxy: &EventLoopProxy<Event>) -> Result<Self> {
+        // Events that are sent after the end of the event loop are dropped.
+        let send = proxy.clone();
+        let worker = Worker::new(device.candidate(), Some(device.clone()), move |r| {
+            drop(send.send_event(Event::Worker(r)));
+        })?;
+        let send = proxy.clone();
+        let render = RenderThread::new(device, move |r| drop(send.send_event(Event::Render(r))))?;
+        Ok(Self { probe: None, render, worker })
+    }
+}
+
+/// Shows the panel and what lies over the picture; the picture's rectangle.
+fn show(ui: &mut egui::Ui, model: &mut Model) -> Rect {
+    input::keys(ui, model);
+    if model.visible.panel {
+        let frame = egui::Frame::new().fill(style::PANEL).inner_margin(egui::Margin::symmetric(12, 4));
+        egui::Panel::right("panel")
+            .exact_size(panel::WIDTH)
+            .resizable(false)
+            .frame(frame)
+            .show(ui, |ui| panel::show(ui, model));
+    }
+    let mut picture = ui.available_rect_before_wrap();
+    picture.min = egui::Pos2::ZERO;
+    input::pointer(ui, picture, model);
+    overlay::show(ui, picture, model);
+    picture
+}
+
+/// The pictures to present and their place in the window.
+fn pictures(model: &Model) -> Option<ShownPictures<'_>> {
+    let frame = model.frame.as_ref()?;
+    let pair = |n: [u32; 2]| n.map(|n| n as f32);
+    let area = pair(model.size);
+    let split = if model.comparison.mode == Compare::Alone { 1.0 } else { model.comparison.split };
+    let place = Place {
+        area,
+        left: pair(frame.sizes[0]),
+        right: pair(frame.sizes[1]),
+        split: (area[0] * split).round(),
+    };
+    Some(ShownPictures { images: [&frame.images[0], &frame.images[1]], place })
+}

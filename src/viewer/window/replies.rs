@@ -1,0 +1,155 @@
+//! Replies of the background threads.
+
+use super::{PendingSave, ViewerWindow};
+use crate::error::Result;
+use crate::picture_file::{self, Format, Notes};
+use crate::render::picture::Picture;
+use crate::viewer::error_probe::{ErrorProbe, Probe};
+use crate::viewer::event::Event;
+use crate::viewer::frame::RenderedFrame;
+use crate::viewer::job_queue::RenderReply;
+use crate::viewer::model::Progress;
+use crate::viewer::prepared::{Prepared, Role};
+use crate::viewer::settings::ViewSettings;
+use crate::viewer::worker::WorkerReply;
+use std::sync::Arc;
+
+impl ViewerWindow {
+    /// Handles an event of a background thread.
+    ///
+    /// # Errors
+    /// When the device is lost.
+    pub fn handle(&mut self, event: Event) -> Result<()> {
+        match event {
+            Event::Worker(reply) => self.handle_preparation(reply),
+            Event::Render(reply) => self.handle_rendering(reply)?,
+            Event::Probe(Ok(status)) => {
+                self.model.message = None;
+                self.model.probe = Some(status);
+            }
+            Event::Probe(Err(e)) => self.model.report(&e),
+            Event::Scene(name, loaded) => match *loaded {
+                Ok(loaded) => self.show_scene(name, loaded),
+                Err(e) => {
+                    self.model.settings.scene.clone_from(&self.model.applied.scene);
+                    self.model.report(&e);
+                }
+            },
+        }
+        self.window.request_redraw();
+        Ok(())
+    }
+
+    fn handle_preparation(&mut self, reply: WorkerReply) {
+        let model = &mut self.model;
+        match reply {
+            WorkerReply::Progress { role, done, of } => {
+                model.sources.progress[role as usize] = Some(Progress { done, of });
+            }
+            WorkerReply::Ready(role, prepared, note) => {
+                let newest = self.requested.preparations[role as usize].as_ref().map(|r| r.number);
+                if newest != Some(prepared.number) {
+                    return;
+                }
+                model.sources.progress[role as usize] = None;
+                if let Some(note) = note {
+                    model.say(note);
+                }
+                match role {
+                    Role::Own => self.apply(prepared),
+                    Role::Other => model.comparison.prepared = Some(prepared),
+                    Role::Coarse => model.sources.coarse = Some(prepared),
+                    Role::FewerWavelengths => model.sources.fewer_wavelengths = Some(prepared),
+                }
+            }
+            WorkerReply::Failed(role, error) => {
+                model.sources.progress[role as usize] = None;
+                // Without lighter spectra moving pictures reduce their resolution.
+                if matches!(role, Role::Own | Role::Other) {
+                    model.report(&error);
+                }
+            }
+        }
+    }
+
+    /// Shows the user's own setting, now that it is ready.
+    fn apply(&mut self, prepared: Arc<Prepared>) {
+        let model = &mut self.model;
+        if let Some(request) = &self.requested.preparations[Role::Own as usize] {
+            let scene = model.applied.scene.clone();
+            model.applied = ViewSettings { scene, ..request.settings.clone() };
+        }
+        model.sources.own = Some(prepared);
+        (model.sources.coarse, model.sources.fewer_wavelengths) = (None, None);
+        for role in [Role::Coarse, Role::FewerWavelengths] {
+            self.requested.preparations[role as usize] = None;
+        }
+        model.pacing.quality.invalidate();
+        model.message = model.message.take().filter(|m| !m.is_error);
+    }
+
+    fn handle_rendering(&mut self, reply: RenderReply) -> Result<()> {
+        match reply {
+            RenderReply::Drawn(frame) => self.show_frame(*frame),
+            RenderReply::TooSlow(quality, milliseconds) => {
+                // It would have taken longer; twice is a guess that is corrected by the next frame.
+                self.model.pacing.quality.record(quality, 2.0 * milliseconds, true);
+            }
+            RenderReply::NoRoom(detail) => self.model.sources.forget(detail),
+            RenderReply::Picture(picture) => self.save(&picture),
+            RenderReply::Samples(probe) => self.measure(*probe)?,
+            RenderReply::Failed(e) if self.device.is_lost() => return Err(e),
+            RenderReply::Failed(e) => self.model.report(&e),
+        }
+        Ok(())
+    }
+
+    fn show_frame(&mut self, mut frame: RenderedFrame) {
+        // A change of exposure alone takes no time on the device and says nothing about frame times.
+        if frame.gpu_ms > 0.0 {
+            self.model.pacing.history.push(frame.wall_ms);
+            self.model.pacing.quality.record(frame.quality, frame.wall_ms, frame.first);
+        }
+        let former = self.model.frame.take();
+        if let Some(former) = former.filter(|f| f.number == frame.number) {
+            frame.cost = frame.cost.or(former.cost);
+            frame.inset = frame.inset.or(former.inset);
+        }
+        self.model.frame = Some(frame);
+        if self.model.pacing.continuous {
+            self.request_frame(true);
+        }
+    }
+
+    /// Starts measuring the error of `probe`.
+    fn measure(&mut self, probe: Probe) -> Result<()> {
+        if probe.samples.radiance.is_empty() {
+            self.model.say("the mesh covers no pixel: there is nothing to measure");
+            return Ok(());
+        }
+        let send = self.proxy.clone();
+        let reply = move |status| drop(send.send_event(Event::Probe(status)));
+        self.threads.probe = Some(ErrorProbe::new(probe, reply)?);
+        Ok(())
+    }
+
+    fn save(&mut self, picture: &Picture) {
+        if self.saves.is_empty() {
+            return;
+        }
+        let PendingSave { stem, with_exr, command } = self.saves.remove(0);
+        let (as_png, as_exr) = (stem.with_extension("png"), stem.with_extension("exr"));
+        let notes = Notes { command, ..Notes::default() };
+        let write = |path, format| picture_file::write(path, format, picture, &notes);
+        let saved = write(&as_png, Format::Png)
+            .and_then(|()| if with_exr { write(&as_exr, Format::Exr) } else { Ok(()) });
+        match saved {
+            Ok(()) => {
+                let more = if with_exr { " and .exr" } else { "" };
+                let path = std::path::absolute(&as_png).unwrap_or(as_png);
+                self.model.say(format!("saved {}{more}", path.display()));
+            }
+            Err(e) => self.model.report(&e),
+        }
+    }
+}

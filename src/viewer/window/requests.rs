@@ -1,0 +1,119 @@
+//! Requests to the background threads.
+
+use super::{PreparationRequest, ViewerWindow};
+use crate::render::frame::View;
+use crate::setup::{self, Method};
+use crate::viewer::compare::{self, Compare};
+use crate::viewer::frame::FrameRequest;
+use crate::viewer::model::Progress;
+use crate::viewer::prepared::Role;
+use crate::viewer::quality::Quality;
+use crate::viewer::settings::{Needs, ViewSettings};
+use crate::viewer::worker::Request;
+
+impl ViewerWindow {
+    /// Requests every setting that is needed and not requested yet.
+    pub(super) fn request_preparations(&mut self) {
+        let own = self.model.settings.clone();
+        self.request_preparation(Role::Own, &own);
+        if self.model.comparison.mode != Compare::Alone {
+            let optics = self.model.comparison.optics.clone();
+            self.request_preparation(Role::Other, &ViewSettings { optics, ..own.clone() });
+        }
+        let sources = &self.model.sources;
+        let requested = self.requested.preparations[Role::Own as usize].as_ref();
+        let ready = sources.own.as_ref().map(|p| p.number) == requested.map(|r| r.number);
+        // No spectra are as fast as a colour table, which reduces its resolution instead.
+        if self.model.pacing.quality.is_slow() && ready && own.optics.method == Method::Spectral {
+            let optics = compare::coarse(&own.optics);
+            self.request_preparation(Role::Coarse, &ViewSettings { optics, ..own.clone() });
+            // Through repeats the wavelengths are those of the grating's orders: none can be left out.
+            if !own.repeats() && compare::looser_colours(&own.optics).is_some() {
+                self.request_preparation(Role::FewerWavelengths, &own);
+            }
+        }
+    }
+
+    /// Requests `settings` for `role`, unless the last request for it asked for the same.
+    fn request_preparation(&mut self, role: Role, settings: &ViewSettings) {
+        let last = &mut self.requested.preparations[role as usize];
+        if last.as_ref().is_some_and(|last| {
+            let with_its_scene = ViewSettings { scene: last.settings.scene.clone(), ..settings.clone() };
+            with_its_scene.needs(&last.settings) < Needs::Layers
+        }) {
+            return;
+        }
+        self.requested.number += 1;
+        let number = self.requested.number;
+        *last = Some(PreparationRequest { number, settings: settings.clone() });
+        match settings.shading(&settings.optics) {
+            Ok(mut shading) => {
+                if role == Role::FewerWavelengths {
+                    shading.looser_colours = compare::looser_colours(&settings.optics).unwrap_or(1.0);
+                    shading.wavelengths = None;
+                }
+                let surface = settings.surface.clone();
+                let method = settings.method(&settings.optics);
+                let settings = setup::Settings::new(method, shading);
+                self.threads.worker.request(Request { role, number, surface, settings });
+                self.model.sources.progress[role as usize] = Some(Progress { done: 0, of: 1 });
+                self.window.request_redraw();
+            }
+            Err(e) => self.model.report(&e),
+        }
+        // What was prepared for the former request shows another setting.
+        match role {
+            Role::Other => self.model.comparison.prepared = None,
+            Role::Coarse => self.model.sources.coarse = None,
+            Role::FewerWavelengths => self.model.sources.fewer_wavelengths = None,
+            Role::Own => self.set_title(),
+        }
+    }
+
+    /// The whole frame as it should look now; `None` before anything is ready to be drawn.
+    pub(super) fn whole_frame(&self) -> Option<FrameRequest> {
+        let model = &self.model;
+        let own = model.sources.own.clone().filter(|_| !model.size.contains(&0))?;
+        let (shown, scene) = (model.shown(), &model.loaded.scene);
+        let view = View {
+            camera: shown.shown_camera(scene),
+            base_color: shown.base_color,
+            pigment: scene.pigment.is_some(),
+            ..View::of(scene, shown.lights)
+        };
+        Some(FrameRequest {
+            loaded: model.loaded.clone(),
+            own,
+            other: model.comparison.prepared.clone(),
+            lighter: None,
+            quality: Quality::WHOLE,
+            moving: false,
+            again: false,
+            view,
+            exposure: shown.exposure,
+            background: scene.background,
+            size: model.size,
+            compare: model.comparison.mode,
+            inset: model.visible.inset,
+        })
+    }
+
+    /// Requests a frame if it would differ from the last one requested, or in any case if `again`.
+    pub(super) fn request_frame(&mut self, again: bool) {
+        let Some(whole) = self.whole_frame() else { return };
+        let quality = self.model.quality();
+        let lighter = self.model.sources.lighter(quality.detail).cloned();
+        let moving = self.model.pacing.moving;
+        let request = FrameRequest { quality, lighter, moving, again, ..whole };
+        let last = self.requested.frame.as_ref();
+        if !again && last.is_some_and(|last| last.shows_the_same_as(&request)) {
+            return;
+        }
+        if !last.is_some_and(|last| last.has_the_radiance_of(&request)) {
+            self.threads.probe = None;
+            self.model.probe = None;
+        }
+        self.threads.render.request(request.clone());
+        self.requested.frame = Some(request);
+    }
+}

@@ -1,0 +1,340 @@
+//! Pictures that are the mean of samples, and the footprints of their pixels.
+
+use crate::device::with_device;
+use crate::evaluation::{layers, patch, shading, window};
+use diffract::optics::geometry::direction;
+use diffract::render::footprints::{Distribution, median_pixel_area};
+use diffract::render::frame::{Shown, View};
+use diffract::render::picture::{Painter, Picture};
+use diffract::render::pigment::Pigment;
+use diffract::render::reference_picture::displayed;
+use diffract::render::sampling::{Sample, Sampling};
+use diffract::scene::{Camera, Light, Scene};
+use diffract::surface::synth::Kind;
+use diffract::vk::device::Device;
+use glam::{DVec2, DVec3, Vec3};
+use std::sync::Arc;
+
+const SIZE: [u32; 2] = [48, 36];
+const SHOWN: Shown = Shown { exposure: 0.5, background: DVec3::new(0.1, 0.2, 0.3) };
+
+fn painter(device: &Arc<Device>, scene: &Scene, lights: usize) -> Painter {
+    let shading = shading(4.0, 1e-1);
+    let layers = layers(&patch(Kind::Flat, 2.0), &shading);
+    Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), SIZE, lights).unwrap()
+}
+
+fn view(scene: &Scene) -> View {
+    let mut view = View::of(scene, vec![Light { theta: 40.0, phi: -30.0, intensity: 1.0 }]);
+    view.base_color = Vec3::new(0.9, 0.5, 0.2);
+    view
+}
+
+fn all(painter: &mut Painter, view: &View, sampling: Sampling) -> Picture {
+    painter.paint_samples(view, &sampling, SHOWN, &mut |_| Ok(())).unwrap()
+}
+
+/// The largest relative difference of colours, and the largest difference of alpha.
+fn difference(a: &[[f32; 4]], b: &[[f32; 4]]) -> f32 {
+    let pairs = a.iter().flatten().zip(b.iter().flatten());
+    pairs.map(|(a, b)| (a - b).abs() / b.abs().max(1e-3)).fold(0.0, f32::max)
+}
+
+#[test]
+fn a_sum_of_one_sample_is_the_single_sample_to_the_bit() {
+    let scene = Scene::open("snake").unwrap();
+    let view = view(&scene);
+    with_device(|device| {
+        let mut painter = painter(device, &scene, 1);
+        let plain = painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
+        let one = Sampling { count: 1, seed: 9 };
+        assert!(all(&mut painter, &view, one) == plain);
+        let added = painter.add_sample(&view, &one, SHOWN, SIZE, &mut || true).unwrap().unwrap();
+        assert_eq!(added.samples, 1);
+        assert!(painter.picture().unwrap() == plain);
+    });
+}
+
+#[test]
+fn a_picture_is_the_mean_of_its_samples_each_drawn_alone() {
+    let scene = Scene::open("snake").unwrap();
+    let view = view(&scene);
+    let sampling = Sampling { count: 8, seed: 3 };
+    with_device(|device| {
+        let mut painter = painter(device, &scene, 1);
+        let mean = all(&mut painter, &view, sampling);
+        assert!(all(&mut painter, &view, sampling) == mean, "the second time it is another picture");
+        assert!(all(&mut painter, &view, Sampling { seed: 4, ..sampling }) != mean, "no seed changes it");
+        let mut halves = [vec![[0.0f64; 4]; mean.radiance.len()], vec![[0.0; 4]; mean.radiance.len()]];
+        for index in 0..8 {
+            painter.draw_sample(&view, &sampling.sample(index), SHOWN).unwrap();
+            let single = painter.picture().unwrap().radiance;
+            assert!(difference(&single, &mean.radiance) > 1e-2, "sample {index} is not jittered");
+            for (sum, pixel) in halves[index as usize / 4].iter_mut().zip(single) {
+                (0..4).for_each(|c| sum[c] += f64::from(pixel[c]) / 8.0);
+            }
+        }
+        let [first, second] = halves;
+        let whole: Vec<[f32; 4]> =
+            first.iter().zip(&second).map(|(a, b)| [0, 1, 2, 3].map(|c| (a[c] + b[c]) as f32)).collect();
+        // Eight sums of 32 bits.
+        assert!(
+            difference(&mean.radiance, &whole) < 8.0 * f32::EPSILON,
+            "{}",
+            difference(&mean.radiance, &whole)
+        );
+        let partial = mean.radiance.iter().filter(|p| p[3] > 0.0 && p[3] < 1.0).count();
+        assert!(partial > 20, "only {partial} pixels lie on edges");
+        // The display is the twin's, at edges too.
+        let twin = displayed(&mean.radiance, SHOWN.exposure, SHOWN.background);
+        for (code, expected) in mean.display.iter().zip(&twin) {
+            assert!((0..4).all(|c| code[c].abs_diff(expected[c]) <= 1), "{code:?}, expected {expected:?}");
+        }
+        let bare = displayed(&[[0.0; 4]], SHOWN.exposure, SHOWN.background)[0];
+        let uncovered = mean.radiance.iter().zip(&mean.display).filter(|(p, _)| p[3] == 0.0);
+        assert!(uncovered.into_iter().all(|(_, code)| *code == bare));
+    });
+}
+
+#[test]
+fn samples_start_anew_when_anything_changes_and_go_on_after_one_that_was_given_up() {
+    let scene = Scene::open("sphere").unwrap();
+    let (view, sampling) = (view(&scene), Sampling { count: 4, seed: 1 });
+    let mut other = view.clone();
+    other.camera.phi += 0.2;
+    with_device(|device| {
+        let (mut fresh, mut painter) = (painter(device, &scene, 1), painter(device, &scene, 1));
+        let expected = [all(&mut fresh, &view, sampling), all(&mut fresh, &other, sampling)];
+        let add = |painter: &mut Painter, view: &View, sampling: &Sampling, go_on: bool| {
+            let added = painter.add_sample(view, sampling, SHOWN, SIZE, &mut || go_on).unwrap();
+            added.map(|added| added.samples)
+        };
+        assert_eq!(add(&mut painter, &view, &sampling, true), Some(1));
+        assert_eq!(add(&mut painter, &view, &sampling, true), Some(2));
+        assert_eq!(add(&mut painter, &view, &sampling, false), None);
+        // Neither another picture nor a look at directions disturbs the sum.
+        painter.draw(&other, 0.0, DVec3::ZERO).unwrap();
+        painter.directions(&other, 0).unwrap();
+        assert_eq!(add(&mut painter, &view, &sampling, true), Some(3));
+        assert_eq!(add(&mut painter, &view, &sampling, true), Some(4));
+        assert!(painter.picture().unwrap() == expected[0]);
+        assert_eq!(add(&mut painter, &view, &sampling, true), Some(4), "there are no more");
+        assert!(painter.picture().unwrap() == expected[0]);
+        assert!(painter.display_again(SIZE, SHOWN.exposure + 1.0, SHOWN.background).unwrap());
+        let brighter = painter.picture().unwrap();
+        assert!(brighter.radiance == expected[0].radiance && brighter.display != expected[0].display);
+
+        let seeded = Sampling { seed: 2, ..sampling };
+        for (view, sampling) in [(&other, &sampling), (&other, &seeded), (&other, &sampling)] {
+            assert_eq!(add(&mut painter, view, sampling, true), Some(1), "it does not start anew");
+        }
+        for _ in 1..4 {
+            add(&mut painter, &other, &sampling, true);
+        }
+        assert!(painter.picture().unwrap() == expected[1]);
+        painter.resize([24, 18], 1).unwrap();
+        painter.resize(SIZE, 1).unwrap();
+        assert_eq!(add(&mut painter, &other, &sampling, true), Some(1), "another size keeps a sum");
+    });
+}
+
+#[test]
+fn sample_after_sample_the_device_holds_the_same() {
+    let scene = Scene::open("sphere").unwrap();
+    let (view, sampling) = (view(&scene), Sampling { count: 64, seed: 1 });
+    with_device(|device| {
+        let mut painter = painter(device, &scene, 1);
+        painter.add_sample(&view, &sampling, SHOWN, SIZE, &mut || true).unwrap();
+        let before = device.memory_in_use();
+        for _ in 1..64 {
+            painter.add_sample(&view, &sampling, SHOWN, SIZE, &mut || true).unwrap();
+            assert_eq!(device.memory_in_use(), before);
+        }
+    });
+}
+
+/// The part of the standard normal distribution below `x`, by Simpson's rule over ten standard deviations.
+fn normal(x: f64) -> f64 {
+    let (from, steps) = (-10.0, 2000);
+    let h = (x - from) / f64::from(steps);
+    let density = |t: f64| (-t * t / 2.0).exp() / std::f64::consts::TAU.sqrt();
+    let weight = |i: i32| if i == 0 || i == steps { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
+    (0..=steps).map(|i| weight(i) * density(from + h * f64::from(i))).sum::<f64>() * h / 3.0
+}
+
+#[test]
+fn coverage_beside_a_straight_edge_is_the_gaussian_of_the_jitter() {
+    let scene = Scene::open("plate").unwrap();
+    let mut view = view(&scene);
+    // On the plate's edge x = 1/2, askew in the picture, whose other edges are outside.
+    view.camera = Camera::looking(Vec3::new(0.45, -0.2, 0.9), Vec3::new(0.5, 0.03, 0.0), 0.5).unwrap();
+    let clip = view.camera.clip_from_world(SIZE, view.centre, view.radius).as_dmat4();
+    let pixel = |y: f64| {
+        let place = clip.project_point3(DVec3::new(0.5, y, 0.0));
+        DVec2::new((place.x + 1.0) / 2.0 * f64::from(SIZE[0]), (place.y + 1.0) / 2.0 * f64::from(SIZE[1]))
+    };
+    let (start, along) = (pixel(-0.1), (pixel(0.1) - pixel(-0.1)).normalize());
+    let exact = |i: usize| {
+        let place = DVec2::new((i % SIZE[0] as usize) as f64 + 0.5, (i / SIZE[0] as usize) as f64 + 0.5);
+        normal((place - start).perp_dot(along) / 0.125f64.sqrt())
+    };
+    with_device(|device| {
+        let mut painter = painter(device, &scene, 1);
+        let mut former = f64::INFINITY;
+        for count in [16u32, 64, 256, 1024] {
+            let picture = all(&mut painter, &view, Sampling { count, seed: 5 });
+            let covered = picture.radiance[SIZE[0] as usize * 18];
+            assert_eq!(covered[3], 1.0, "the plate is to the left");
+            let error = picture.radiance.iter().enumerate().map(|(i, p)| (f64::from(p[3]) - exact(i)).abs());
+            let worst = error.fold(0.0, f64::max);
+            eprintln!("coverage by {count} samples: within {worst:.4}");
+            // What random samples reach in the mean over pixels is ½/√N at an edge's middle; stratified ones keep it everywhere.
+            assert!(worst < 1.0 / f64::from(count).sqrt(), "{count}: {worst}");
+            assert!(worst < former, "{count} samples are no better: {worst}");
+            former = worst;
+        }
+    });
+}
+
+#[test]
+fn footprints_are_the_differences_of_directions() {
+    let lights: Vec<_> = [(40.0, -30.0), (20.0, 100.0), (60.0, 10.0), (30.0, 200.0)]
+        .map(|(theta, phi)| Light { theta, phi, intensity: 1.0 })
+        .to_vec();
+    with_device(|device| {
+        for (name, count, tolerance) in [("plate", 4, 2e-5), ("plate", 1, 2e-5), ("sphere", 3, 2e-2)] {
+            let scene = Scene::open(name).unwrap();
+            let view = View::of(&scene, lights[..count].to_vec());
+            let mut painter = painter(device, &scene, count);
+            let plain = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            assert!(painter.directions(&view, 0).unwrap().footprints.is_empty());
+            painter.ask_for_footprints().unwrap();
+            assert!(painter.paint(&view, 0.0, DVec3::ZERO).unwrap() == plain, "{name}: shading is disturbed");
+            let mut errors = Vec::new();
+            for light in 0..count {
+                let seen = painter.directions(&view, light).unwrap();
+                let uv = |i: usize| {
+                    let at = |v: &[f32; 4]| DVec2::new(v[0].into(), v[1].into());
+                    (seen.view[i][3] == 1.0).then(|| -(at(&seen.light[i]) + at(&seen.view[i])))
+                };
+                for i in 0..seen.view.len() {
+                    let found = seen.footprints[i].map(f64::from);
+                    assert!(found.iter().all(|x| x.abs() <= 4.0), "{name}: {found:?}");
+                    if uv(i).is_none() {
+                        assert_eq!(found, [0.0; 4]);
+                    }
+                    // The partner in the quad of 2 × 2 pixels.
+                    let (x, y, width) = (i % SIZE[0] as usize, i / SIZE[0] as usize, SIZE[0] as usize);
+                    let pairs = [[i - x % 2, i - x % 2 + 1], [i - y % 2 * width, i + (1 - y % 2) * width]];
+                    for (axis, [from, to]) in pairs.into_iter().enumerate() {
+                        let (Some(from), Some(to)) = (uv(from), uv(to)) else { continue };
+                        let found = DVec2::new(found[2 * axis], found[2 * axis + 1]);
+                        errors.push((found - (to - from)).length());
+                    }
+                }
+            }
+            errors.sort_by(f64::total_cmp);
+            // Beside the edge between two triangles of the sphere a neighbour's direction is extrapolated.
+            let share = if name == "plate" { 1.0 } else { 0.5 };
+            let error = errors[((errors.len() - 1) as f64 * share) as usize];
+            eprintln!("footprints of the {name} under {count} lights: within {error:.1e}");
+            assert!(errors.len() > 500 * count && error < tolerance, "{name}: {error:e}");
+        }
+    });
+}
+
+#[test]
+fn footprints_of_a_sphere_are_those_of_exact_normals() {
+    let scene = Scene::open("sphere").unwrap();
+    let light = Light { theta: 35.0, phi: -50.0, intensity: 1.0 };
+    let view = View::of(&scene, vec![light]);
+    let clip = view.camera.clip_from_world(SIZE, view.centre, view.radius).as_dmat4().inverse();
+    let eye = view.camera.eye().as_dvec3();
+    let to_light = direction(light.theta, light.phi);
+    // (u, v) at a place of the picture, on the exact unit sphere; T points east.
+    let uv = |x: f64, y: f64| {
+        let ndc = DVec3::new(2.0 * x / f64::from(SIZE[0]) - 1.0, 2.0 * y / f64::from(SIZE[1]) - 1.0, 0.9);
+        let ray = (clip.project_point3(ndc) - eye).normalize();
+        let along = -eye.dot(ray);
+        let inside = 1.0 - (eye + ray * along).length_squared();
+        let normal = (inside > 0.1).then(|| eye + ray * (along - inside.sqrt()))?;
+        let east = DVec3::new(-normal.y, normal.x, 0.0).normalize();
+        let sum = -(to_light + (eye - normal).normalize());
+        Some(DVec2::new(sum.dot(east), sum.dot(normal.cross(east))))
+    };
+    with_device(|device| {
+        let mut painter = painter(device, &scene, 1);
+        painter.ask_for_footprints().unwrap();
+        let seen = painter.directions(&view, 0).unwrap();
+        let mut errors = Vec::new();
+        for (i, found) in seen.footprints.iter().enumerate().filter(|(i, _)| seen.view[*i][3] == 1.0) {
+            let (x, y) = ((i % SIZE[0] as usize) as f64 + 0.5, (i / SIZE[0] as usize) as f64 + 0.5);
+            let change = |h: DVec2| Some(uv(x + h.x, y + h.y)? - uv(x - h.x, y - h.y)?);
+            let (Some(dx), Some(dy)) = (change(DVec2::X / 2.0), change(DVec2::Y / 2.0)) else { continue };
+            let [a, b, c, d] = found.map(f64::from);
+            let error = (DVec2::new(a, b) - dx).length() + (DVec2::new(c, d) - dy).length();
+            errors.push(error / (dx.length() + dy.length()));
+        }
+        errors.sort_by(f64::total_cmp);
+        let at = |share: f64| errors[((errors.len() - 1) as f64 * share) as usize];
+        eprintln!("footprints against exact normals: median {:.3}, p95 {:.3}", at(0.5), at(0.95));
+        // A derivative by half a pixel to one side, of directions that are linear over triangles of a few degrees.
+        assert!(
+            errors.len() > 300 && at(0.5) < 0.05 && at(0.95) < 0.25,
+            "{} {} {}",
+            errors.len(),
+            at(0.5),
+            at(0.95)
+        );
+        let distribution = Distribution::of(&[seen]);
+        assert!(distribution.count() > 300 && distribution.minor(0.5) <= distribution.major(0.5));
+    });
+}
+
+#[test]
+fn a_pixel_of_the_plate_shows_as_much_of_it_as_it_covers() {
+    let scene = Scene::open("plate").unwrap();
+    let mut view = view(&scene);
+    // Straight from above, but for the pole's margin: a pixel is a square.
+    view.camera = Camera::looking(Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, 0.4).unwrap();
+    let side = 2.0 * 2.0 * 0.2f64.tan() / f64::from(SIZE[1]);
+    with_device(|device| {
+        let mut painter = painter(device, &scene, 1);
+        let area = median_pixel_area(&mut painter, &view).unwrap().unwrap();
+        assert!((area / (side * side) - 1.0).abs() < 5e-3, "{area} for {}", side * side);
+        // From 60° the same pixel shows twice as much.
+        let eye = Vec3::new(3f32.sqrt(), 0.0, 1.0);
+        view.camera = Camera::looking(eye, Vec3::ZERO, 0.05).unwrap();
+        let side = 2.0 * 2.0 * 0.025f64.tan() / f64::from(SIZE[1]);
+        let area = median_pixel_area(&mut painter, &view).unwrap().unwrap();
+        assert!((area / (2.0 * side * side) - 1.0).abs() < 5e-3, "{area} for {}", 2.0 * side * side);
+        view.camera = Camera::looking(eye, eye * 2.0, 0.05).unwrap();
+        assert_eq!(median_pixel_area(&mut painter, &view).unwrap(), None);
+    });
+}
+
+#[test]
+fn the_jitter_moves_what_is_seen_and_not_how_it_is_lit() {
+    let scene = Scene::open("plate").unwrap();
+    let view = view(&scene);
+    let whole = Sample { jitter: [2.0, -1.0], ..Sampling::ONE.sample(0) };
+    with_device(|device| {
+        let mut painter = painter(device, &scene, 1);
+        let still = painter.directions(&view, 0).unwrap();
+        let moved = painter.directions_of(&view, 0, &whole).unwrap();
+        let mut compared = 0;
+        for y in 1..SIZE[1] as usize {
+            for x in 0..SIZE[0] as usize - 2 {
+                // A jitter of whole pixels to the right and up shows the pixel there.
+                let (from, to) = (y * SIZE[0] as usize + x, (y - 1) * SIZE[0] as usize + x + 2);
+                if moved.view[from][3] == 1.0 && still.view[to][3] == 1.0 {
+                    let [a, b] = [moved.view[from], still.view[to]].map(|v| Vec3::new(v[0], v[1], v[2]));
+                    assert!((a - b).length() < 1e-4, "{a} {b}");
+                    assert!((0..3).all(|c| (moved.light[from][c] - still.light[to][c]).abs() < 1e-5));
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared > 300, "{compared}");
+    });
+}

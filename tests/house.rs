@@ -1,0 +1,278 @@
+//! The structure of `src/`: imports follow the floors of `docs/ARCHITECTURE.md`, and files of one folder form no ring.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// What each module at the top of `src/` may import: the table of floors in `docs/ARCHITECTURE.md`.
+const FLOORS: [(&str, &[&str]); 21] = [
+    ("error", &[]),
+    ("units", &["error"]),
+    ("input", &["error"]),
+    ("output", &["error"]),
+    ("memory", &["error"]),
+    ("random", &["error"]),
+    ("figure", &["error", "output"]),
+    ("vk", &["error"]),
+    ("surface", SMALL),
+    ("expansion", &["surface", "error", "memory", "random"]),
+    ("optics", &["surface", "error", "input", "memory", "output", "random", "units"]),
+    ("scene", &["optics", "surface", "error", "input", "memory", "output", "random", "units"]),
+    ("precompute", &["expansion", "surface", "error", "input", "memory", "output", "random", "units"]),
+    ("spectra", &["precompute", "optics", "surface", "error", "memory"]),
+    ("brdf", &["spectra", "optics", "surface", "error", "memory"]),
+    ("table", &["spectra", "brdf", "optics", "error", "memory"]),
+    (
+        "render",
+        &[
+            "vk",
+            "table",
+            "brdf",
+            "spectra",
+            "precompute",
+            "expansion",
+            "scene",
+            "optics",
+            "surface",
+            "error",
+            "input",
+            "memory",
+            "output",
+            "random",
+        ],
+    ),
+    ("measure", &["render", "precompute", "optics", "error", "input", "memory", "output", "random", "units"]),
+    (
+        "setup",
+        &["measure", "render", "vk", "table", "spectra", "brdf", "precompute", "optics", "surface", "error"],
+    ),
+    (
+        "viewer",
+        &[
+            "setup",
+            "measure",
+            "render",
+            "vk",
+            "precompute",
+            "expansion",
+            "scene",
+            "optics",
+            "surface",
+            "error",
+            "input",
+            "memory",
+            "output",
+            "random",
+            "units",
+        ],
+    ),
+    (
+        "cli",
+        &[
+            "viewer",
+            "setup",
+            "measure",
+            "figure",
+            "render",
+            "vk",
+            "table",
+            "spectra",
+            "brdf",
+            "precompute",
+            "expansion",
+            "scene",
+            "optics",
+            "surface",
+            "error",
+            "input",
+            "memory",
+            "output",
+            "random",
+            "units",
+        ],
+    ),
+];
+
+/// The small modules, which import nothing but the error.
+const SMALL: &[&str] = &["error", "input", "memory", "output", "random", "units"];
+
+/// Folders whose files still form a ring. Only to be shortened.
+const RINGS_LEFT: [&str; 3] = ["precompute", "render", "render/color_table"];
+
+/// Files of `src/`, relative to it.
+fn sources() -> Vec<PathBuf> {
+    fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                walk(&path, found);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                found.push(path);
+            }
+        }
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut found = Vec::new();
+    walk(&root, &mut found);
+    found.iter().map(|path| path.strip_prefix(&root).unwrap().to_owned()).collect()
+}
+
+/// The module path of a file: `render/frame.rs` and `render/frame/mod.rs` are both `render::frame`.
+fn module_of(file: &Path) -> Vec<String> {
+    let mut parts: Vec<String> =
+        file.with_extension("").iter().map(|part| part.to_string_lossy().into_owned()).collect();
+    parts.pop_if(|last| ["mod", "lib", "main"].contains(&last.as_str()));
+    parts
+}
+
+/// Module paths that `text`, the source of `module`, names after `crate::` and `super::`, tests left out. Braces are expanded
+/// one level deep, which is as deep as rustfmt's imports of this crate go.
+fn imports(module: &[String], text: &str) -> BTreeSet<Vec<String>> {
+    let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+    let code: String =
+        code.lines().map(|line| line.split("//").next().unwrap_or_default().to_owned() + " ").collect();
+    let mut found = BTreeSet::new();
+    for root in ["crate::", "super::"] {
+        for (at, _) in code.match_indices(root) {
+            if code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':')
+                || code[..at].ends_with("pub(in ")
+            {
+                continue;
+            }
+            let mut rest = &code[at..];
+            let mut path = module.to_vec();
+            if rest.starts_with("crate::") {
+                (path, rest) = (Vec::new(), &rest["crate::".len()..]);
+            }
+            while let Some(next) = rest.strip_prefix("super::") {
+                path.pop();
+                rest = next;
+            }
+            let name = |text: &str| {
+                text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>()
+            };
+            loop {
+                let part = name(rest);
+                if part.is_empty() {
+                    break;
+                }
+                rest = &rest[part.len()..];
+                path.push(part);
+                match rest.strip_prefix("::") {
+                    Some(next) => rest = next,
+                    None => break,
+                }
+            }
+            match rest.strip_prefix('{') {
+                Some(list) => {
+                    let list = list.split_inclusive(['}', ';']).next().unwrap_or_default();
+                    found.extend(list.split(',').map(|item| {
+                        let item = item.trim().trim_start_matches('{');
+                        let parts = item.split("::").map(name).take_while(|part| !part.is_empty());
+                        path.iter().cloned().chain(parts).collect::<Vec<_>>()
+                    }));
+                }
+                None => {
+                    found.insert(path);
+                }
+            }
+        }
+    }
+    found
+}
+
+/// For each file's module the modules of other files that it imports.
+fn graph() -> BTreeMap<Vec<String>, BTreeSet<Vec<String>>> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let files = sources();
+    let modules: BTreeSet<Vec<String>> = files.iter().map(|file| module_of(file)).collect();
+    let is_test = |file: &Path| file.to_string_lossy().ends_with("tests.rs");
+    files
+        .iter()
+        .filter(|file| !is_test(file))
+        .map(|file| {
+            let module = module_of(file);
+            let text = std::fs::read_to_string(root.join(file)).unwrap();
+            // The longest prefix that is a file's module; what is left names an item.
+            let owner = |path: &Vec<String>| {
+                (1..=path.len()).rev().map(|n| path[..n].to_vec()).find(|prefix| modules.contains(prefix))
+            };
+            let imported =
+                imports(&module, &text).iter().filter_map(owner).filter(|m| *m != module).collect();
+            (module, imported)
+        })
+        .collect()
+}
+
+#[test]
+fn a_module_imports_from_floors_below_its_own_alone() {
+    let allowed: BTreeMap<&str, &[&str]> = FLOORS.into_iter().collect();
+    for (module, imported) in graph() {
+        let Some(floor) = module.first().and_then(|top| allowed.get(top.as_str())) else { continue };
+        for other in imported.iter().filter(|other| other[0] != module[0]) {
+            assert!(
+                floor.contains(&other[0].as_str()),
+                "{} imports {}, which is not on a floor below {}",
+                module.join("::"),
+                other.join("::"),
+                module[0]
+            );
+        }
+    }
+}
+
+/// A ring among the files of a folder, if there is one. A sub-folder counts as one file; the folder's own `mod.rs` counts as
+/// none, because it may hold what its files share.
+fn ring(edges: &BTreeMap<String, BTreeSet<String>>) -> Option<String> {
+    let mut left = edges.clone();
+    // Files without imports among those that are left cannot be part of a ring.
+    while let Some(free) =
+        left.iter().find(|(_, to)| !to.iter().any(|t| left.contains_key(t))).map(|(f, _)| f.clone())
+    {
+        left.remove(&free);
+    }
+    (!left.is_empty()).then(|| left.keys().cloned().collect::<Vec<_>>().join(", "))
+}
+
+#[test]
+fn files_of_one_folder_form_no_ring() {
+    let graph = graph();
+    let mut folders: BTreeMap<Vec<String>, BTreeMap<String, BTreeSet<String>>> = BTreeMap::new();
+    for (module, imported) in &graph {
+        for depth in 0..module.len() {
+            let (folder, file) = (&module[..depth], &module[depth]);
+            let edges = folders.entry(folder.to_vec()).or_default().entry(file.clone()).or_default();
+            let beside =
+                imported.iter().filter(|to| to.len() > depth && to[..depth] == *folder && to[depth] != *file);
+            edges.extend(beside.map(|to| to[depth].clone()));
+        }
+    }
+    let rings: BTreeMap<String, String> =
+        folders.iter().filter_map(|(folder, edges)| Some((folder.join("/"), ring(edges)?))).collect();
+    for (folder, files) in &rings {
+        assert!(
+            RINGS_LEFT.contains(&folder.as_str()),
+            "files of src/{folder} import each other in a ring, among: {files}"
+        );
+    }
+    for folder in RINGS_LEFT {
+        assert!(rings.contains_key(folder), "src/{folder} has no ring any more: take it from the list");
+    }
+}
+
+#[test]
+fn imports_and_rings_are_found() {
+    let module = ["a".to_owned(), "b".to_owned()];
+    let text = "use super::c::{D, E};\nuse crate::{f, g::h};\nlet x = crate::i::j(); // crate::k\n#[cfg(test)]\nuse crate::l;";
+    let found: Vec<String> = imports(&module, text).iter().map(|path| path.join("::")).collect();
+    assert_eq!(found, ["a::c::D", "a::c::E", "f", "g::h", "i::j"]);
+    let edges = |list: &[(&str, &str)]| {
+        let mut map: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+        for (from, to) in list {
+            map.entry((*from).to_owned()).or_default().insert((*to).to_owned());
+            map.entry((*to).to_owned()).or_default();
+        }
+        map
+    };
+    assert_eq!(ring(&edges(&[("a", "b"), ("b", "c"), ("a", "c")])), None);
+    assert!(ring(&edges(&[("a", "b"), ("b", "c"), ("c", "b")])).is_some());
+}
