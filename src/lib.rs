@@ -6,15 +6,18 @@
 #![deny(unsafe_code)]
 
 pub mod brdf;
+pub mod cache;
 pub mod cli;
 pub mod error;
 pub mod expansion;
 pub mod figure;
+pub mod files;
 pub mod input;
 pub mod measure;
 pub mod memory;
 pub mod optics;
 pub mod output;
+pub mod picture_file;
 pub mod precompute;
 pub mod random;
 pub mod render;

@@ -25,14 +25,23 @@ fn check(bytes: u64, available: Option<u64>, what: &str) -> Result<()> {
     }
 }
 
+/// Whether this process may take less address space than the machine has.
+pub fn is_limited() -> bool {
+    own_limits().is_some_and(|(limits, status)| own_available(&limits, &status).is_some())
+}
+
+/// `/proc/self/limits` and `/proc/self/status`.
+fn own_limits() -> Option<(String, String)> {
+    fs::read_to_string("/proc/self/limits").ok().zip(fs::read_to_string("/proc/self/status").ok())
+}
+
 /// What can still be taken without swapping: the system's own estimate, the limit of the control group, or what the
 /// process' own limit (`ulimit -v`) leaves, whichever is lowest.
 fn available() -> Option<u64> {
     let system = fs::read_to_string("/proc/meminfo").ok().and_then(|text| meminfo_available(&text));
     let group =
         fs::read_to_string("/sys/fs/cgroup/memory.max").ok().and_then(|text| text.trim().parse().ok());
-    let own = fs::read_to_string("/proc/self/limits").ok().zip(fs::read_to_string("/proc/self/status").ok());
-    let own = own.and_then(|(limits, status)| own_available(&limits, &status));
+    let own = own_limits().and_then(|(limits, status)| own_available(&limits, &status));
     system.into_iter().chain(group).chain(own).min()
 }
 
@@ -53,10 +62,19 @@ fn meminfo_available(text: &str) -> Option<u64> {
     kib.checked_mul(1024)
 }
 
-fn in_words(bytes: u64) -> String {
-    const MIB: f64 = 1024.0 * 1024.0;
-    let mib = bytes as f64 / MIB;
-    if mib < 1024.0 { format!("{mib:.0} MiB") } else { format!("{:.1} GiB", mib / 1024.0) }
+/// `bytes` in the largest binary unit that they fill.
+pub(crate) fn in_words(bytes: u64) -> String {
+    const KIB: f64 = 1024.0;
+    let size = bytes as f64;
+    if size < KIB {
+        format!("{bytes} B")
+    } else if size < KIB.powi(2) {
+        format!("{:.0} KiB", size / KIB)
+    } else if size < KIB.powi(3) {
+        format!("{:.0} MiB", size / KIB.powi(2))
+    } else {
+        format!("{:.1} GiB", size / KIB.powi(3))
+    }
 }
 
 #[cfg(test)]

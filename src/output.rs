@@ -1,33 +1,42 @@
-//! Result files that appear whole or not at all: written beside their target, then renamed.
+//! Result files that appear whole or not at all: written without a name or beside their target, then renamed.
 
 use crate::error::{Error, Result};
-use std::fs::{self, File};
+use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// How the names of files begin that are still being written.
 pub const TEMPORARY: &str = ".diffract-";
 
+/// Permissions of a new result: read and write for everyone, from which the system takes away what the umask says.
+const BEFORE_UMASK: u32 = 0o666;
+
 /// Writes the file `path` through `write`, which gets a buffered, seekable writer.
 ///
-/// The bytes go to a temporary file in the same folder, which is renamed to `path` when all of them are on disk. A
-/// failure leaves a former file as it was and nothing new behind. A link is followed; the new file has the permissions
-/// that the umask gives to any new file.
+/// The bytes go to a temporary file in the same folder, which becomes `path` when all of them are on disk. A failure
+/// leaves a former file as it was and nothing new behind; so does a signal that ends the program, where the file system
+/// has files without a name (Linux, most local file systems). A link is followed. A file that is replaced passes on its
+/// permissions, and its owner and group where the system allows that; hard links to it keep the former content.
 ///
 /// # Errors
-/// Whatever `write` returns; a folder that is missing or not writable; a target that is a folder or a device.
+/// Whatever `write` returns; a folder that is missing or not writable; a target that is a folder or a device, or that
+/// may not be written.
 pub fn write_atomically<T>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<T>,
 ) -> Result<T> {
     let target = resolve(path)?;
-    let mut temporary = temporary_beside(&target).map_err(|e| e.at(path.display()))?;
-    let mut writer = BufWriter::new(temporary.as_file_mut());
+    let mut draft = Draft::beside(&target).map_err(|e| e.at(path.display()))?;
+    let mut writer = BufWriter::new(draft.file());
     let value = write(&mut writer)?;
     writer.flush().map_err(|e| write_failed(path, &e))?;
     drop(writer);
-    temporary.as_file().sync_all().map_err(|e| write_failed(path, &e))?;
-    temporary.persist(&target).map_err(|e| write_failed(path, &e.error))?;
+    draft.file().sync_all().map_err(|e| write_failed(path, &e))?;
+    if let Ok(former) = fs::metadata(&target) {
+        pass_on(&former, draft.file()).map_err(|e| write_failed(path, &e))?;
+    }
+    draft.persist(&target).map_err(|e| write_failed(path, &e))?;
     Ok(value)
 }
 
@@ -36,16 +45,104 @@ pub fn write_atomically<T>(
 /// # Errors
 /// As [`write_atomically`]. A disk that fills up in between is not foreseen.
 pub fn check(path: &Path) -> Result<()> {
-    temporary_beside(&resolve(path)?).map(drop).map_err(|e| e.at(path.display()))
+    Draft::beside(&resolve(path)?).map(drop).map_err(|e| e.at(path.display()))
 }
 
-/// A temporary file in the folder of `target`, gone with its value.
-fn temporary_beside(target: &Path) -> Result<tempfile::NamedTempFile> {
-    let folder = match target.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    new_file().tempfile_in(folder).map_err(|e| cannot_create(&e, folder))
+/// A file that is being written; gone with its value unless it is given a name.
+pub(crate) struct Draft {
+    folder: PathBuf,
+    file: Unfinished,
+}
+
+enum Unfinished {
+    /// Without a name: the system removes it when the program ends, however that happens.
+    #[cfg(target_os = "linux")]
+    Unnamed(File),
+    /// Where the file system has no files without names.
+    Named(NamedTempFile),
+}
+
+impl Draft {
+    /// A new file in `folder` with the permissions `mode`, less what the umask takes away.
+    pub(crate) fn new(folder: &Path, mode: u32) -> io::Result<Self> {
+        #[cfg(target_os = "linux")]
+        if let Ok(file) = unnamed(folder, mode) {
+            return Ok(Self { folder: folder.to_owned(), file: Unfinished::Unnamed(file) });
+        }
+        let file = builder(mode).tempfile_in(folder)?;
+        Ok(Self { folder: folder.to_owned(), file: Unfinished::Named(file) })
+    }
+
+    /// A new file in the folder of `target`.
+    fn beside(target: &Path) -> Result<Self> {
+        let folder = match target.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        Self::new(folder, BEFORE_UMASK).map_err(|e| cannot_create(&e, folder))
+    }
+
+    /// The file, to be written.
+    pub(crate) fn file(&mut self) -> &mut File {
+        match &mut self.file {
+            #[cfg(target_os = "linux")]
+            Unfinished::Unnamed(file) => file,
+            Unfinished::Named(file) => file.as_file_mut(),
+        }
+    }
+
+    /// Puts the file at `target`, which must be in its folder, and whose former content goes.
+    pub(crate) fn persist(self, target: &Path) -> io::Result<()> {
+        match self.file {
+            #[cfg(target_os = "linux")]
+            Unfinished::Unnamed(file) => {
+                match link(&file, target) {
+                    // Only a rename replaces a file, and only a file with a name can be renamed.
+                    Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {}
+                    other => return other,
+                }
+                let named = builder(BEFORE_UMASK).make_in(&self.folder, |path| link(&file, path))?;
+                named.persist(target).map(drop).map_err(|e| e.error)
+            }
+            Unfinished::Named(file) => file.persist(target).map(drop).map_err(|e| e.error),
+        }
+    }
+}
+
+/// A file in `folder` without a name.
+#[cfg(target_os = "linux")]
+fn unnamed(folder: &Path, mode: u32) -> io::Result<File> {
+    use rustix::fs::{Mode, OFlags};
+    // What gives the file its name later.
+    fs::metadata("/proc/self/fd")?;
+    let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
+    Ok(rustix::fs::open(folder, flags, Mode::from_raw_mode(mode))?.into())
+}
+
+/// Gives a file without a name the name `path`.
+#[cfg(target_os = "linux")]
+fn link(file: &File, path: &Path) -> io::Result<()> {
+    use rustix::fs::{AtFlags, CWD, linkat};
+    use std::os::fd::AsRawFd;
+    let own = format!("/proc/self/fd/{}", file.as_raw_fd());
+    Ok(linkat(CWD, own, CWD, path, AtFlags::SYMLINK_FOLLOW)?)
+}
+
+/// Gives `file` the permissions of `former`, and its owner and group where the system allows it.
+fn pass_on(former: &Metadata, file: &File) -> io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::{MetadataExt, fchown};
+        let own = file.metadata()?;
+        // One by one: the group may be allowed where the owner is not.
+        if own.gid() != former.gid() {
+            let _ = fchown(file, None, Some(former.gid()));
+        }
+        if own.uid() != former.uid() {
+            let _ = fchown(file, Some(former.uid()), None);
+        }
+    }
+    file.set_permissions(former.permissions())
 }
 
 /// The error for a write to `path` that the system refused.
@@ -71,9 +168,24 @@ fn resolve(path: &Path) -> Result<PathBuf> {
             format!("{}: is not a regular file and would be replaced", path.display()),
             "give the output another name",
         )),
+        Ok(there) if !may_be_written(path, &there) => Err(Error::usage(
+            format!("{}: is write-protected and would be replaced", path.display()),
+            "give the output another name, or allow writing to the file",
+        )),
         Ok(_) => path.canonicalize().map_err(|e| write_failed(path, &e)),
         Err(_) => Ok(path.to_path_buf()),
     }
+}
+
+/// Whether the file `path` may be written: by somebody, which root respects, too, and by this user.
+fn may_be_written(path: &Path, there: &Metadata) -> bool {
+    #[cfg(unix)]
+    if rustix::fs::access(path, rustix::fs::Access::WRITE_OK).is_err() {
+        return false;
+    }
+    #[cfg(not(unix))]
+    let _ = path;
+    !there.permissions().readonly()
 }
 
 fn cannot_create(cause: &io::Error, folder: &Path) -> Error {
@@ -92,17 +204,15 @@ fn cannot_create(cause: &io::Error, folder: &Path) -> Error {
     }
 }
 
-/// A temporary file whose permissions are those of any new file; the default of `tempfile` is the owner only.
-fn new_file() -> tempfile::Builder<'static, 'static> {
+/// Makes temporary files with the permissions `mode`, less what the umask takes away; the default of `tempfile` is the owner
+/// only.
+fn builder(mode: u32) -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMPORARY);
     #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        /// Read and write for everyone, from which the system takes away what the umask says.
-        const BEFORE_UMASK: u32 = 0o666;
-        builder.permissions(fs::Permissions::from_mode(BEFORE_UMASK));
-    }
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
+    #[cfg(not(unix))]
+    let _ = mode;
     builder
 }
 
@@ -173,5 +283,74 @@ mod tests {
         put(&link, "two").unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read_to_string(&real).unwrap(), "two");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_that_is_replaced_passes_its_permissions_and_owner_on() {
+        use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        put(&path, "one").unwrap();
+        for mode in [0o600, 0o640, 0o666, 0o755] {
+            fs::set_permissions(&path, fs::Permissions::from_mode(mode)).unwrap();
+            put(&path, "two").unwrap();
+            assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o7777, mode, "{mode:o}");
+        }
+        // Only root can give files away.
+        if chown(&path, Some(12_345), Some(54_321)).is_ok() {
+            put(&path, "three").unwrap();
+            let there = fs::metadata(&path).unwrap();
+            assert_eq!((there.uid(), there.gid()), (12_345, 54_321));
+        }
+        assert_eq!(entries(folder.path()), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_write_protected_file_is_refused_also_to_root_and_before_any_work() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        put(&path, "one").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
+        for refused in [check(&path), put(&path, "two")] {
+            let e = refused.unwrap_err();
+            assert!(e.exit_code() == 2 && e.to_string().contains("write-protected"), "{e}");
+        }
+        assert_eq!(fs::read_to_string(&path).unwrap(), "one");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_file_that_is_being_written_has_no_name() {
+        let folder = tempfile::tempdir().unwrap();
+        if unnamed(folder.path(), BEFORE_UMASK).is_err() {
+            return; // this file system has no files without names
+        }
+        let path = folder.path().join("a.txt");
+        put(&path, "one").unwrap();
+        write_atomically(&path, |file| {
+            file.write_all(b"two").map_err(|e| write_failed(&path, &e))?;
+            assert_eq!(entries(folder.path()), 1, "the former file alone");
+            Ok(())
+        })
+        .unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "two");
+        assert_eq!(entries(folder.path()), 1);
+    }
+
+    #[test]
+    fn a_file_system_without_nameless_files_gets_named_ones() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        for text in ["one", "two"] {
+            let named = builder(BEFORE_UMASK).tempfile_in(folder.path()).unwrap();
+            let mut draft = Draft { folder: folder.path().to_owned(), file: Unfinished::Named(named) };
+            draft.file().write_all(text.as_bytes()).unwrap();
+            draft.persist(&path).unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), text);
+        }
+        assert_eq!(entries(folder.path()), 1);
     }
 }

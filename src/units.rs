@@ -12,6 +12,20 @@ const LENGTHS: [(&str, f64); 6] =
 /// Units of angle in degrees.
 const ANGLES: [(&str, f64); 3] = [("deg", 1.0), ("\u{b0}", 1.0), ("rad", 180.0 / std::f64::consts::PI)];
 
+/// Units of size on disk, decimal and binary, and what one of them is \[bytes\].
+const SIZES: [(&str, f64); 10] = [
+    ("kB", 1e3),
+    ("KB", 1e3),
+    ("MB", 1e6),
+    ("GB", 1e9),
+    ("TB", 1e12),
+    ("KiB", 1024.0),
+    ("MiB", 1_048_576.0),
+    ("GiB", 1_073_741_824.0),
+    ("TiB", 1_099_511_627_776.0),
+    ("B", 1.0),
+];
+
 /// Range of plausible lengths, 1 pm to 1 m \[µm\]; sums of their powers do not overflow.
 const MEANT: (f64, f64) = (1e-6, 1e6);
 
@@ -122,11 +136,29 @@ pub fn triple(text: &str) -> Result<[f64; 3]> {
 /// # Errors
 /// As [`triple`], and numbers outside.
 pub fn color(text: &str) -> Result<[f64; 3]> {
-    let color = triple(text)?;
-    if color.iter().all(|c| (0.0..=1.0).contains(c)) {
-        return Ok(color);
+    let color = triple(text).ok().filter(|color| color.iter().all(|c| (0.0..=1.0).contains(c)));
+    color.ok_or_else(|| {
+        let remedy = "give R,G,B from 0 to 1 each, linear sRGB, as in 0.8,0.2,0.1";
+        Error::usage(format!("'{text}' is no colour"), remedy)
+    })
+}
+
+/// A size in memory or on disk such as `2GiB`, `500MB` or `0` \[bytes\].
+///
+/// # Errors
+/// No number, no unit or an unknown one, a negative number, more than 2⁶³ bytes.
+pub fn bytes(text: &str) -> Result<u64> {
+    const EXAMPLES: &str = "500MiB, 2GiB or 0";
+    /// Exactly a `f64`.
+    const LARGEST: f64 = (1u64 << 63) as f64;
+    if plain_number(text.trim()) == Some(0.0) {
+        return Ok(0);
     }
-    Err(Error::usage(format!("'{text}' is no colour"), "give R,G,B from 0 to 1 each, linear sRGB"))
+    let value = with_unit(text, &SIZES, EXAMPLES)?;
+    if !(0.0..=LARGEST).contains(&value) {
+        return Err(Error::usage(format!("'{}' is out of range", text.trim()), format!("write {EXAMPLES}")));
+    }
+    Ok(value as u64)
 }
 
 /// Two counts such as `3x3`, each 1 … [`MAX_COUNT`].
@@ -322,7 +354,29 @@ mod tests {
             assert!(triple(text).is_err() && color(text).is_err(), "{text}");
         }
         assert_eq!(color("0,0.5,1").unwrap(), [0.0, 0.5, 1.0]);
+        let said = color("ff0000").unwrap_err().to_string();
+        let advised = said.rsplit(' ').next().unwrap();
+        assert!(color(advised).is_ok(), "what is advised is taken: {said}");
         assert!(color("0,0,1.1").is_err() && color("-0.1,0,0").is_err());
+    }
+
+    #[test]
+    fn sizes_on_disk_have_decimal_or_binary_units_and_zero_needs_none() {
+        for (text, expected) in [
+            ("2GiB", 2 << 30),
+            ("500MB", 500_000_000),
+            ("1.5 KiB", 1536),
+            ("7B", 7),
+            ("0", 0),
+            ("0MiB", 0),
+            ("8388608TiB", 1 << 63),
+        ] {
+            assert_eq!(bytes(text).unwrap(), expected, "{text}");
+        }
+        assert_eq!(bytes("500").unwrap_err().to_string(), "500 has no unit; write 500MiB, 2GiB or 0");
+        for text in ["", "GiB", "-1MiB", "8388609TiB", "1e400GB", "infMiB", "NaNB", "2 gigabytes", "0x10MB"] {
+            assert_eq!(bytes(text).unwrap_err().exit_code(), 2, "{text}");
+        }
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! The benchmark scene that `profile` and `trade` measure: a frame on a device, and the f64 reference of the same directions.
 
-use super::options::{ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, lights_of, real};
+use super::options::{
+    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, lights_of, real,
+};
 use super::prepare;
 use crate::error::{Error, Result};
 use crate::measure::budget::ErrorBudget;
@@ -45,6 +47,8 @@ pub struct BenchmarkOptions {
     pub colour: ColourOptions,
     #[command(flatten)]
     pub device: DeviceOptions,
+    #[command(flatten)]
+    pub cache: CacheOptions,
 }
 
 /// Parses a frame rate \[1/s\].

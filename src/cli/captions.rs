@@ -2,9 +2,35 @@
 
 use super::options::OpticsOptions;
 use crate::optics::coherence::{Coherence, Windows};
+use crate::picture_file::{Notes, quoted};
 use crate::scene::Light;
 use crate::setup::Method;
 use crate::surface::HeightField;
+use std::ffi::OsString;
+
+/// What a picture that this process draws says of itself.
+pub fn notes() -> Notes {
+    Notes { command: command(std::env::args_os()), ..Notes::default() }
+}
+
+/// The command that `words` are (the program's name first), as a shell takes it, without where results go: the same picture
+/// says the same of itself, whatever its file is called.
+fn command(words: impl IntoIterator<Item = OsString>) -> String {
+    let mut kept = vec!["diffract".to_owned()];
+    let mut words = words.into_iter().skip(1).map(|word| word.to_string_lossy().into_owned());
+    while let Some(word) = words.next() {
+        let name = word.split('=').next().unwrap_or_default();
+        if ["-o", "--output", "--plot", "--json", "--cache-size"].contains(&name) {
+            // The value is the next word unless it stands in this one.
+            if name == word {
+                words.next();
+            }
+        } else if !word.starts_with("-o") {
+            kept.push(quoted(&word));
+        }
+    }
+    kept.join(" ")
+}
 
 /// The coherence.
 pub fn coherence(coherence: &Coherence) -> String {
@@ -71,4 +97,26 @@ pub fn sentence(text: &str) -> String {
 /// Two decimals.
 fn rounded(x: f64) -> f64 {
     (x * 1e2).round() / 1e2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_of_a_picture_is_without_its_file_and_quoted() {
+        let said = |line: &str| command(line.split(' ').map(OsString::from));
+        let plain = "diffract render sphere --size 8x6";
+        for line in [
+            "/usr/bin/diffract render sphere --size 8x6 -o a.png",
+            "diffract render -o a.png sphere --size 8x6",
+            "diffract render -o=a.png sphere --size 8x6 --cache-size 1MB",
+            "diffract render -oa.png sphere --size 8x6",
+            "diffract render --output=a.png sphere --size 8x6",
+            "diffract render --output a.png sphere --size 8x6",
+        ] {
+            assert_eq!(said(line), plain, "{line}");
+        }
+        assert_eq!(said("diffract render it's.toml"), "diffract render 'it'\\''s.toml'");
+    }
 }

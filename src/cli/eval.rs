@@ -1,13 +1,13 @@
 //! `diffract eval`: BRDF numbers for the directions of a CSV file.
 
 use super::evaluation::{self, WAVELENGTHS, check_single_wavelengths};
-use super::options::{ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
+use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
 use super::{prepare, write};
 use crate::error::{Error, Result};
+use crate::files::Files;
 use crate::input;
 use crate::optics::geometry::{Pair, direction};
 use crate::optics::spectrum::SHORTEST;
-use crate::output;
 use crate::render::evaluator::Query;
 use crate::setup::Settings;
 use clap::Args;
@@ -47,13 +47,19 @@ pub struct Arguments {
     colour: ColourOptions,
     #[command(flatten)]
     device: DeviceOptions,
+    #[command(flatten)]
+    cache: CacheOptions,
 }
 
 /// Evaluates and writes.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    if let Some(path) = &arguments.output {
-        output::check(path)?;
-    }
+    arguments.cache.apply();
+    Files::new()
+        .reads([&arguments.queries])
+        .reads(arguments.surface.files(arguments.surface_name.as_deref()).map(Path::new))
+        .reads(arguments.colour.files())
+        .writes(&arguments.output)
+        .check()?;
     let table = Table::read(&arguments.queries)?;
     if table.single_wavelengths {
         check_single_wavelengths(arguments.optics.method())?;
@@ -75,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         bar.finish_and_clear();
         Ok(())
     })?;
-    write::text(arguments.output.as_deref(), &table.answered(&values))
+    write::text(arguments.output.as_deref(), &table.answered(&values)?)
 }
 
 /// The file's columns as they were, and what they ask.
@@ -108,12 +114,20 @@ impl Table {
         for (place, name) in angles.iter_mut().zip(ANGLES) {
             *place = column(name)?.ok_or_else(|| bad(1, format!("there is no column {name}")))?;
         }
-        let wavelength = column(WAVELENGTH)?;
+        let wavelength_column = column(WAVELENGTH)?;
+        for answer in answers(wavelength_column.is_some()) {
+            if header.iter().any(|name| name == answer) {
+                return Err(Error::failed(
+                    format!("line 1: the column {answer} is one that the answer adds"),
+                    "leave it out or rename it",
+                ));
+            }
+        }
         let mut table = Self {
             header: header.clone(),
             rows: Vec::new(),
             queries: Vec::new(),
-            single_wavelengths: wavelength.is_some(),
+            single_wavelengths: wavelength_column.is_some(),
         };
         for record in reader.records() {
             let record = record.map_err(fail)?;
@@ -126,9 +140,10 @@ impl Table {
                     .ok_or_else(|| bad(line, format!("`{cell}` in {} is not a number", header[column])))
             };
             let [theta_i, phi_i, theta_r, phi_r] = angles.map(number);
-            let wavelength = wavelength.map(number).transpose()?;
-            if let Some(nm) = wavelength.filter(|nm| !(WAVELENGTHS.0..=WAVELENGTHS.1).contains(&(nm / 1e3))) {
-                return Err(bad(line, format!("the wavelength {nm} nm is not within 10 to 100000 nm")));
+            let wavelength = wavelength_column.map(number).transpose()?;
+            if wavelength.is_some_and(|nm| !(WAVELENGTHS.0..=WAVELENGTHS.1).contains(&(nm / 1e3))) {
+                let cell = record.get(wavelength_column.unwrap_or_default()).unwrap_or_default();
+                return Err(bad(line, format!("the wavelength {cell} nm is not within 10 to 100000 nm")));
             }
             let pair = Pair::new(direction(theta_i?, phi_i?), direction(theta_r?, phi_r?));
             table.queries.push(Query { pair, wavelength: wavelength.map(|nm| nm / 1e3) });
@@ -151,27 +166,25 @@ impl Table {
     }
 
     /// The table with the answers: f, or XYZ.
-    fn answered(&self, values: &[DVec3]) -> String {
-        let quote = |cell: &String| {
-            if cell.contains([',', '"', '\n', '\r']) {
-                format!("\"{}\"", cell.replace('"', "\"\""))
-            } else {
-                cell.clone()
-            }
-        };
-        let line = |cells: &[String]| cells.iter().map(quote).collect::<Vec<_>>().join(",");
-        let added = if self.single_wavelengths { "brdf" } else { "X,Y,Z" };
-        let mut text = format!("{},{added}\n", line(&self.header));
+    fn answered(&self, values: &[DVec3]) -> Result<String> {
+        let mut table = write::Csv::new();
+        let mut header = self.header.clone();
+        header.extend(answers(self.single_wavelengths).iter().map(|name| (*name).to_owned()));
+        table.row(header)?;
         for (row, v) in self.rows.iter().zip(values) {
-            let answer = if self.single_wavelengths {
-                format!("{:e}", v.x)
-            } else {
-                format!("{:e},{:e},{:e}", v.x, v.y, v.z)
-            };
-            text += &format!("{},{answer}\n", line(row));
+            let mut cells = row.clone();
+            cells.extend(
+                v.to_array()[..answers(self.single_wavelengths).len()].iter().map(|x| format!("{x:e}")),
+            );
+            table.row(cells)?;
         }
-        text
+        table.text()
     }
+}
+
+/// Names of the columns that the answer adds.
+fn answers(single_wavelengths: bool) -> &'static [&'static str] {
+    if single_wavelengths { &["brdf"] } else { &["X", "Y", "Z"] }
 }
 
 #[cfg(test)]
@@ -184,10 +197,10 @@ mod tests {
             Table::parse("name,phi_r,theta_r,theta_i,phi_i,wavelength\n\"a,b\",90,30,10,0,550\n").unwrap();
         assert_eq!(table.queries[0].wavelength, Some(0.55));
         assert_eq!(table.queries[0].pair.view, direction(30.0, 90.0));
-        let answer = table.answered(&[DVec3::splat(0.5)]);
+        let answer = table.answered(&[DVec3::splat(0.5)]).unwrap();
         assert_eq!(answer, "name,phi_r,theta_r,theta_i,phi_i,wavelength,brdf\n\"a,b\",90,30,10,0,550,5e-1\n");
         let colour = Table::parse("theta_i,phi_i,theta_r,phi_r\n0,0,0,0\n").unwrap();
-        assert!(colour.answered(&[DVec3::ONE]).contains("phi_r,X,Y,Z\n0,0,0,0,1e0,1e0,1e0\n"));
+        assert!(colour.answered(&[DVec3::ONE]).unwrap().contains("phi_r,X,Y,Z\n0,0,0,0,1e0,1e0,1e0\n"));
     }
 
     #[test]
@@ -201,5 +214,9 @@ mod tests {
         assert!(error("theta_i,phi_i,theta_r\n0,0,0\n").contains("phi_r"));
         assert!(error(&format!("{header}\n")).contains("no queries"));
         assert!(error("").contains("theta_i"));
+        assert!(error("theta_i,phi_i,theta_r,phi_r,wavelength,brdf\n0,0,0,0,550,1\n").contains("brdf"));
+        assert!(error("theta_i,phi_i,theta_r,phi_r,Y\n0,0,0,0,1\n").contains("column Y"));
+        let long = error(&format!("{header}\n0,0,0,0,1e308\n"));
+        assert!(long.contains("1e308 nm") && long.len() < 200, "{long}");
     }
 }

@@ -3,6 +3,7 @@
 mod autotune;
 mod benchmark;
 mod brdf;
+mod cache;
 mod captions;
 mod devices;
 mod eval;
@@ -71,6 +72,8 @@ enum Command {
     /// What is in a height field and what it will cost; generated height fields
     #[command(subcommand)]
     Surface(surface::Command),
+    /// What is kept for next time, and how to remove it
+    Cache(cache::Arguments),
     /// What Vulkan offers here and why one device is chosen
     Devices(devices::Arguments),
 }
@@ -88,6 +91,7 @@ pub fn main() -> ExitCode {
 
 fn run(arguments: Arguments) -> Result<()> {
     arguments.verbosity.apply();
+    start_threads();
     match arguments.command {
         Command::View(arguments) => view::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
@@ -97,7 +101,16 @@ fn run(arguments: Arguments) -> Result<()> {
         Command::Profile(arguments) => profile::run(&arguments),
         Command::Trade(arguments) => trade::run(&arguments),
         Command::Surface(command) => surface::run(&command),
+        Command::Cache(arguments) => cache::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
+    }
+}
+
+/// Makes the threads that share sums and transforms. Where the system gives none, the calling thread does everything.
+fn start_threads() {
+    // A failed attempt would stay the last one, so the first one is on trial.
+    if rayon::ThreadPoolBuilder::new().build().is_err() {
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
     }
 }
 

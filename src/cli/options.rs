@@ -1,5 +1,7 @@
 //! Options that several commands share, with the same word and meaning in each.
 
+use super::say;
+use crate::cache;
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
@@ -8,12 +10,14 @@ use crate::render::shading::Shading;
 use crate::scene::{Camera, Light, MAX_LIGHTS, Scene};
 use crate::setup;
 use crate::setup::Method;
+use crate::surface::synth::Kind;
 use crate::surface::{HeightField, Level, Source};
 use crate::units;
 use crate::vk::selection::DeviceChoice;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
+use std::sync::Once;
 
 /// Smallest and largest tolerance that mean something: below the first, 32-bit floats are in the way everywhere.
 const TOLERANCES: (f64, f64) = (1e-6, 1.0);
@@ -73,6 +77,11 @@ fn level(text: &str) -> Result<Level> {
 }
 
 impl SurfaceOptions {
+    /// The file that the options name, if it is one and not a built-in.
+    pub fn files<'a>(&'a self, positional: Option<&'a str>) -> Option<&'a str> {
+        positional.or(self.surface.as_deref()).filter(|name| Kind::from_name(name).is_none())
+    }
+
     /// The height field that the options name, or `scene`'s, or `fallback`.
     pub fn load(
         &self,
@@ -242,10 +251,28 @@ pub struct ColourOptions {
 }
 
 impl ColourOptions {
+    /// The file that the options name, if it is one and not a built-in.
+    pub fn files(&self) -> Option<&str> {
+        Some(self.illuminant.as_str()).filter(|name| !Illuminant::is_built_in(name))
+    }
+
     /// `shading` with what the options say of colours.
     fn of(&self, shading: Shading) -> Result<Shading> {
         let illuminant = Illuminant::from_name_or_file(&self.illuminant)?;
+        tell_of_missing_light(&illuminant);
         Ok(Shading { illuminant, wavelengths: self.wavelengths, ..shading })
+    }
+}
+
+/// Tells, once a run, where a spectrum does not reach over all that is visible.
+fn tell_of_missing_light(illuminant: &Illuminant) {
+    static TOLD: Once = Once::new();
+    if let Some([first, last]) = illuminant.missing_light() {
+        TOLD.call_once(|| {
+            say(&format_args!(
+                "the illuminant is given from {first} to {last} nm; between 380 and 780 nm it counts as 0 elsewhere"
+            ));
+        });
     }
 }
 
@@ -262,6 +289,22 @@ impl DeviceOptions {
     /// What the user wishes for.
     pub fn wish(&self) -> DeviceChoice {
         self.device.clone().unwrap_or_default()
+    }
+}
+
+/// What is kept for next time.
+#[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Cache")]
+pub struct CacheOptions {
+    /// Most bytes that results kept for next time may take on disk, as in 500MiB; 0 keeps none (see `diffract cache`)
+    #[arg(long, value_name = "SIZE", value_parser = units::bytes, allow_hyphen_values = true, default_value = "2GiB")]
+    pub cache_size: u64,
+}
+
+impl CacheOptions {
+    /// Sets the limit for the rest of the process.
+    pub fn apply(self) {
+        cache::set_limit(self.cache_size);
     }
 }
 

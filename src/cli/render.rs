@@ -1,12 +1,15 @@
 //! `diffract render`: a scene into a file.
 
 use super::options::{
-    ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, check_lights, sample_pixels,
+    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, check_lights,
+    sample_pixels,
 };
-use super::{prepare, scale, write};
+use super::{captions, prepare, scale};
 use crate::error::{Error, Result};
+use crate::files::Files;
 use crate::measure::error;
 use crate::optics::spectrum::SHORTEST;
+use crate::picture_file::{self, Format};
 use crate::render::frame::{Shown, View};
 use crate::render::picture::{Directions, Painter, Picture};
 use crate::render::pigment::Pigment;
@@ -17,7 +20,7 @@ use crate::render::source::{ClassicalGrating, Source};
 use crate::scene::Scene;
 use crate::setup::{self, Method, Settings};
 use crate::surface::HeightField;
-use crate::{output, units};
+use crate::units;
 use clap::Args;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -55,12 +58,20 @@ pub struct Arguments {
     colour: ColourOptions,
     #[command(flatten)]
     device: DeviceOptions,
+    #[command(flatten)]
+    cache: CacheOptions,
 }
 
 /// Draws and writes.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let format = write::PictureFormat::of(&arguments.output)?;
-    output::check(&arguments.output)?;
+    arguments.cache.apply();
+    let format = Format::of(&arguments.output)?;
+    let files = Files::new()
+        .reads([&arguments.scene])
+        .reads(arguments.surface.files(None))
+        .reads(arguments.colour.files())
+        .writes([&arguments.output]);
+    files.check()?;
     check_lights(&arguments.view.light)?;
     if arguments.sample_pixels.is_some() && arguments.optics.picture_method() != Method::Reference {
         return Err(Error::usage(
@@ -70,11 +81,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let shading = arguments.optics.for_pictures(&arguments.colour)?;
     let mut scene = Scene::open(&arguments.scene)?;
+    files.reads(&scene.files).check()?;
     arguments.view.apply(&mut scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
     let shading = arguments.optics.beyond_of(&field, shading);
     let picture = draw(arguments, &scene, &field, &shading)?;
-    write::picture(&arguments.output, format, &picture)
+    picture_file::write(&arguments.output, format, &picture, &captions::notes())
 }
 
 fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Shading) -> Result<Picture> {

@@ -4,15 +4,19 @@
 //! it is given; it may not panic, overflow, hang, or take memory out of proportion.
 
 use super::{eval, options, range, usage};
+use crate::cache::{self, Kept, Key};
 use crate::error::{Error, Result};
 use crate::measure::trade;
 use crate::optics::spectrum::Illuminant;
-use crate::precompute::cache;
+use crate::precompute::Layers;
 use crate::render::pigment::Pigment;
 use crate::scene::{Scene, obj};
+use crate::spectra::power::{self, PowerSpectra};
 use crate::surface::image_file;
+use crate::table::{ColorTable, TableReader};
 use crate::units;
 use crate::vk::selection::DeviceChoice;
+use glam::DVec2;
 use std::ffi::OsString;
 use std::io::Cursor;
 use std::path::Path;
@@ -27,7 +31,7 @@ pub struct Reader {
 }
 
 /// All of them.
-pub const READERS: [Reader; 10] = [
+pub const READERS: [Reader; 12] = [
     Reader { name: "height_image", read: height_image },
     Reader { name: "pigment", read: |bytes| Pigment::from_bytes(bytes).map(drop) },
     Reader { name: "mesh", read: |bytes| obj::from_bytes(bytes).map(drop) },
@@ -35,6 +39,8 @@ pub const READERS: [Reader; 10] = [
     Reader { name: "queries", read: |bytes| eval::Table::parse(text(bytes)?).map(drop) },
     Reader { name: "illuminant", read: |bytes| Illuminant::from_text(text(bytes)?).map(drop) },
     Reader { name: "layers", read: layers },
+    Reader { name: "spectra", read: spectra },
+    Reader { name: "colours", read: colours },
     Reader { name: "sweep", read: sweep },
     Reader { name: "values", read: values },
     Reader { name: "command_line", read: command_line },
@@ -59,18 +65,69 @@ fn scene(bytes: &[u8]) -> Result<()> {
     Scene::parse(text(bytes)?, Path::new("/nowhere")).map(drop)
 }
 
-/// A cache file as it is, and the same bytes as the content of one whose check sum is right.
+/// What the cache keeps as a `T`: from a file as it is, or from one with a right check sum whose parts `bytes` give: a line with a number of
+/// zero bytes, a line of JSON that is the header, and the payload, which the zeros follow.
+fn kept<T: Kept>(bytes: &[u8]) -> Option<T> {
+    const MEMORY: u64 = 64 << 20;
+    const MOST_ZEROS: usize = 1 << 20;
+    let key = Key::named(T::FORMAT.name);
+    let read = |file: &[u8]| {
+        cache::read(&mut Cursor::new(file), file.len() as u64, &T::FORMAT, &key, MEMORY, T::build)
+    };
+    if let Some(built) = read(bytes) {
+        return Some(built);
+    }
+    let mut parts = bytes.splitn(3, |b| *b == b'\n');
+    let zeros: usize = std::str::from_utf8(parts.next()?).ok()?.parse().ok()?;
+    let header = serde_json::from_slice(parts.next()?).ok()?;
+    let mut payload = parts.next()?.to_vec();
+    payload.resize(payload.len() + zeros.min(MOST_ZEROS), 0);
+    read(&cache::seal(&T::FORMAT, &key, &header, &payload))
+}
+
 fn layers(bytes: &[u8]) -> Result<()> {
-    const MEMORY: usize = 64 << 20;
-    let key = blake3::hash(b"layers");
-    let sealed = cache::sealed(&key, bytes);
-    let read = |file: &[u8]| cache::read(&mut Cursor::new(file), file.len() as u64, &key, MEMORY);
-    let found = read(bytes).or_else(|| read(&sealed));
-    let Some(layers) = found else { return Err(Error::failed("there are no layers in it", "make them")) };
+    let Some(layers) = kept::<Layers>(bytes) else {
+        return Err(Error::failed("there are no layers in it", "make them"));
+    };
     // What the shader's tables are counted from.
     let pairs = layers.pairs_at(layers.z_max);
     let texels = layers.size[0] * layers.size[1] * 4 * layers.pairs();
     assert!(pairs <= layers.pairs() && texels == layers.texels.len(), "layers that do not fit their numbers");
+    Ok(())
+}
+
+fn spectra(bytes: &[u8]) -> Result<()> {
+    let Some(spectra) = kept::<PowerSpectra>(bytes) else {
+        return Err(Error::failed("there are no power spectra in it", "make them"));
+    };
+    // What textures are made of, and what reads them.
+    let grid = &spectra.header.grid;
+    for (level, texels) in spectra.levels.iter().enumerate() {
+        let count = grid.size_of(level).into_iter().product::<usize>() * spectra.header.terms;
+        assert!(count > 0 && texels.len() == count, "power spectra that do not fit their numbers");
+    }
+    let reader = power::read::Reader::new(&spectra);
+    let mut coefficients = vec![[0f32; 4]; spectra.header.terms / 4];
+    for f in [DVec2::ZERO, DVec2::splat(1e3), DVec2::splat(-1e9)] {
+        reader.read(f, reader.level(1.0), &mut coefficients);
+    }
+    Ok(())
+}
+
+fn colours(bytes: &[u8]) -> Result<()> {
+    let Some(table) = kept::<ColorTable>(bytes) else {
+        return Err(Error::failed("there is no colour table in it", "bake one"));
+    };
+    // What textures are made of, and what reads them.
+    for (level, texels) in table.levels.iter().enumerate() {
+        let count = table.header.grid.side_of(level).pow(2) * table.header.pieces * 3 * 4;
+        assert!(count > 0 && texels.len() == count, "a table that does not fit its numbers");
+    }
+    let reader = TableReader::new(&table);
+    let level = table.header.grid.level(1e-2);
+    for place in [DVec2::ZERO, DVec2::splat(2.0), DVec2::splat(-1e9)] {
+        reader.at(place, 2.0, level);
+    }
     Ok(())
 }
 

@@ -1,11 +1,12 @@
 //! From the process's words to arguments; wrong use becomes the program's own one-line error.
 
-use super::Arguments;
+use super::{Arguments, write};
 use crate::error::{Error, Result};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
 use std::error::Error as _;
 use std::ffi::OsString;
+use std::io::Write;
 
 /// The arguments that `words` (the program's name first) stand for; `None` where help or the version was asked for and
 /// is now on stdout.
@@ -16,7 +17,7 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Option<Argumen
     match understand(words)? {
         Wanted::Work(arguments) => Ok(Some(*arguments)),
         Wanted::Words(help) => {
-            let _ = help.print(); // a reader that has gone away has what it wanted
+            write::printed(help.print().and_then(|()| std::io::stdout().flush()))?;
             Ok(None)
         }
     }

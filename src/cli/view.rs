@@ -1,6 +1,8 @@
 //! `diffract view`: a scene in a window.
 
-use super::options::{ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, real};
+use super::options::{
+    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, real,
+};
 use super::{check_validation, validation};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
@@ -44,6 +46,8 @@ pub struct Arguments {
     colour: ColourOptions,
     #[command(flatten)]
     device: DeviceOptions,
+    #[command(flatten)]
+    cache: CacheOptions,
 }
 
 /// How frames are presented.
@@ -64,6 +68,7 @@ fn fps(text: &str) -> Result<f64> {
 
 /// Opens the window.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.cache.apply();
     let method = arguments.optics.picture_method();
     if method == Method::Reference {
         return Err(Error::usage(

@@ -2,70 +2,18 @@
 
 use crate::error::{Error, Result};
 use crate::output;
-use crate::render::picture::Picture;
-use image::{ExtendedColorType, ImageEncoder};
 use std::io::Write;
 use std::path::Path;
 
-/// A picture file's format, by its name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PictureFormat {
-    /// 8-bit sRGB, as displayed over the background; alpha is the coverage.
-    Png,
-    /// Linear radiance, signed 32-bit float RGBA, before exposure; alpha is the coverage, and colours are premultiplied by it.
-    Exr,
-}
-
-impl PictureFormat {
-    /// The format that a file name asks for.
-    pub fn of(path: &Path) -> Result<Self> {
-        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-            Some("png") => Ok(Self::Png),
-            Some("exr") => Ok(Self::Exr),
-            _ => Err(Error::usage(
-                format!("{}: the format of the picture is not clear", path.display()),
-                "name it .png or .exr",
-            )),
-        }
-    }
-}
-
-/// Writes `picture` whole or not at all.
-pub fn picture(path: &Path, format: PictureFormat, picture: &Picture) -> Result<()> {
-    let [width, height] = picture.size;
-    output::write_atomically(path, |file| {
-        let encoded = match format {
-            PictureFormat::Png => image::codecs::png::PngEncoder::new(&mut *file).write_image(
-                &codes(picture),
-                width,
-                height,
-                ExtendedColorType::Rgba8,
-            ),
-            PictureFormat::Exr => image::codecs::openexr::OpenExrEncoder::new(&mut *file).write_image(
-                bytemuck::cast_slice(&picture.radiance),
-                width,
-                height,
-                ExtendedColorType::Rgba32F,
-            ),
-        };
-        // Encoders wrap what the system says in words about their format; what is still to be written meets it again.
-        encoded.map_err(|e| match file.flush() {
-            Err(cause) => output::write_failed(path, &cause),
-            Ok(()) => output::write_failed(path, &std::io::Error::other(e)),
-        })
-    })
-}
-
-/// RGBA of a PNG: what is displayed, over the background, and in alpha how much of each pixel the mesh covers. A program that drops alpha
-/// shows the whole picture with smooth edges.
-fn codes(picture: &Picture) -> Vec<u8> {
-    let pixels = picture.display.iter().zip(&picture.radiance);
-    pixels.flat_map(|(&[r, g, b, _], radiance)| [r, g, b, (radiance[3] * 255.0).round() as u8]).collect()
-}
-
-/// Writes a result to stdout. A closed pipe is not an error: the reader has what it wanted.
+/// Writes a result to stdout.
 pub fn stdout(text: &str) -> Result<()> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
+    let mut stdout = std::io::stdout().lock();
+    printed(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()))
+}
+
+/// The outcome of writing to stdout. A closed pipe is not an error: the reader has what it wanted.
+pub fn printed(outcome: std::io::Result<()>) -> Result<()> {
+    match outcome {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(Error::failed(format!("stdout cannot be written ({e})"), "check where it goes"))
         }
@@ -81,6 +29,37 @@ pub fn text(path: Option<&Path>, text: &str) -> Result<()> {
             file.write_all(text.as_bytes()).map_err(|e| output::write_failed(path, &e))
         }),
     }
+}
+
+/// A table as CSV, row by row.
+pub struct Csv(csv::Writer<Vec<u8>>);
+
+impl Csv {
+    /// An empty table.
+    pub fn new() -> Self {
+        Self(csv::Writer::from_writer(Vec::new()))
+    }
+
+    /// Adds a row.
+    ///
+    /// # Errors
+    /// A row with more or fewer cells than the first.
+    pub fn row(&mut self, cells: impl IntoIterator<Item = impl AsRef<[u8]>>) -> Result<()> {
+        self.0.write_record(cells).map_err(|e| no_csv(&e))
+    }
+
+    /// The text.
+    ///
+    /// # Errors
+    /// Never, where the cells are text.
+    pub fn text(self) -> Result<String> {
+        let bytes = self.0.into_inner().map_err(|e| no_csv(&e))?;
+        String::from_utf8(bytes).map_err(|e| no_csv(&e))
+    }
+}
+
+fn no_csv(e: &dyn std::fmt::Display) -> Error {
+    Error::failed(format!("the table is no CSV ({e})"), "report this as a bug of diffract")
 }
 
 /// Writes `report` as JSON to the file `path`.

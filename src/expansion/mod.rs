@@ -10,9 +10,10 @@ pub mod taylor;
 
 use crate::surface::HeightField;
 use rustfft::num_complex::Complex64;
+use serde::Serialize;
 
 /// Which family of functions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 pub enum Basis {
     /// Powers of the height (\[Single 2014\] C.1).
     #[default]

@@ -4,6 +4,7 @@
 //! W_u(x) = Σ_m g₁(x + mT) e^{iku(x + mT)}, so the exact sum costs one patch however many copies the window sees.
 
 use rustfft::num_complex::Complex64;
+use serde::Serialize;
 use std::f64::consts::PI;
 
 /// Where the Gaussian window is cut off, in standard deviations: g = e^(−24.5) = 2e-11 there.
@@ -63,7 +64,7 @@ impl Beyond {
 }
 
 /// The coherence of the light at the surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Coherence {
     /// The patch repeats without end, seen through g = exp(−(x² + y²)/(2σ²)), σ = `length`/4 \[µm\].
     Gaussian {

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use glam::DVec3;
+use serde::{Serialize, Serializer};
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -17,31 +18,49 @@ pub struct Table<const N: usize> {
     values: Vec<[f64; N]>,
 }
 
-impl<const N: usize> serde::Serialize for Table<N> {
-    fn serialize<S: serde::Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
-        let rows = self.wavelengths.iter().zip(&self.values);
-        to.collect_seq(rows.map(|(wavelength, values)| (*wavelength, values.to_vec())))
+impl<const N: usize> Serialize for Table<N> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let Self { wavelengths, values } = self;
+        let values: Vec<&[f64]> = values.iter().map(|row| row.as_slice()).collect();
+        (wavelengths, values).serialize(serializer)
     }
 }
 
 impl<const N: usize> Table<N> {
-    /// Reads CSV with a header line and rows `wavelength,value…` \[nm\].
+    /// Reads CSV with rows `wavelength,value…` \[nm\], below a line of names or without one.
     ///
     /// # Errors
     /// A row that is not N + 1 finite numbers, wavelengths that do not increase, fewer than two rows; the message
     /// names the line.
     pub fn parse(text: &str) -> Result<Self> {
         let mut table = Self { wavelengths: Vec::new(), values: Vec::new() };
-        for (index, line) in text.lines().enumerate().skip(1).filter(|(_, l)| !l.trim().is_empty()) {
-            let bad = |what: &str| {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text); // spreadsheets write a byte order mark
+        let mut reader = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .flexible(true)
+            .trim(csv::Trim::All)
+            .from_reader(text.as_bytes());
+        for (index, record) in reader.records().enumerate() {
+            let refuse = |line: u64, what: &str| {
                 Error::failed(
-                    format!("line {}: {what}: `{line}`", index + 1),
-                    format!("write a header line, then wavelength in nm and {N} value(s) a line, increasing"),
+                    format!("line {line}: {what}"),
+                    format!("write wavelength in nm and {N} value(s) a line, increasing"),
                 )
             };
-            let numbers = line
-                .split(',')
-                .map(|cell| cell.trim().parse::<f64>().ok().filter(|x| x.is_finite()))
+            let record =
+                record.map_err(|e| refuse(e.position().map_or(1, csv::Position::line), &e.to_string()))?;
+            let cells: Vec<&str> = record.iter().collect();
+            // A line of names has no number; one that has some is a row that is damaged.
+            if index == 0 && cells.iter().all(|cell| cell.parse::<f64>().is_err())
+                || cells.iter().all(|cell| cell.is_empty())
+            {
+                continue;
+            }
+            let line = record.position().map_or(0, csv::Position::line);
+            let bad = |what: &str| refuse(line, &format!("{what}: `{}`", cells.join(",")));
+            let numbers = cells
+                .iter()
+                .map(|cell| cell.parse::<f64>().ok().filter(|x| x.is_finite()))
                 .collect::<Option<Vec<f64>>>()
                 .ok_or_else(|| bad("not a number"))?;
             let Some((&wavelength, rest)) = numbers.split_first() else { continue };
@@ -89,7 +108,7 @@ pub fn observer(wavelength: f64) -> DVec3 {
 }
 
 /// The spectral power of the light, up to a factor.
-#[derive(Clone, Debug, PartialEq, Default, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize)]
 pub enum Illuminant {
     /// CIE D65, daylight, tabulated.
     #[default]
@@ -114,6 +133,18 @@ impl Illuminant {
             "e" => Ok(Self::E),
             _ => Self::from_file(Path::new(name)),
         }
+    }
+
+    /// Whether [`Self::from_name_or_file`] takes `name` for one of its own.
+    pub fn is_built_in(name: &str) -> bool {
+        ["d65", "a", "e"].contains(&name.to_ascii_lowercase().as_str())
+    }
+
+    /// First and last wavelength \[nm\] of a user's table that leaves out a part of what is visible.
+    pub fn missing_light(&self) -> Option<[f64; 2]> {
+        let Self::Table(table) = self else { return None };
+        let ends = [*table.wavelengths.first()?, *table.wavelengths.last()?];
+        (ends[0] > 1e3 * SHORTEST || ends[1] < 1e3 * LONGEST).then_some(ends)
     }
 
     fn from_file(path: &Path) -> Result<Self> {
@@ -222,5 +253,45 @@ mod tests {
         assert!(error.contains("line 3"), "{error}");
         assert!(Table::<1>::parse("wavelength,power\n390,1\n380,1\n").is_err());
         assert!(Table::<1>::parse("").is_err());
+    }
+
+    #[test]
+    fn a_first_row_of_numbers_is_data_and_one_of_names_is_not() {
+        let expected = [[380.0, 1.0], [600.0, 2.0], [780.0, 1.0]];
+        for text in [
+            "380,1\n600,2\n780,1\n",
+            "wavelength,power\n380,1\n600,2\n780,1\n",
+            "\u{feff}380,1\n600,2\n780,1",
+            "nm,W\r\n\r\n380, 1\r\n600 ,2\r\n780,\"1\"\r\n",
+        ] {
+            let table = Table::<1>::parse(text).unwrap();
+            let rows: Vec<[f64; 2]> =
+                table.wavelengths.iter().zip(&table.values).map(|(w, v)| [*w, v[0]]).collect();
+            assert_eq!(rows, expected, "{text:?}");
+        }
+        // Neither names nor a row: something is lost.
+        for text in ["380,power\n600,1\n780,1\n", "power,1\n600,1\n780,1\n", "380\n600,1\n780,1\n"] {
+            assert!(Table::<1>::parse(text).unwrap_err().to_string().contains("line 1"), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn a_spectrum_without_a_header_is_as_bright_as_the_one_with_it() {
+        let rows = "380,1\n600,1\n780,1\n";
+        let bare = Illuminant::from_text(rows).unwrap();
+        let named = Illuminant::from_text(&format!("wavelength,power\n{rows}")).unwrap();
+        assert_eq!(bare, named);
+        let equal = Illuminant::E.luminance() / 100.0;
+        assert!((bare.luminance() / equal - 1.0).abs() < 1e-12, "all of the visible range has power 1");
+    }
+
+    #[test]
+    fn a_spectrum_that_leaves_out_visible_light_says_so() {
+        let missing = |text: &str| Illuminant::from_text(text).unwrap().missing_light();
+        assert_eq!(missing("380,1\n780,1\n"), None);
+        assert_eq!(missing("300,1\n900,1\n"), None);
+        assert_eq!(missing("400,1\n780,1\n"), Some([400.0, 780.0]));
+        assert_eq!(missing("380,1\n700,1\n"), Some([380.0, 700.0]));
+        assert_eq!(Illuminant::D65.missing_light(), None);
     }
 }

@@ -5,8 +5,10 @@
 //! ("deapodisation", as in gridding and non-uniform FFTs; Jackson et al. 1991) undoes the multiplication; the damped
 //! copies remain as the error.
 
+use serde::{Deserialize, Serialize};
+
 /// How the shader reads between texels along one axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kernel {
     /// The hardware's own linear interpolation; transform sinc².
     Linear,

@@ -15,10 +15,11 @@ use crate::expansion::{Basis, Expansion, HeightScale};
 use crate::memory;
 use crate::surface::HeightField;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// What the layers are made for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Settings {
     /// Standard deviation of the Gaussian window over the endless surface \[µm\]; infinite: one period alone, without a
     /// window.
@@ -31,14 +32,15 @@ pub struct Settings {
     pub basis: Basis,
     /// Number of terms, where the user names it.
     pub terms: Option<usize>,
-    /// Most bytes that the layers may take.
+    /// Most bytes that the layers may take. Not part of their key: it decides whether they are made.
+    #[serde(skip)]
     pub memory_limit: usize,
     /// Most texels along a side of a layer.
     pub side_limit: usize,
 }
 
 /// The relative intensity errors that layers may bring, RMS over single directions and wavelengths.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Budget {
     /// Reading between texels.
     pub interpolation: f64,
@@ -52,7 +54,7 @@ pub fn largest_z(shortest: f64) -> f64 {
 }
 
 /// The errors that the layers bring, RMS over directions brighter than [`FAINT`] and relative to each one's own intensity.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Truncation and rounding together, measured against the transform of e^{izh}.
     pub expansion: f64,

@@ -1,9 +1,10 @@
 //! How many pairs of terms a wavelength needs.
 
 use super::audit::{PLANES, PlaneTerms};
+use serde::{Deserialize, Serialize};
 
 /// How many pairs of terms k|w| = z needs: ⌈`slope`·z + `fewest`⌉, because a formula costs the shader less than a table.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PairRule {
     /// Pairs per unit of z \[µm\].
     pub slope: f64,

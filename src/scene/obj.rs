@@ -7,12 +7,22 @@
 use super::corner::Corner;
 use super::mesh::{MAX_TRIANGLES, Mesh};
 use crate::error::{Error, Result};
+use crate::memory;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
 /// The largest file that is read, in bytes.
 pub const MAX_BYTES: u64 = 512 << 20;
+
+/// What some programs put in front of text.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// Most corners of one face. Fans suit convex faces, and nobody models convex ones of so many corners.
+const MAX_CORNERS: usize = 4096;
+
+/// What a triangle takes while a mesh is built, measured on faces of many corners.
+const BYTES_PER_TRIANGLE: u64 = 200;
 
 /// Reads the mesh in the OBJ file at `path`.
 ///
@@ -29,15 +39,21 @@ pub fn load(path: &Path) -> Result<Mesh> {
 /// Text that is empty or not an OBJ, a line that is cut short or malformed (named by its number), an index that points
 /// at nothing, no faces, more than [`MAX_TRIANGLES`]; and as [`Mesh::from_triangles`].
 pub fn from_bytes(bytes: &[u8]) -> Result<Mesh> {
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Error::failed("the file is empty", "export the mesh as Wavefront OBJ again"));
     }
     if bytes.contains(&0) {
         return Err(not_an_obj());
     }
-    // Names and comments may be in any encoding; what matters is ASCII. A line that ends in a backslash goes on.
-    let text = String::from_utf8_lossy(bytes).replace("\\\r\n", " ").replace("\\\n", " ");
+    // The text with its line ends, and what is kept of it.
+    memory::ensure_room(3 * bytes.len() as u64, "the text of the mesh")?;
+    // Names and comments may be in any encoding; what matters is ASCII. Lines end in \n, \r\n or \r; one that ends in a
+    // backslash goes on.
+    let text = String::from_utf8_lossy(bytes).replace("\r\n", "\n").replace('\r', "\n").replace("\\\n", " ");
     let survey = Survey::of(&text)?;
+    drop(text);
+    memory::ensure_room(survey.triangles as u64 * BYTES_PER_TRIANGLE, "the triangles of the mesh")?;
     let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
     let (models, _) = tobj::load_obj_buf(&mut survey.geometry.as_bytes(), &options, |_| {
         Err(tobj::LoadError::GenericFailure)
@@ -137,7 +153,9 @@ impl Survey {
 
     /// A line of at least `least` numbers.
     fn numbers(&mut self, kind: usize, least: usize, words: &[&str]) -> Result<()> {
-        for word in words.iter().take(least) {
+        // A position may have a weight, which is a number as well.
+        let checked = if kind == 0 && words.len() == 4 { 4 } else { least };
+        for word in words.iter().take(checked) {
             if !word.parse::<f32>().is_ok_and(f32::is_finite) {
                 return Err(Error::failed(format!("{word:.40?} is not a finite number"), "repair the line"));
             }
@@ -151,10 +169,16 @@ impl Survey {
     }
 
     fn face(&mut self, number: usize, words: &[&str]) -> Result<()> {
+        let corners = words.len();
+        if corners > MAX_CORNERS {
+            return Err(Error::failed(
+                format!("a face has {corners} corners, more than {MAX_CORNERS}"),
+                "cut large faces into triangles before exporting",
+            ));
+        }
         for word in words {
             self.corner(number, word)?;
         }
-        let corners = words.len();
         if corners < 3 {
             let what = format!("a face needs 3 corners and has {corners}");
             return Err(Error::failed(what, "the file may be cut short; export it again"));

@@ -64,6 +64,29 @@ fn windows_line_ends_weights_colours_and_foreign_letters_are_read() {
 }
 
 #[test]
+fn a_byte_order_mark_and_every_kind_of_line_end_leave_the_mesh_as_it_is() {
+    let text = format!("{SQUARE}f 1 2 3 \\\n 4\n");
+    let plain = parse(&text).unwrap();
+    assert_eq!(plain.vertices().len(), 4);
+    assert_eq!(parse(&format!("\u{feff}{text}")).unwrap(), plain);
+    for end in ["\r\n", "\r"] {
+        assert_eq!(parse(&text.replace('\n', end)).unwrap(), plain, "{end:?}");
+        assert_eq!(parse(&format!("\u{feff}{}", text.replace('\n', end))).unwrap(), plain, "{end:?}");
+    }
+    assert_refused("\u{feff}", "empty");
+}
+
+#[test]
+fn a_weight_that_is_no_number_and_a_face_of_too_many_corners_are_refused() {
+    for weight in ["inf", "-inf", "nan", "1e99", "x"] {
+        assert_refused(&format!("v 0 0 0 {weight}\n"), "line 1");
+    }
+    let face = |corners: usize| format!("{SQUARE}f{}\n", " 1 2 3 4".repeat(corners / 4));
+    assert!(parse(&face(4096)).is_ok());
+    assert_refused(&face(4100), "line 5: a face has 4100 corners");
+}
+
+#[test]
 fn what_is_not_a_mesh_is_refused_with_a_reason() {
     assert_refused("", "empty");
     assert_refused(" \n\n", "empty");

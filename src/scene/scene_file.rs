@@ -48,6 +48,8 @@ pub struct Scene {
     pub background: DVec3,
     /// Length of one unit of the scene's coordinates \[m\].
     pub unit: f64,
+    /// The files that the scene consists of: its own, those of mesh, surface and pigment.
+    pub files: Vec<PathBuf>,
 }
 
 #[derive(Deserialize)]
@@ -60,12 +62,12 @@ struct File {
     pixel_size: Option<String>,
     height: Option<String>,
     #[serde(default = "black")]
-    base_color: [f32; 3],
+    base_color: Triple<f32>,
     pigment: Option<PathBuf>,
     #[serde(default)]
     exposure: f64,
     #[serde(default = "dark_grey")]
-    background: [f64; 3],
+    background: Triple<f64>,
     scale: Option<String>,
     camera: FileCamera,
     lights: Vec<String>,
@@ -74,8 +76,8 @@ struct File {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FileCamera {
-    eye: [f32; 3],
-    target: [f32; 3],
+    eye: Triple<f32>,
+    target: Triple<f32>,
     field_of_view: String,
 }
 
@@ -88,12 +90,26 @@ enum Up {
     Z,
 }
 
-fn black() -> [f32; 3] {
-    [0.0; 3]
+/// Exactly three numbers; an array of three would take the first three of more.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "Vec<T>")]
+struct Triple<T: Copy>([T; 3]);
+
+impl<T: Copy> TryFrom<Vec<T>> for Triple<T> {
+    type Error = String;
+
+    fn try_from(numbers: Vec<T>) -> std::result::Result<Self, String> {
+        let count = numbers.len();
+        numbers.try_into().map(Self).map_err(|_| format!("{count} numbers where 3 belong"))
+    }
 }
 
-fn dark_grey() -> [f64; 3] {
-    [0.01; 3]
+fn black() -> Triple<f32> {
+    Triple([0.0; 3])
+}
+
+fn dark_grey() -> Triple<f64> {
+    Triple([0.01; 3])
 }
 
 impl Scene {
@@ -112,7 +128,9 @@ impl Scene {
             "toml" => {
                 let text = input::read_text(path, "a scene file")?;
                 let folder = path.parent().unwrap_or(Path::new(""));
-                Self::parse(&text, folder).map_err(|e| e.at(path.display()))
+                let mut scene = Self::parse(&text, folder).map_err(|e| e.at(path.display()))?;
+                scene.files.push(path.to_owned());
+                Ok(scene)
             }
             _ => Err(Error::usage(
                 format!("there is no scene `{name}`"),
@@ -124,6 +142,7 @@ impl Scene {
     fn of_mesh(path: &Path) -> Result<Self> {
         let mut scene = Self::open("sphere")?;
         scene.mesh = upright(obj::load(path)?, Up::Y);
+        scene.files.push(path.to_owned());
         let bounds = scene.mesh.bounds();
         /// A little air around the mesh.
         const AIR: f32 = 1.1;
@@ -142,7 +161,8 @@ impl Scene {
                 e.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
             Error::failed(format!("line {line}: {}", e.message()), "see assets/scenes for whole examples")
         })?;
-        let numbers = file.base_color.iter().map(|&c| f64::from(c)).chain(file.background);
+        let (Triple(base_color), Triple(background)) = (file.base_color, file.background);
+        let numbers = base_color.iter().map(|&c| f64::from(c)).chain(background);
         if !numbers.clone().all(|c| (0.0..=1.0).contains(&c)) {
             return Err(Error::failed("a colour is not within 0 to 1", "give linear sRGB from 0 to 1"));
         }
@@ -163,21 +183,28 @@ impl Scene {
         } else {
             folder.join(&file.surface).to_string_lossy().into_owned()
         };
+        let pigment = file.pigment.map(|p| folder.join(p));
+        let mesh_file = (!BUILT_IN_MESHES.contains(&file.mesh.as_str())).then(|| folder.join(&file.mesh));
+        let surface_file = (!built_in_surface).then(|| PathBuf::from(&surface));
         Ok(Self {
+            files: [mesh_file, surface_file, pigment.clone()].into_iter().flatten().collect(),
             mesh: open_mesh(&file.mesh, file.up, folder)?,
             surface,
             pixel_size: file.pixel_size.as_deref().map(units::length_pair).transpose()?,
             full_height: file.height.as_deref().map(units::length).transpose()?,
-            camera: Camera::looking(file.camera.eye.into(), file.camera.target.into(), field_of_view)?,
+            camera: Camera::looking(file.camera.eye.0.into(), file.camera.target.0.into(), field_of_view)?,
             lights,
-            base_color: file.base_color.into(),
-            pigment: file.pigment.map(|p| folder.join(p)),
+            base_color: base_color.into(),
+            pigment,
             exposure: file.exposure,
-            background: file.background.into(),
+            background: background.into(),
             unit: file.scale.as_deref().map_or(Ok(UNIT), units::length)? * METRES_PER_MICROMETRE,
         })
     }
 }
+
+/// Meshes that scene files can name instead of a file.
+const BUILT_IN_MESHES: [&str; 4] = ["snake", "plate", "sphere", "disc"];
 
 fn open_mesh(name: &str, up: Up, folder: &Path) -> Result<Mesh> {
     match name {
@@ -241,6 +268,16 @@ mod tests {
         assert!(wrong("mesh = 3\n").contains("line 1"), "{}", wrong("mesh = 3\n"));
         let plate = BUILT_IN[1].1;
         assert!(wrong(&format!("unknown = 1\n{plate}")).contains("unknown"));
+        for (three, other, count) in [
+            ("eye = [1.0,", "eye = [9.0, 1.0,", 4),
+            ("target = [0.02,", "target = [", 2),
+            ("base_color = [0.7,", "base_color = [0.1, 0.1, 0.7,", 5),
+            ("exposure =", "background = [0.1, 0.1]\nexposure =", 2),
+        ] {
+            let changed = plate.replace(three, other);
+            let said = wrong(&changed);
+            assert!(changed != plate && said.contains(&format!("{count} numbers where 3 belong")), "{said}");
+        }
         assert!(Scene::open("nothing").is_err());
         assert!(Scene::open("nothing.toml").unwrap_err().to_string().contains("no such file"));
     }

@@ -4,6 +4,7 @@ mod brdf;
 
 pub use brdf::for_each_window;
 
+use crate::cache::{Kept, Key, Store};
 use crate::error::{Error, Result};
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::orders::Repeats;
@@ -94,10 +95,13 @@ pub struct Made {
 /// Data that is still in use somewhere, for requests that share it.
 #[derive(Default)]
 pub struct InUse {
-    layers: Vec<(blake3::Hash, Weak<Layers>)>,
-    powers: Vec<(blake3::Hash, Weak<PowerSpectra>)>,
-    tables: Vec<(blake3::Hash, Weak<ColorTable>)>,
+    layers: Known<Layers>,
+    powers: Known<PowerSpectra>,
+    tables: Known<ColorTable>,
 }
+
+/// Data of one kind by its key, as long as it is in use.
+type Known<T> = Vec<(Key, Weak<T>)>;
 
 /// The source of `field` under `settings` on `target`: from what is `in_use`, from the cache on disk, or made and kept there.
 ///
@@ -151,19 +155,16 @@ fn layers(
     progress: &Progress<'_>,
 ) -> Result<(Arc<Layers>, Option<String>)> {
     let own = settings.shading.windowed_settings(sigma, settings.shortest, target.limits)?;
-    let key = precompute::cache::key_at(field, &own, settings.shift);
-    if let Some(known) = find(&mut in_use.layers, &key) {
-        return Ok((known, None));
-    }
-    let progress = |done, of| progress("spectra", done, of);
-    let (layers, not_kept) = if settings.cached {
-        precompute::cache::obtain_at(field, &own, settings.shift, &progress)?
-    } else {
-        (compute_at(field, &own, settings.shift, &progress)?, None)
+    let key = precompute::cache::key(field, &own, settings.shift)?;
+    let wanted = Wanted {
+        key,
+        name: "the spectra",
+        memory_limit: precompute::cache::memory_limit(&own),
+        cached: settings.cached,
     };
-    let layers = Arc::new(layers);
-    in_use.layers.push((key, Arc::downgrade(&layers)));
-    Ok((layers, not_kept.map(|e| format!("the spectra are not kept for next time: {e}"))))
+    let make =
+        |_: &mut InUse| compute_at(field, &own, settings.shift, &|done, of| progress("spectra", done, of));
+    wanted.obtain(in_use, |in_use| &mut in_use.layers, make)
 }
 
 /// The power spectra of the mean.
@@ -175,13 +176,14 @@ fn powers(
     progress: &Progress<'_>,
 ) -> Result<(Arc<PowerSpectra>, Option<String>)> {
     let own = settings.power_settings(target.limits)?;
-    let key = key(field, &own)?;
-    if let Some(known) = find(&mut in_use.powers, &key) {
-        return Ok((known, None));
-    }
-    let made = Arc::new(power_spectra(field, &own, &|done, of| progress("spectra", done, of))?);
-    in_use.powers.push((key, Arc::downgrade(&made)));
-    Ok((made, None))
+    let wanted = Wanted {
+        key: Key::new(&PowerSpectra::FORMAT, &own, field)?,
+        name: "the power spectra",
+        memory_limit: own.memory_limit as u64,
+        cached: settings.cached,
+    };
+    let make = |_: &mut InUse| power_spectra(field, &own, &|done, of| progress("spectra", done, of));
+    wanted.obtain(in_use, |in_use| &mut in_use.powers, make)
 }
 
 /// The colour table of the mean.
@@ -193,27 +195,57 @@ fn table(
     progress: &Progress<'_>,
 ) -> Result<(Arc<ColorTable>, Option<String>)> {
     let own = settings.table_settings(target.limits);
-    let key = key(field, &(settings.power_settings(target.limits)?, &own))?;
-    if let Some(known) = find(&mut in_use.tables, &key) {
-        return Ok((known, None));
-    }
-    let (spectra, _) = powers(field, settings, target, in_use, progress)?;
-    let made = Arc::new(bake(&spectra, &own, &|done, of| progress("colours", done, of))?);
-    in_use.tables.push((key, Arc::downgrade(&made)));
-    Ok((made, None))
+    let wanted = Wanted {
+        key: Key::new(&ColorTable::FORMAT, &(settings.power_settings(target.limits)?, &own), field)?,
+        name: "the colour table",
+        memory_limit: own.memory_limit as u64,
+        cached: settings.cached,
+    };
+    let make = |in_use: &mut InUse| {
+        let (spectra, _) = powers(field, settings, target, in_use, progress)?;
+        bake(&spectra, &own, &|done, of| progress("colours", done, of))
+    };
+    wanted.obtain(in_use, |in_use| &mut in_use.tables, make)
 }
 
-/// A name for what follows from `field` and `settings`.
-fn key(field: &HeightField, settings: &impl serde::Serialize) -> Result<blake3::Hash> {
-    let text = serde_json::to_string(settings).map_err(|e| {
-        Error::failed(format!("settings cannot be named: {e}"), "report this as a bug of diffract")
-    })?;
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(text.as_bytes());
-    hasher.update(bytemuck::cast_slice(&[field.columns() as f64, field.rows() as f64]));
-    hasher.update(bytemuck::cast_slice(&field.pixel_size()));
-    hasher.update(bytemuck::cast_slice(field.heights()));
-    Ok(hasher.finalize())
+/// Data that a source needs.
+struct Wanted {
+    key: Key,
+    // For the user.
+    name: &'static str,
+    // Most bytes that it may take.
+    memory_limit: u64,
+    // Whether the cache on disk keeps it.
+    cached: bool,
+}
+
+impl Wanted {
+    /// The data: from the list `known` of what is in use, from the cache on disk, or from `make`. Beside it, why it could not be kept, where
+    /// that is so.
+    fn obtain<T: Kept>(
+        &self,
+        in_use: &mut InUse,
+        known: impl Fn(&mut InUse) -> &mut Known<T>,
+        make: impl FnOnce(&mut InUse) -> Result<T>,
+    ) -> Result<(Arc<T>, Option<String>)> {
+        if let Some(data) = find(known(in_use), &self.key) {
+            return Ok((data, None));
+        }
+        let store = if self.cached { Store::open() } else { None };
+        let kept = store.as_ref().and_then(|store| store.load_kept(&self.key, self.memory_limit));
+        let (data, note) = match kept {
+            Some(data) => (data, None),
+            None => {
+                let made = make(in_use)?;
+                let outcome = store.map_or(Ok(()), |store| store.save_kept(&self.key, &made));
+                let name = self.name;
+                (made, outcome.err().map(|e| format!("{name} cannot be kept for next time: {e}")))
+            }
+        };
+        let data = Arc::new(data);
+        known(in_use).push((self.key, Arc::downgrade(&data)));
+        Ok((data, note))
+    }
 }
 
 /// How the surface goes on beyond a patch like `field`, unless the user says: copies where they join without visible steps.
@@ -308,7 +340,7 @@ pub const READING_SHARE: f64 = 0.7;
 const CUBIC_SHARE: f64 = 1.0;
 
 /// What is known by `key`; forgets what nobody uses any more.
-fn find<T>(known: &mut Vec<(blake3::Hash, Weak<T>)>, key: &blake3::Hash) -> Option<Arc<T>> {
+fn find<T>(known: &mut Known<T>, key: &Key) -> Option<Arc<T>> {
     known.retain(|(_, data)| data.strong_count() > 0);
     known.iter().find(|(own, _)| own == key).and_then(|(_, data)| data.upgrade())
 }

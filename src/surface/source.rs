@@ -44,6 +44,10 @@ fn from_file(name: &str, pixel_size: Option<[f64; 2]>, height: Option<f64>) -> R
             format!("give a PNG or TIFF file, or one of {known}"),
         ));
     }
+    // What is not there needs no units.
+    if let Err(e) = path.metadata() {
+        return Err(Error::failed(format!("cannot open: {e}"), "check the path").at(name));
+    }
     let missing = |option: &str, example: &str| {
         Error::usage(
             format!("the height image {name} carries no units"),

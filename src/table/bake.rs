@@ -33,14 +33,15 @@ pub struct TableSettings {
     pub finest: f64,
     /// Most texels along a side.
     pub side_limit: usize,
-    /// Most bytes of all levels.
+    /// Most bytes of all levels. Not part of the key: it decides whether they are made.
+    #[serde(skip)]
     pub memory_limit: usize,
 }
 
 /// Coefficients of a cubic.
 const CUBIC: usize = 4;
 /// Most pieces of the range of |w|.
-const MOST_PIECES: usize = 16;
+pub(super) const MOST_PIECES: usize = 16;
 /// A wavelength in the middle of the visible range \[µm\].
 const MIDDLE: f64 = 0.55;
 /// Where blue light weighs most \[µm\]: coherence blurs it least.

@@ -23,7 +23,7 @@ pub struct Grid {
 
 /// Fewest texels along a side of the coarsest level, and most levels.
 const FEWEST: usize = 16;
-const MOST_LEVELS: usize = 8;
+pub(super) const MOST_LEVELS: usize = 8;
 /// |(u, v)| is at most 2.
 const REACH: f64 = 2.0;
 

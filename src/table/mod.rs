@@ -8,6 +8,7 @@
 //! Level l of a table is the average over a Gaussian of (u, v) of standard deviation s_l; see [`Grid`].
 
 mod bake;
+mod cache;
 mod grid;
 mod read;
 mod specular;

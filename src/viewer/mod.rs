@@ -46,8 +46,10 @@ use winit::event_loop::EventLoop;
 /// No display, no device that shows windows, a device that is lost.
 pub fn run(start: Start) -> Result<Vec<String>> {
     check_display(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()))?;
-    let no_display =
-        |e: &dyn std::fmt::Display| Error::failed(format!("the display cannot be opened ({e})"), RENDER);
+    let no_display = |e: &dyn std::fmt::Display| {
+        let cause = without_source(&e.to_string());
+        Error::failed(format!("the display cannot be opened ({cause})"), RENDER)
+    };
     let events = EventLoop::with_user_event().build().map_err(|e| no_display(&e))?;
     let mut app = app::App::new(start, events.create_proxy());
     let ended = events.run_app(&mut app);
@@ -55,6 +57,14 @@ pub fn run(start: Start) -> Result<Vec<String>> {
     result?;
     ended.map_err(|e| no_display(&e))?;
     Ok(instance.map(|i: Arc<Instance>| i.messages()).unwrap_or_default())
+}
+
+/// A message of winit without the place in its sources that it names in front, as in `os error at …/mod.rs:7: no such display`.
+fn without_source(message: &str) -> String {
+    let behind = message
+        .rsplit_once(".rs:")
+        .map(|(_, behind)| behind.trim_start_matches(|c: char| c.is_ascii_digit()));
+    behind.and_then(|behind| behind.strip_prefix(": ")).unwrap_or(message).to_owned()
 }
 
 /// Fails when the environment names no display. `named` tells whether a variable is set.

@@ -4,6 +4,7 @@ use crate::error::Result;
 use crate::expansion::Basis;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::spectrum::Illuminant;
+use crate::picture_file::quoted;
 use crate::render::shading::{Purpose, Shading};
 use crate::scene::{Camera, Light, Scene};
 use crate::setup::Method;
@@ -206,15 +207,6 @@ impl ViewSettings {
 
 fn triple(v: Vec3) -> String {
     format!("{},{},{}", v.x, v.y, v.z)
-}
-
-/// `word` as a shell takes it.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:+=@%".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', "'\\''"))
 }
 
 #[cfg(test)]

@@ -100,3 +100,202 @@ impl Access {
             .subresource_range(range)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
+
+    /// What the Vulkan specification says of a use, written down without [`Access::row`]: the stages that touch the memory
+    /// (chapter "Supported Access Types"), what they read and write there, and the layouts that an image may have then.
+    struct Use {
+        access: Access,
+        stages: &'static [S],
+        reads: &'static [A],
+        writes: &'static [A],
+        layouts: &'static [L],
+        /// Whether images are used so; vertices and indices stand in buffers.
+        of_images: bool,
+    }
+
+    const USES: [Use; 9] = [
+        Use {
+            access: Access::TransferWrite,
+            stages: &[S::COPY],
+            reads: &[],
+            writes: &[A::TRANSFER_WRITE],
+            layouts: &[L::TRANSFER_DST_OPTIMAL, L::GENERAL],
+            of_images: true,
+        },
+        Use {
+            access: Access::TransferRead,
+            stages: &[S::COPY],
+            reads: &[A::TRANSFER_READ],
+            writes: &[],
+            layouts: &[L::TRANSFER_SRC_OPTIMAL, L::GENERAL],
+            of_images: true,
+        },
+        Use {
+            access: Access::ColorAttachment,
+            stages: &[S::COLOR_ATTACHMENT_OUTPUT],
+            // Blending and loading read.
+            reads: &[A::COLOR_ATTACHMENT_READ],
+            writes: &[A::COLOR_ATTACHMENT_WRITE],
+            layouts: &[L::COLOR_ATTACHMENT_OPTIMAL, L::ATTACHMENT_OPTIMAL, L::GENERAL],
+            of_images: true,
+        },
+        Use {
+            access: Access::DepthAttachment,
+            // Loaded and tested early, tested and stored late.
+            stages: &[S::EARLY_FRAGMENT_TESTS, S::LATE_FRAGMENT_TESTS],
+            reads: &[A::DEPTH_STENCIL_ATTACHMENT_READ],
+            writes: &[A::DEPTH_STENCIL_ATTACHMENT_WRITE],
+            layouts: &[L::DEPTH_ATTACHMENT_OPTIMAL, L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL, L::GENERAL],
+            of_images: true,
+        },
+        Use {
+            access: Access::ShaderRead,
+            stages: &[S::VERTEX_SHADER, S::FRAGMENT_SHADER, S::COMPUTE_SHADER],
+            reads: &[A::SHADER_SAMPLED_READ, A::SHADER_STORAGE_READ],
+            writes: &[],
+            layouts: &[L::SHADER_READ_ONLY_OPTIMAL, L::READ_ONLY_OPTIMAL, L::GENERAL],
+            of_images: true,
+        },
+        Use {
+            access: Access::ComputeWrite,
+            stages: &[S::COMPUTE_SHADER],
+            reads: &[],
+            writes: &[A::SHADER_STORAGE_WRITE],
+            layouts: &[L::GENERAL],
+            of_images: true,
+        },
+        Use {
+            access: Access::VertexRead,
+            stages: &[S::VERTEX_ATTRIBUTE_INPUT, S::INDEX_INPUT],
+            reads: &[A::VERTEX_ATTRIBUTE_READ, A::INDEX_READ],
+            writes: &[],
+            layouts: &[],
+            of_images: false,
+        },
+        Use {
+            access: Access::HostRead,
+            stages: &[S::HOST],
+            reads: &[A::HOST_READ],
+            writes: &[],
+            layouts: &[L::GENERAL],
+            of_images: false,
+        },
+        // The semaphore of the presentation waits for all work and makes it visible: no stage and no access here.
+        Use {
+            access: Access::Present,
+            stages: &[],
+            reads: &[],
+            writes: &[],
+            layouts: &[L::PRESENT_SRC_KHR],
+            of_images: true,
+        },
+    ];
+
+    /// Whether `mask` has `stage`, or one that the specification says includes it.
+    fn holds_stage(mask: S, stage: S) -> bool {
+        let wider = match stage {
+            S::COPY => S::ALL_TRANSFER,
+            S::EARLY_FRAGMENT_TESTS | S::LATE_FRAGMENT_TESTS | S::COLOR_ATTACHMENT_OUTPUT => S::ALL_GRAPHICS,
+            S::VERTEX_SHADER | S::FRAGMENT_SHADER => S::ALL_GRAPHICS,
+            S::VERTEX_ATTRIBUTE_INPUT | S::INDEX_INPUT => S::VERTEX_INPUT,
+            // ALL_COMMANDS has no host.
+            S::HOST => return mask.contains(S::HOST),
+            _ => S::ALL_COMMANDS,
+        };
+        mask.intersects(stage | wider | S::ALL_COMMANDS)
+    }
+
+    /// Whether `mask` has `access`, or one that the specification says includes it.
+    fn holds_access(mask: A, access: A) -> bool {
+        let wider = match access {
+            A::SHADER_SAMPLED_READ | A::SHADER_STORAGE_READ => A::SHADER_READ | A::MEMORY_READ,
+            A::SHADER_STORAGE_WRITE => A::SHADER_WRITE | A::MEMORY_WRITE,
+            read if format!("{read:?}").contains("READ") => A::MEMORY_READ,
+            _ => A::MEMORY_WRITE,
+        };
+        mask.intersects(access | wider)
+    }
+
+    /// Whether a barrier of these scopes orders `first` before `next` and shows `next` what `first` wrote.
+    fn assert_orders(first: &Use, next: &Use, scopes: (S, A, S, A), layouts: Option<(L, L)>) {
+        let (src_stage, src_access, dst_stage, dst_access) = scopes;
+        let what = format!("{:?} then {:?}: {scopes:?} {layouts:?}", first.access, next.access);
+        // Execution: all of the first use comes before any of the next, whichever of them writes.
+        assert!(first.stages.iter().all(|s| holds_stage(src_stage, *s)), "waits for too little: {what}");
+        assert!(next.stages.iter().all(|s| holds_stage(dst_stage, *s)), "too little waits: {what}");
+        // Memory: writes are made available, and visible to reads and writes.
+        assert!(first.writes.iter().all(|a| holds_access(src_access, *a)), "not available: {what}");
+        let mut seen = next.reads.iter().chain(next.writes);
+        assert!(seen.all(|a| holds_access(dst_access, *a)), "not visible: {what}");
+        if let Some((old, new)) = layouts {
+            assert!(first.layouts.contains(&old), "the old layout drops the contents: {what}");
+            assert!(next.layouts.contains(&new), "no layout for the next use: {what}");
+        }
+    }
+
+    fn masks(barrier: &vk::ImageMemoryBarrier2) -> (S, A, S, A) {
+        (barrier.src_stage_mask, barrier.src_access_mask, barrier.dst_stage_mask, barrier.dst_access_mask)
+    }
+
+    #[test]
+    fn every_barrier_between_two_uses_does_what_the_specification_asks_for() {
+        for first in &USES {
+            for next in &USES {
+                let of_memory = first.access.memory_barrier(next.access);
+                let scopes = (
+                    of_memory.src_stage_mask,
+                    of_memory.src_access_mask,
+                    of_memory.dst_stage_mask,
+                    of_memory.dst_access_mask,
+                );
+                assert_orders(first, next, scopes, None);
+                if first.of_images && next.of_images {
+                    let range = vk::ImageSubresourceRange::default();
+                    let barrier = first.access.image_barrier(next.access, vk::Image::null(), range);
+                    assert_orders(
+                        first,
+                        next,
+                        masks(&barrier),
+                        Some((barrier.old_layout, barrier.new_layout)),
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_image_whose_contents_are_dropped_still_waits_for_its_earlier_use() {
+        for next in USES.iter().filter(|next| next.of_images) {
+            let range = vk::ImageSubresourceRange::default();
+            let barrier = Access::Nothing.image_barrier(next.access, vk::Image::null(), range);
+            let (src_stage, src_access, dst_stage, dst_access) = masks(&barrier);
+            assert_eq!((src_access, barrier.old_layout), (A::NONE, L::UNDEFINED));
+            assert!(next.layouts.contains(&barrier.new_layout), "{:?}", next.access);
+            assert!(next.stages.iter().all(|s| holds_stage(src_stage, *s) && holds_stage(dst_stage, *s)));
+            let mut used = next.reads.iter().chain(next.writes);
+            assert!(used.all(|a| holds_access(dst_access, *a)), "{:?}", next.access);
+        }
+    }
+
+    #[test]
+    fn barriers_that_lack_a_part_are_noticed() {
+        let [write, read] = [&USES[0], &USES[4]];
+        let whole = (S::COPY, A::TRANSFER_WRITE, S::ALL_COMMANDS, A::SHADER_READ);
+        assert_orders(write, read, whole, Some((L::TRANSFER_DST_OPTIMAL, L::SHADER_READ_ONLY_OPTIMAL)));
+        let lacking = [
+            (S::NONE, whole.1, whole.2, whole.3),
+            (whole.0, A::NONE, whole.2, whole.3),
+            (whole.0, whole.1, S::FRAGMENT_SHADER, whole.3),
+            (whole.0, whole.1, whole.2, A::NONE),
+        ];
+        for scopes in lacking {
+            let noticed = std::panic::catch_unwind(|| assert_orders(write, read, scopes, None));
+            assert!(noticed.is_err(), "{scopes:?}");
+        }
+    }
+}

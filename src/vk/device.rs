@@ -5,6 +5,7 @@ use super::instance::Instance;
 use super::selection::{self, Candidate, DeviceChoice};
 use super::surface::Surface;
 use crate::error::{Error, Result};
+use crate::memory;
 use ash::{ext, khr, vk};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{
@@ -275,7 +276,7 @@ fn poisoned() -> Error {
 
 fn memory_failure(name: &str, error: &gpu_allocator::AllocationError) -> Error {
     Error::failed(
-        format!("the Vulkan device has no memory for the {name} ({error})"),
-        "ask for a smaller --size, a larger --tolerance or a shorter --coherence, or use --device cpu",
+        format!("the Vulkan device has no memory for the resource \"{name}\" ({error})"),
+        if memory::is_limited() { super::LIFT_LIMIT } else { super::LESS_MEMORY },
     )
 }

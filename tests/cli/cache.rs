@@ -77,6 +77,44 @@ fn what_stands_in_the_place_of_a_file_does_no_harm() {
     fs::remove_file(file).unwrap();
 }
 
+#[cfg(unix)]
+#[test]
+fn a_link_in_the_cache_overwrites_nothing_and_the_folder_is_closed_to_others() {
+    use std::os::unix::fs::PermissionsExt;
+    let (sandbox, right) = cold();
+    let [file] = &kept(&sandbox)[..] else { panic!("one file") };
+    sandbox.write("victim", "precious");
+    fs::remove_file(file).unwrap();
+    std::os::unix::fs::symlink(sandbox.path("victim"), file).unwrap();
+    sandbox.run(picture("again.exr")).done();
+    assert_eq!(sandbox.read("again.exr"), right);
+    assert_eq!(sandbox.read("victim"), b"precious");
+    assert!(fs::symlink_metadata(file).unwrap().is_file());
+    assert_eq!(fs::metadata(sandbox.cache()).unwrap().permissions().mode() & 0o777, 0o700);
+}
+
+#[test]
+fn the_cache_is_shown_bounded_and_cleared() {
+    let (sandbox, right) = cold();
+    let size = fs::metadata(&kept(&sandbox)[0]).unwrap().len();
+    let shown = sandbox.run(["cache"]).done();
+    assert!(shown.contains(&sandbox.cache().display().to_string()), "{shown}");
+    assert!(shown.contains("layers") && shown.contains(&format!("{size} bytes")), "{shown}");
+    // Room for one of two.
+    let bound = format!("{}B", size + size / 2);
+    sandbox.run2(&picture("other.exr"), &["--ior", "1.6", "--terms", "3", "--cache-size", &bound]).done();
+    let held: u64 = kept(&sandbox).iter().map(|file| fs::metadata(file).unwrap().len()).sum();
+    assert!(kept(&sandbox).len() == 1 && held <= size + size / 2, "{held}");
+    let refused = sandbox.run2(&picture("again.exr"), &["--cache-size", "1kB"]);
+    assert!(refused.code == Some(0) && refused.stderr.contains("--cache-size"), "{refused:?}");
+    let cleared = sandbox.run(["cache", "clear"]).done();
+    assert!(cleared.contains("1 file removed"), "{cleared}");
+    assert!(kept(&sandbox).is_empty());
+    sandbox.run2(&picture("none.exr"), &["--cache-size", "0"]).done();
+    assert!(kept(&sandbox).is_empty() && sandbox.read("none.exr") == right);
+    assert_eq!(sandbox.run(["cache", "--cache-size", "-1MB"]).code, Some(2));
+}
+
 #[test]
 fn without_a_place_to_keep_spectra_the_work_is_done_with_one_warning() {
     let (_, right) = cold();

@@ -141,6 +141,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--basis", &[NO_NUMBER, &["fourier"]]),
     ("--illuminant", &[NO_NUMBER, &["d50", "missing.csv", ".", "/dev/zero", "grey.png"]]),
     ("--surface", &[NO_NUMBER, &["nothing", "nothing.png", ".", "/dev/zero", "q.csv", "grey.png/x.png"]]),
+    ("--cache-size", &[NO_NUMBER, &["500", "-1MB", "2gib", "8388609TiB", "1e400GB", "infMiB"]]),
     ("--device", &[&["", " ", "nothing", "7", "-1", "99999999999999999999", "\n"]]),
     ("--folder", &[&["", "/dev/null", "grey.png", "grey.png/trade"]]),
     ("--fps", &[NO_NUMBER, &["0", "-15", "1e6", "15fps"]]),

@@ -3,7 +3,7 @@
 use crate::sandbox::Sandbox;
 
 /// Every command and what its help has to mention.
-pub const COMMANDS: [(&[&str], &str); 11] = [
+pub const COMMANDS: [(&[&str], &str); 13] = [
     (&["view"], "--fps"),
     (&["render"], "--exposure"),
     (&["eval"], "--queries"),
@@ -14,6 +14,8 @@ pub const COMMANDS: [(&[&str], &str); 11] = [
     (&["surface"], "synth"),
     (&["surface", "info"], "--level"),
     (&["surface", "synth"], "--patch"),
+    (&["cache"], "clear"),
+    (&["cache", "clear"], "Remove"),
     (&["devices"], "--device"),
 ];
 
@@ -34,7 +36,7 @@ fn help_of_every_command_goes_to_stdout_with_exit_code_0() {
 #[test]
 fn the_list_of_commands_in_these_tests_is_the_programs() {
     let sandbox = Sandbox::new();
-    for parent in [&[][..], &["surface"]] {
+    for parent in [&[][..], &["surface"], &["cache"]] {
         let help = sandbox.run2(parent, &["--help"]).done();
         let (_, list) = help.split_once("Commands:\n").unwrap();
         for line in list.lines().take_while(|line| !line.is_empty()) {

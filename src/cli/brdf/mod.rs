@@ -4,12 +4,15 @@ mod figure;
 mod map;
 mod variant;
 
-use super::options::{ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, check_lights, exposure};
-use super::{evaluation, say, write};
+use super::options::{
+    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, check_lights, exposure,
+};
+use super::{captions, evaluation, say};
 use crate::error::{Error, Result};
 use crate::figure::Format;
+use crate::files::Files;
 use crate::optics::color;
-use crate::output;
+use crate::picture_file;
 use crate::render::picture::Picture;
 use crate::scene::Light;
 use crate::surface::HeightField;
@@ -76,6 +79,8 @@ pub struct Arguments {
     colour: ColourOptions,
     #[command(flatten)]
     device: DeviceOptions,
+    #[command(flatten)]
+    cache: CacheOptions,
 }
 
 /// A square size.
@@ -99,11 +104,14 @@ fn wavelength(text: &str) -> Result<f64> {
 
 /// Evaluates and writes.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let format = arguments.output.as_deref().map(write::PictureFormat::of).transpose()?;
+    arguments.cache.apply();
+    let format = arguments.output.as_deref().map(picture_file::Format::of).transpose()?;
     arguments.plot.as_deref().map(Format::of).transpose()?;
-    for path in [&arguments.output, &arguments.plot].into_iter().flatten() {
-        output::check(path)?;
-    }
+    Files::new()
+        .reads(arguments.surface.files(arguments.surface_name.as_deref()))
+        .reads(arguments.colour.files())
+        .writes([&arguments.output, &arguments.plot].into_iter().flatten())
+        .check()?;
     check_lights(&arguments.light)?;
     let ways = match &arguments.compare {
         Some(variants) => variants.iter().map(|v| v.of(&arguments.optics)).collect::<Result<Vec<_>>>()?,
@@ -123,7 +131,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (Some(path), Some(format)) = (&arguments.output, format) else { return Ok(()) };
     let display = map.pixels.iter().map(|pixel| displayed(*pixel, arguments.exposure)).collect();
     let picture = Picture { size: [arguments.size; 2], radiance: map.pixels, display };
-    write::picture(path, format, &picture)
+    picture_file::write(path, format, &picture, &captions::notes())
 }
 
 /// Two maps, their difference in a figure and in a line.

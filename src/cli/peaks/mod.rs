@@ -4,12 +4,12 @@ mod figure;
 mod report;
 mod sweep;
 
-use super::options::{self, DeviceOptions, OpticsOptions, SurfaceOptions};
+use super::options::{self, CacheOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
 use super::range::Range;
 use super::{evaluation, say, write};
 use crate::error::{Error, Result};
 use crate::figure::Format;
-use crate::output;
+use crate::files::Files;
 use clap::{Args, ValueEnum};
 use report::{Found, Report};
 use serde::Serialize;
@@ -85,6 +85,8 @@ pub struct Arguments {
     optics: OpticsOptions,
     #[command(flatten)]
     device: DeviceOptions,
+    #[command(flatten)]
+    cache: CacheOptions,
 }
 
 /// An axis of the tangent frame.
@@ -167,10 +169,12 @@ fn period(text: &str) -> Result<f64> {
 
 /// Searches and reports.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.cache.apply();
     arguments.plot.as_deref().map(Format::of).transpose()?;
-    for path in [&arguments.output, &arguments.json, &arguments.plot].into_iter().flatten() {
-        output::check(path)?;
-    }
+    Files::new()
+        .reads(arguments.surface.files(arguments.surface_name.as_deref()))
+        .writes([&arguments.output, &arguments.json, &arguments.plot].into_iter().flatten())
+        .check()?;
     evaluation::check_single_wavelengths(arguments.optics.method())?;
     if arguments.order.0.len() > 1 && arguments.period.is_none() {
         return Err(Error::usage(
@@ -189,7 +193,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut windows: Vec<Vec<Found>> = Vec::new();
     let sweep = Sweep::of(arguments, &field, |one| windows.push(find(arguments, one)))?;
     let found = find(arguments, &sweep);
-    write::text(arguments.output.as_deref(), &report::table(&found))?;
+    write::text(arguments.output.as_deref(), &report::table(&found)?)?;
     tell(&found, &windows);
     if let Some(path) = &arguments.plot {
         figure::figure(arguments, &field, &sweep, &found).save(path)?;

@@ -1,9 +1,10 @@
 //! What the peaks say, as CSV, as a line and as JSON.
 
 use super::Axis;
+use crate::cli::write::Csv;
+use crate::error::Result;
 use crate::measure::peaks::{Peak, PeriodStatistics};
 use serde::Serialize;
-use std::fmt::Write;
 
 /// The peaks of one order.
 #[derive(Clone, Debug)]
@@ -39,20 +40,24 @@ impl Found {
 }
 
 /// The CSV; with several orders, another column says which.
-pub fn table(found: &[Found]) -> String {
+pub fn table(found: &[Found]) -> Result<String> {
     let cell = |value: Option<f64>| value.map(|x| x.to_string()).unwrap_or_default();
-    let several = found.len() > 1;
-    let mut text = format!("wavelength,angle,period,response{}\n", if several { ",order" } else { "" });
+    let columns = if found.len() > 1 { 5 } else { 4 };
+    let mut table = Csv::new();
+    table.row(&["wavelength", "angle", "period", "response", "order"][..columns])?;
     for of in found {
         for peak in &of.peaks {
-            let (angle, period) = (cell(peak.angle), cell(peak.period.map(nanometres)));
-            let order = if several { format!(",{}", of.order) } else { String::new() };
-            // Writing to a string cannot fail.
-            let _ =
-                writeln!(text, "{},{angle},{period},{:e}{order}", nanometres(peak.wavelength), peak.response);
+            let cells = [
+                nanometres(peak.wavelength).to_string(),
+                cell(peak.angle),
+                cell(peak.period.map(nanometres)),
+                format!("{:e}", peak.response),
+                of.order.to_string(),
+            ];
+            table.row(&cells[..columns])?;
         }
     }
-    text
+    table.text()
 }
 
 /// nm from µm, without the last bits that the change of units adds.

@@ -7,8 +7,8 @@ use super::benchmark::{BenchmarkOptions, BenchmarkScene, PictureErrors, fps};
 use super::options::{check_lights, sample_pixels};
 use super::{prepare, write};
 use crate::error::Result;
+use crate::files::Files;
 use crate::measure::profile::{measure, rates};
-use crate::output;
 use clap::Args;
 use report::Report;
 use std::path::PathBuf;
@@ -42,11 +42,17 @@ fn compared_pixels(text: &str) -> Result<usize> {
 
 /// Measures and reports.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    check_lights(&arguments.benchmark.light)?;
-    if let Some(path) = &arguments.json {
-        output::check(path)?;
-    }
-    let scene = BenchmarkScene::open(&arguments.benchmark)?;
+    let options = &arguments.benchmark;
+    options.cache.apply();
+    check_lights(&options.light)?;
+    let files = Files::new()
+        .reads([&options.scene])
+        .reads(options.surface.files(None))
+        .reads(options.colour.files())
+        .writes(&arguments.json);
+    files.check()?;
+    let scene = BenchmarkScene::open(options)?;
+    files.reads(&scene.scene.files).check()?;
     let tuned = arguments.fps.map(|fps| tune(fps, &scene, &arguments.benchmark)).transpose()?;
     let options = tuned.as_ref().map_or(&arguments.benchmark, |tuned| &tuned.options);
     let report = profile(&scene, options, arguments)?;

@@ -6,12 +6,14 @@ mod figure;
 pub use figure::figure;
 
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimits, fps};
-use super::options::{DeviceOptions, SurfaceOptions, check_lights, coherence, ior, tolerance};
+use super::options::{CacheOptions, DeviceOptions, SurfaceOptions, check_lights, coherence, ior, tolerance};
 use super::{prepare, say, write};
 use crate::error::{Error, Result};
+use crate::files::Files;
 use crate::measure::profile::NOISY;
 use crate::measure::trade::{self, GRATING, Measurement, THESIS};
 use crate::optics::coherence::Coherence;
+use crate::optics::spectrum::Illuminant;
 use crate::scene::Light;
 use crate::{output, units};
 use baselines::Baselines;
@@ -62,6 +64,8 @@ pub struct Arguments {
     surface: SurfaceOptions,
     #[command(flatten)]
     device: DeviceOptions,
+    #[command(flatten)]
+    cache: CacheOptions,
 }
 
 /// The options of a setting as a command line.
@@ -80,6 +84,7 @@ const LARGEST_CSV: u64 = 16 << 20;
 
 /// Measures, and writes the results.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.cache.apply();
     check_lights(&arguments.light)?;
     if arguments.folder.as_os_str().is_empty() {
         return Err(Error::usage("--folder: the name is empty", "give the results a folder"));
@@ -109,7 +114,14 @@ impl<'a> Sweep<'a> {
         let scene = BenchmarkScene::open(&setting(arguments, "")?)?;
         // The folder is made when there is something to write.
         if arguments.folder.exists() {
-            FILES.iter().try_for_each(|name| output::check(&arguments.folder.join(name)))?;
+            let illuminant = Some(&arguments.illuminant).filter(|name| !Illuminant::is_built_in(name));
+            Files::new()
+                .reads([&arguments.scene])
+                .reads(arguments.surface.files(None))
+                .reads(illuminant)
+                .reads(&scene.scene.files)
+                .writes(FILES.map(|name| arguments.folder.join(name)))
+                .check()?;
         }
         let frame = frame_key(arguments, &scene);
         let rows = read_rows(&arguments.folder.join("trade.csv"), &frame);
@@ -275,6 +287,7 @@ fn setting(arguments: &Arguments, flags: &str) -> Result<BenchmarkOptions> {
         light: arguments.light.clone(),
         surface: arguments.surface.clone(),
         device: arguments.device.clone(),
+        cache: arguments.cache,
         ..options
     })
 }

@@ -29,7 +29,8 @@ pub struct PowerSettings {
     pub least_footprint: f64,
     /// Most texels along a side of a texture.
     pub side_limit: usize,
-    /// Most bytes of all levels.
+    /// Most bytes of all levels. Not part of the key: it decides whether they are made.
+    #[serde(skip)]
     pub memory_limit: usize,
 }
 
@@ -69,15 +70,15 @@ pub struct Header {
 }
 
 /// Fewest terms: one texel.
-const FEWEST_TERMS: usize = PER_TEXEL;
+pub(super) const FEWEST_TERMS: usize = PER_TEXEL;
 /// Most terms: heights of about 6 µm.
-const MOST_TERMS: usize = 128;
+pub(super) const MOST_TERMS: usize = 128;
 /// z between the nodes at which the audit compares series with transforms, as shares of the range. Both ends are among them.
 const AUDITED: [f64; 4] = [0.03, 0.35, 0.7, 0.997];
 /// Orders that the audit judges: this share of the brightest ones.
 const JUDGED_SHARE: f64 = 0.1;
 /// Levels that a texture has at most, and fewest texels along a side of the coarsest.
-const MOST_LEVELS: usize = 8;
+pub(super) const MOST_LEVELS: usize = 8;
 const FEWEST_TEXELS: usize = 16;
 
 /// Makes the power spectra of `field`.

@@ -11,6 +11,7 @@
 //! There is no phase between orders, and every term is at least 0. As everywhere in the program, z = k|w| is positive and
 //! frequencies are those of ω_i + ω_r = −(u, v), which is the same point reflection of both signs.
 
+mod cache;
 pub mod chebyshev;
 mod make;
 mod orders;

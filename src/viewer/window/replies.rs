@@ -2,6 +2,7 @@
 
 use super::{PendingSave, ViewerWindow};
 use crate::error::Result;
+use crate::picture_file::{self, Format, Notes};
 use crate::render::picture::Picture;
 use crate::viewer::error_probe::{ErrorProbe, Probe};
 use crate::viewer::event::Event;
@@ -9,7 +10,6 @@ use crate::viewer::frame::RenderedFrame;
 use crate::viewer::job_queue::RenderReply;
 use crate::viewer::model::Progress;
 use crate::viewer::prepared::{Prepared, Role};
-use crate::viewer::save;
 use crate::viewer::settings::ViewSettings;
 use crate::viewer::worker::WorkerReply;
 use std::sync::Arc;
@@ -139,8 +139,10 @@ impl ViewerWindow {
         }
         let PendingSave { stem, with_exr, command } = self.saves.remove(0);
         let (as_png, as_exr) = (stem.with_extension("png"), stem.with_extension("exr"));
-        let saved = save::png(&as_png, picture, &command)
-            .and_then(|()| if with_exr { save::exr(&as_exr, picture, &command) } else { Ok(()) });
+        let notes = Notes { command, ..Notes::default() };
+        let write = |path, format| picture_file::write(path, format, picture, &notes);
+        let saved = write(&as_png, Format::Png)
+            .and_then(|()| if with_exr { write(&as_exr, Format::Exr) } else { Ok(()) });
         match saved {
             Ok(()) => {
                 let more = if with_exr { " and .exr" } else { "" };

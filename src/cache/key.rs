@@ -1,0 +1,56 @@
+//! Names of kept results: a hash of everything that they depend on.
+
+use crate::error::{Error, Result};
+use crate::surface::HeightField;
+use serde::Serialize;
+
+/// A kind of kept result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Format {
+    /// Its name in the plural, which is the extension of its files: lower-case letters and `-`.
+    pub name: &'static str,
+    /// Changes whenever the result of the same settings would change.
+    pub version: u32,
+}
+
+/// The key of a result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Key(blake3::Hash);
+
+impl Key {
+    /// The key of the result of `format` that `settings` and `field` lead to.
+    ///
+    /// `settings` are hashed as JSON: every field that they serialise counts, by its name and its exact value. A new field
+    /// of a struct that derives `Serialize` changes the key without any change here. Numbers that are not finite count as
+    /// absent, so that a setting may use only one of them.
+    ///
+    /// # Errors
+    /// Settings that JSON cannot hold, such as maps whose keys are no text.
+    pub fn new(format: &Format, settings: &impl Serialize, field: &HeightField) -> Result<Self> {
+        let mut hasher = blake3::Hasher::new();
+        let Format { name, version } = format;
+        let json = serde_json::to_vec(&(name, version, settings)).map_err(|e| {
+            Error::failed(format!("the settings are no key ({e})"), "report this as a bug of diffract")
+        })?;
+        hasher.update(&(json.len() as u64).to_le_bytes());
+        hasher.update(&json);
+        hasher.update(bytemuck::cast_slice(&[field.columns() as u64, field.rows() as u64]));
+        hasher.update(bytemuck::cast_slice(&field.pixel_size()));
+        hasher.update_rayon(bytemuck::cast_slice(field.heights()));
+        Ok(Self(hasher.finalize()))
+    }
+
+    /// A key of `name` alone, for readers that are tested without settings.
+    pub fn named(name: &str) -> Self {
+        Self(blake3::hash(name.as_bytes()))
+    }
+
+    /// 64 hexadecimal digits.
+    pub fn to_hex(&self) -> impl std::fmt::Display + use<> {
+        self.0.to_hex()
+    }
+
+    pub(super) fn as_bytes(&self) -> &[u8; blake3::OUT_LEN] {
+        self.0.as_bytes()
+    }
+}

@@ -1,0 +1,159 @@
+//! Results of long computations kept on disk, so that the next run need not repeat them.
+//!
+//! One folder, `$XDG_CACHE_HOME/diffract` or `~/.cache/diffract`, holds all of them. A [`Format`] names a kind of result
+//! and its version, a [`Key`] is a hash of everything that a result depends on, and a [`Store`] loads and saves.
+//!
+//! - A file appears whole or not at all: it is written beside its place and renamed. A file that is damaged, foreign or
+//!   of another version counts as absent.
+//! - The folder is its owner's alone, and no link in it is followed.
+//! - The folder is bounded: before a file is added, the least recently used files go.
+
+mod contents;
+mod file;
+mod folder;
+mod kept;
+mod key;
+
+pub use contents::{Contents, Usage};
+pub use file::{Payload, read, seal};
+pub use kept::{Kept, count, positive};
+pub use key::{Format, Key};
+
+use crate::error::{Error, Result};
+use crate::memory;
+use crate::output;
+use serde::{Serialize, de::DeserializeOwned};
+use std::fs::FileTimes;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::time::SystemTime;
+
+/// Most bytes that the folder holds unless `--cache-size` says otherwise: 2 GiB.
+pub const DEFAULT_LIMIT: u64 = 2 << 30;
+
+/// Permissions of kept files.
+const OWNER_ONLY: u32 = 0o600;
+
+/// The limit of this process; see [`set_limit`].
+static LIMIT: OnceLock<u64> = OnceLock::new();
+
+/// Sets the limit of every [`Store`] that this process opens from now on \[bytes\]; 0 keeps nothing. The folder and its
+/// limit belong to the process, like its environment. Only the first call counts.
+pub fn set_limit(bytes: u64) {
+    let _ = LIMIT.set(bytes);
+}
+
+/// The cache folder and its limit.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Store {
+    folder: PathBuf,
+    limit: u64,
+}
+
+impl Store {
+    /// The store of this process; `None` where nothing is to be kept or the user has no home.
+    pub fn open() -> Option<Self> {
+        let limit = *LIMIT.get_or_init(|| DEFAULT_LIMIT);
+        if limit == 0 {
+            return None;
+        }
+        folder::of_user().map(|folder| Self::at(folder, limit))
+    }
+
+    /// A store in `folder` that holds at most `limit` bytes.
+    pub fn at(folder: impl Into<PathBuf>, limit: u64) -> Self {
+        Self { folder: folder.into(), limit }
+    }
+
+    /// The folder, which need not exist yet.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Where the result of `key` is kept.
+    pub fn path(&self, format: &Format, key: &Key) -> PathBuf {
+        self.folder.join(format!("{}.{}", key.to_hex(), format.name))
+    }
+
+    /// The result of `key`, made by `build` from the header and the payload of its file.
+    ///
+    /// `build` runs before the check sum is compared, and a forged file may have a right one: it must check every number
+    /// that it uses, and take memory through [`Payload`] only. It has to read the payload to its end. Loading marks the
+    /// file as used.
+    ///
+    /// `None` where there is no such file, or one that is damaged, that `build` refuses, whose payload is larger than
+    /// `memory_limit` bytes or than the memory that is free.
+    pub fn load<H: DeserializeOwned, T>(
+        &self,
+        format: &Format,
+        key: &Key,
+        memory_limit: u64,
+        build: impl FnOnce(H, &mut Payload<'_>) -> Option<T>,
+    ) -> Option<T> {
+        folder::check(&self.folder).ok()?;
+        let mut file = folder::open_regular(&self.path(format, key))?;
+        let size = file.metadata().ok()?.len();
+        if size.saturating_sub(file::LARGEST_OVERHEAD) > memory_limit {
+            return None;
+        }
+        memory::ensure_room(size, "what is kept").ok()?;
+        let built = read(&mut file, size, format, key, memory_limit, build)?;
+        // A file that cannot be marked is only forgotten earlier. When it was written stays.
+        let _ = file.set_times(FileTimes::new().set_accessed(SystemTime::now()));
+        Some(built)
+    }
+
+    /// Keeps `header` and the concatenation of `payload` as the result of `key`. Makes room first, at the expense of the
+    /// least recently used files.
+    ///
+    /// # Errors
+    /// Where the file is larger than the limit, where the folder is not the user's alone, where the file cannot be
+    /// written. The result itself is still good.
+    pub fn save(&self, format: &Format, key: &Key, header: &impl Serialize, payload: &[&[u8]]) -> Result<()> {
+        let place = self.path(format, key);
+        let head = file::Head::new(format, key, header, payload)?;
+        let size = head.file_bytes();
+        if size > self.limit {
+            return Err(Error::failed(
+                format!(
+                    "{} are more than the cache may hold, {}",
+                    memory::in_words(size),
+                    memory::in_words(self.limit)
+                ),
+                "give a larger --cache-size",
+            ));
+        }
+        folder::prepare(&self.folder)?;
+        contents::sweep(&self.folder);
+        contents::make_room(&self.folder, self.limit - size, &place);
+        let failed = |e: std::io::Error| output::write_failed(&self.folder, &e);
+        let mut draft = output::Draft::new(&self.folder, OWNER_ONLY).map_err(failed)?;
+        // Held while the file is written: a sweep takes only temporary files that nobody holds.
+        let _ = draft.file().try_lock();
+        let mut writer = BufWriter::new(draft.file());
+        file::write(&mut writer, &head, payload).map_err(failed)?;
+        drop(writer);
+        draft.persist(&place).map_err(failed)?;
+        Ok(())
+    }
+
+    /// What the folder holds.
+    ///
+    /// # Errors
+    /// Where the folder cannot be read, or is not the user's alone.
+    pub fn contents(&self) -> Result<Contents> {
+        contents::read(&self.folder)
+    }
+
+    /// Removes every kept result, and says what they were.
+    ///
+    /// # Errors
+    /// As [`Store::contents`], and where a file cannot be removed.
+    pub fn clear(&self) -> Result<Contents> {
+        contents::clear(&self.folder)
+    }
+}
+
+#[cfg(test)]
+mod tests;

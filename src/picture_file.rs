@@ -1,0 +1,207 @@
+//! The one writer of pictures: PNG as displayed, EXR linear, both with what made them.
+
+use crate::error::{Error, Result};
+use crate::output;
+use crate::render::picture::Picture;
+use exr::prelude::{
+    Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Text, WritableImage,
+};
+use std::io::{Error as IoError, Seek, Write};
+use std::path::Path;
+
+/// A picture file's format, by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// 8-bit sRGB, as displayed over the background; alpha is the coverage.
+    Png,
+    /// Linear radiance, signed 32-bit float RGBA, before exposure; alpha is the coverage, and colours are premultiplied by it.
+    Exr,
+}
+
+impl Format {
+    /// The format that a file name asks for.
+    ///
+    /// # Errors
+    /// Where it ends neither in .png nor in .exr.
+    pub fn of(path: &Path) -> Result<Self> {
+        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("exr") => Ok(Self::Exr),
+            _ => Err(Error::usage(
+                format!("{}: the format of the picture is not clear", path.display()),
+                "name it .png or .exr",
+            )),
+        }
+    }
+}
+
+/// What a picture file says of itself beside its pixels.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Notes {
+    /// The command that draws the same picture.
+    pub command: String,
+    /// More names (1 to 79 letters of Latin-1) and values, in the order in which they are written.
+    pub more: Vec<(String, String)>,
+}
+
+impl Notes {
+    /// All names and values, the version of the program first.
+    fn all(&self) -> Vec<(String, String)> {
+        let own = [
+            ("Software".to_owned(), format!("diffract {}", env!("CARGO_PKG_VERSION"))),
+            ("Comment".to_owned(), format!("The same picture: {}", self.command)),
+        ];
+        own.into_iter().chain(self.more.iter().cloned()).collect()
+    }
+}
+
+/// Writes `picture` to `path`, whole or not at all. The same picture and notes give the same bytes.
+///
+/// # Errors
+/// Where the file cannot be written.
+pub fn write(path: &Path, format: Format, picture: &Picture, notes: &Notes) -> Result<()> {
+    output::write_atomically(path, |file| {
+        let encoded = match format {
+            Format::Png => png(file, picture, notes),
+            Format::Exr => exr(file, picture, notes),
+        };
+        // Encoders wrap what the system says in words about their format; what is still to be written meets it again.
+        encoded.map_err(|e| match file.flush() {
+            Err(cause) => output::write_failed(path, &cause),
+            Ok(()) => output::write_failed(path, &e),
+        })
+    })
+}
+
+/// `word` as a shell takes it.
+pub fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:+=@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', "'\\''"))
+}
+
+fn png(file: &mut impl Write, picture: &Picture, notes: &Notes) -> std::result::Result<(), IoError> {
+    let [width, height] = picture.size;
+    let mut encoder = png::Encoder::new(file, width, height);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    for (name, value) in notes.all() {
+        encoder.add_itxt_chunk(name, value)?;
+    }
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&codes(picture))?;
+    Ok(writer.finish()?)
+}
+
+/// RGBA of a PNG: what is displayed, over the background, and in alpha how much of each pixel the mesh covers. A program that drops alpha
+/// shows the whole picture with smooth edges.
+fn codes(picture: &Picture) -> Vec<u8> {
+    let pixels = picture.display.iter().zip(&picture.radiance);
+    pixels.flat_map(|(&[r, g, b, _], radiance)| [r, g, b, (radiance[3] * 255.0).round() as u8]).collect()
+}
+
+fn exr(file: &mut (impl Write + Seek), picture: &Picture, notes: &Notes) -> std::result::Result<(), IoError> {
+    let [width, height] = picture.size.map(|n| n as usize);
+    let mut all = notes.all().into_iter();
+    let mut attributes = LayerAttributes::named("");
+    attributes.software_name = all.next().and_then(|(_, software)| latin(&software));
+    // One attribute: the library writes attributes of one's own in an order that changes from run to run.
+    let comments: Vec<String> =
+        all.map(|(name, value)| if name == "Comment" { value } else { format!("{name}: {value}") }).collect();
+    attributes.comments = latin(&comments.join("\n"));
+    let channels = SpecificChannels::rgba(|at: exr::math::Vec2<usize>| {
+        let [r, g, b, a] = picture.radiance[at.y() * width + at.x()];
+        (r, g, b, a)
+    });
+    // In order: tiles are compressed by several threads, and would be written as they are ready.
+    let encoding = Encoding { line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
+    let image = Image::from_layer(Layer::new((width, height), attributes, encoding, channels));
+    image.write().to_buffered(file).map_err(IoError::other)
+}
+
+/// `text` in the letters that EXR has; others as `\u{…}`.
+fn latin(text: &str) -> Option<Text> {
+    let letter =
+        |c: char| if u8::try_from(c).is_ok() { c.to_string() } else { c.escape_unicode().to_string() };
+    Text::new_or_none(text.chars().map(letter).collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(size: [u32; 2]) -> Picture {
+        let count = (size[0] * size[1]) as usize;
+        let number = |i: usize| (i as f32 * 0.37).sin();
+        Picture {
+            size,
+            radiance: (0..count).map(|i| [number(i), -number(i + 1), 2.0, (i % 5) as f32 / 4.0]).collect(),
+            display: (0..count).map(|i| [i as u8, (i / 7) as u8, 3, 255]).collect(),
+        }
+    }
+
+    fn notes() -> Notes {
+        Notes {
+            command: "diffract render 'plätze' --surface 鱗.png".to_owned(),
+            more: vec![
+                ("Surface".to_owned(), "a hash".to_owned()),
+                ("Tolerance".to_owned(), "1e-2".to_owned()),
+            ],
+        }
+    }
+
+    #[test]
+    fn both_formats_hold_the_pixels_and_carry_every_note() {
+        let folder = tempfile::tempdir().unwrap();
+        let (as_png, as_exr) = (folder.path().join("a.png"), folder.path().join("a.exr"));
+        let picture = picture([5, 3]);
+        write(&as_png, Format::of(&as_png).unwrap(), &picture, &notes()).unwrap();
+        write(&as_exr, Format::of(&as_exr).unwrap(), &picture, &notes()).unwrap();
+        let image::DynamicImage::ImageRgba8(pixels) = image::open(&as_png).unwrap() else { panic!("RGBA") };
+        assert!(pixels.pixels().zip(&picture.display).all(|(a, b)| a.0[..3] == b[..3]));
+        // Alpha is the coverage.
+        assert!(pixels.pixels().zip(&picture.radiance).all(|(a, b)| a.0[3] == (b[3] * 255.0).round() as u8));
+        let radiance = image::open(&as_exr).unwrap().to_rgba32f();
+        assert_eq!(radiance.as_raw(), bytemuck::cast_slice::<_, f32>(&picture.radiance));
+
+        let reader = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&as_png).unwrap()));
+        let info = reader.read_info().unwrap();
+        let said: Vec<_> =
+            info.info().utf8_text.iter().map(|t| (t.keyword.clone(), t.get_text().unwrap())).collect();
+        assert_eq!(said, notes().all());
+        let meta = exr::meta::MetaData::read_from_file(&as_exr, false).unwrap();
+        let own = &meta.headers[0].own_attributes;
+        assert!(own.software_name.as_ref().unwrap().to_string().starts_with("diffract "));
+        let comments = own.comments.as_ref().unwrap().to_string();
+        for part in ["diffract render 'plätze'", "\\u{9c57}.png", "\nSurface: a hash\nTolerance: 1e-2"] {
+            assert!(comments.contains(part), "{comments}");
+        }
+    }
+
+    #[test]
+    fn an_exr_of_many_tiles_has_the_same_bytes_every_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        // 12 × 9 tiles, enough for threads to overtake each other.
+        let picture = picture([740, 530]);
+        let bytes = || {
+            write(&path, Format::Exr, &picture, &notes()).unwrap();
+            std::fs::read(&path).unwrap()
+        };
+        let first = bytes();
+        for again in 0..6 {
+            assert!(bytes() == first, "writing {again}");
+        }
+    }
+
+    #[test]
+    fn other_names_are_refused() {
+        for name in ["a", "a.jpg", "png", "a.png.gz"] {
+            assert_eq!(Format::of(Path::new(name)).unwrap_err().exit_code(), 2, "{name}");
+        }
+        assert_eq!(Format::of(Path::new("A.PNG")).unwrap(), Format::Png);
+    }
+}

@@ -1,0 +1,164 @@
+//! Colour tables kept on disk.
+
+use super::bake::MOST_PIECES;
+use super::grid::MOST_LEVELS;
+use super::{BANDS, ColorTable, Header, SPECULAR_SAMPLES};
+use crate::cache::{Format, Kept, Payload, count, positive};
+
+/// Larger than any side of a texture.
+const LARGEST_SIDE: usize = 1 << 16;
+
+impl Kept for ColorTable {
+    /// The version changes whenever the table of the same key would change.
+    const FORMAT: Format = Format { name: "colours", version: 6 };
+    type Header = Header;
+
+    fn header(&self) -> Header {
+        self.header.clone()
+    }
+
+    fn payload(&self) -> Vec<&[u8]> {
+        self.levels.iter().map(|level| bytemuck::cast_slice(level)).collect()
+    }
+
+    fn build(header: Header, payload: &mut Payload<'_>) -> Option<Self> {
+        if !is_sound(&header) {
+            return None;
+        }
+        /// Channels, and coefficients of a cubic.
+        const NUMBERS: usize = 3 * 4;
+        let level = |level: usize| {
+            let side = header.grid.side_of(level);
+            payload.take_halves(count(&[side, side, header.pieces, NUMBERS])?)
+        };
+        let levels = (0..header.grid.levels).map(level).collect::<Option<_>>()?;
+        Some(Self { header, levels })
+    }
+}
+
+/// Whether `header` is such as this program makes: what follows divides by its numbers, counts with them and makes textures of its sizes.
+/// The check sum finds accidents; it does not know who wrote it.
+fn is_sound(header: &Header) -> bool {
+    let Header { grid, pieces, unit, specular, cubic_error } = header;
+    (1..=MOST_LEVELS).contains(&grid.levels)
+        && (1..=LARGEST_SIDE).contains(&grid.side)
+        && grid.side.is_multiple_of(1 << (grid.levels - 1))
+        && positive(&[grid.extent, grid.growth, *unit])
+        && [grid.finest, *cubic_error].into_iter().all(|x| x.is_finite() && x >= 0.0)
+        && (1..=MOST_PIECES).contains(pieces)
+        && specular.variances.len() == BANDS
+        && positive(&specular.variances)
+        && specular.weights.len() == BANDS
+        && specular.weights.iter().all(|band| {
+            band.len() == SPECULAR_SAMPLES && band.iter().flatten().all(|weight| weight.is_finite())
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cache::{Key, Store, read, seal};
+    use crate::optics::spectrum::Illuminant;
+    use crate::surface::HeightField;
+    use crate::table::{Grid, Specular, TableSettings};
+    use half::f16;
+    use serde_json::{Value, json};
+
+    fn sample() -> ColorTable {
+        let grid = Grid { side: 32, levels: 2, extent: 2.0, finest: 0.0, growth: 0.1 };
+        let specular = Specular {
+            variances: (1..=BANDS).map(|i| 0.1 * i as f64).collect(),
+            weights: vec![vec![[0.1, 0.2, 0.3]; SPECULAR_SAMPLES]; BANDS],
+        };
+        let header = Header { grid, pieces: 2, unit: 0.3, specular, cubic_error: 1e-3 };
+        let numbers =
+            |side: usize| (0..side * side * 2 * 12).map(|i| f16::from_f32(i as f32 * 0.01)).collect();
+        ColorTable { header, levels: vec![numbers(32), numbers(16)] }
+    }
+
+    fn found(header: &Value, payload: &[u8]) -> Option<ColorTable> {
+        let key = Key::named("colours");
+        let file = seal(&ColorTable::FORMAT, &key, header, payload);
+        let size = file.len() as u64;
+        read(&mut file.as_slice(), size, &ColorTable::FORMAT, &key, 1 << 28, ColorTable::build)
+    }
+
+    #[test]
+    fn a_table_comes_back_from_the_disk_as_it_went() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::at(folder.path().join("cache"), 1 << 28);
+        let (key, table) = (Key::named("colours"), sample());
+        assert!(store.load_kept::<ColorTable>(&key, 1 << 28).is_none());
+        store.save_kept(&key, &table).unwrap();
+        assert_eq!(store.load_kept(&key, 1 << 28), Some(table));
+        assert!(store.load_kept::<ColorTable>(&key, 1).is_none(), "more than the memory limit");
+    }
+
+    #[test]
+    fn numbers_that_no_table_has_make_a_file_absent_in_spite_of_its_check_sum() {
+        let table = sample();
+        let payload = table.payload().concat();
+        let sound = serde_json::to_value(table.header()).unwrap();
+        assert!(found(&sound, &payload) == Some(table));
+        let with = |path: &str, value: Value| {
+            let mut header = sound.clone();
+            *header.pointer_mut(path).unwrap() = value;
+            found(&header, &payload).is_some()
+        };
+        for path in ["/unit", "/grid/extent", "/grid/growth", "/specular/variances/3"] {
+            assert!(with(path, json!(0.5)), "{path}");
+            for value in [json!(0.0), json!(-1.0), json!(null), json!("1")] {
+                assert!(!with(path, value.clone()), "{path} {value}");
+            }
+        }
+        for path in ["/grid/side", "/grid/levels", "/pieces"] {
+            for value in [json!(0), json!(1), json!(33), json!(-1), json!(1u64 << 40), json!(u64::MAX)] {
+                assert!(!with(path, value.clone()), "{path} {value}");
+            }
+        }
+        for path in ["/specular/variances", "/specular/weights", "/specular/weights/2"] {
+            assert!(!with(path, json!([])), "{path}");
+        }
+        assert!(!with("/specular/weights/1/5/2", json!(1e300)) && !with("/grid/finest", json!(-1.0)));
+        for place in [0, payload.len() - 2] {
+            for bits in [f16::NAN, f16::INFINITY, f16::NEG_INFINITY] {
+                let mut damaged = payload.clone();
+                damaged[place..place + 2].copy_from_slice(&bits.to_ne_bytes());
+                assert!(found(&sound, &damaged).is_none(), "{bits} at {place}");
+            }
+        }
+        assert!(
+            found(&sound, &payload[2..]).is_none()
+                && found(&sound, &[&payload[..], &[0; 2]].concat()).is_none()
+        );
+    }
+
+    #[test]
+    fn every_setting_but_the_memory_changes_the_key() {
+        let field = HeightField::new(4, 4, [0.1, 0.1], vec![0.0; 16]).unwrap();
+        let key = |settings: &TableSettings| Key::new(&ColorTable::FORMAT, settings, &field).unwrap();
+        let all = TableSettings {
+            illuminant: Illuminant::D65,
+            wavelengths: None,
+            quadrature_error: 1e-3,
+            reading_error: 1e-2,
+            cubic_error: 1e-2,
+            finest: 0.0,
+            side_limit: 16_384,
+            memory_limit: 1 << 28,
+        };
+        let others = [
+            TableSettings { illuminant: Illuminant::A, ..all.clone() },
+            TableSettings { wavelengths: Some(20), ..all.clone() },
+            TableSettings { quadrature_error: 2e-3, ..all.clone() },
+            TableSettings { reading_error: 2e-2, ..all.clone() },
+            TableSettings { cubic_error: 2e-2, ..all.clone() },
+            TableSettings { finest: 1e-3, ..all.clone() },
+            TableSettings { side_limit: 8192, ..all.clone() },
+            all.clone(),
+        ];
+        let keys: std::collections::HashSet<Key> = others.iter().map(key).collect();
+        assert_eq!(keys.len(), others.len());
+        assert_eq!(key(&TableSettings { memory_limit: 1, ..all.clone() }), key(&all));
+    }
+}
