@@ -6,6 +6,7 @@ mod level;
 pub mod source;
 pub mod statistics;
 pub mod synth;
+pub mod tiling;
 
 pub use height_field::{HeightField, MAX_SIDE};
 pub use level::Level;
