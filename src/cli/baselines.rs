@@ -11,7 +11,7 @@ use crate::precompute::thesis;
 use crate::render::picture::Painter;
 use crate::render::pigment::Pigment;
 use crate::render::resources::Optics;
-use crate::surface::statistics::Statistics;
+use crate::surface::statistics::line_periods;
 
 /// The row of `series`, drawn for the frame that `own` sets up; `None` where it is nothing for this surface.
 pub fn measured(
@@ -28,7 +28,7 @@ pub fn measured(
 
 /// The classical shader of a grating of one period, at the brightness that suits it best. `None` for surfaces that do not repeat.
 fn grating(stage: &Stage, own: &Arguments, references: &mut References) -> Result<Option<Row>> {
-    let [along_x, along_y] = Statistics::of(&stage.field).period;
+    let [along_x, along_y] = line_periods(&stage.field);
     let (axis, period) = match (along_x, along_y) {
         (Some(period), _) => ([1.0, 0.0], period),
         (None, Some(period)) => ([0.0, 1.0], period),

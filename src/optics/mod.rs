@@ -14,3 +14,4 @@ pub mod reference;
 pub mod sampling;
 pub mod sliding;
 pub mod spectrum;
+pub mod validity;

@@ -304,7 +304,6 @@ fn make(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::Level;
     use crate::vk::instance::API_VERSION;
     use ash::vk;
     use std::sync::mpsc;
@@ -326,8 +325,8 @@ mod tests {
     }
 
     fn request(role: Role, number: u64, name: &str, tolerance: f64) -> Request {
-        let level = Level::None;
-        let source = Source { name: name.to_owned(), pixel_size: None, height: None, level, seed: 1 };
+        let prepare = Vec::new();
+        let source = Source { name: name.to_owned(), pixel_size: None, height: None, prepare, seed: 1 };
         let shading = Shading { tolerance, ..Shading::default() };
         Request { role, number, source, shading, method: Reads::Layers, filter: Filter::Point }
     }
