@@ -126,7 +126,7 @@ fn picture(field: &HeightField, title: String) -> Panel {
 fn figure(stages: &[HeightField]) -> Figure {
     let title = |i: usize| if i == 0 { "The scan".to_owned() } else { format!("--{}", STEPS[i - 1]) };
     let panels: Vec<Panel> = stages.iter().enumerate().map(|(i, field)| picture(field, title(i))).collect();
-    panels.chunks(4).fold(Figure::new("").panel_size(250.0, 235.0), |figure, row| figure.row(row.to_vec()))
+    panels.chunks(4).fold(Figure::new("").panel_size(205.0, 180.0), |figure, row| figure.row(row.to_vec()))
 }
 
 /// The page, with `table` in its place.

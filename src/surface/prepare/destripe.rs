@@ -11,7 +11,7 @@ use crate::surface::HeightField;
 const CLEAR: f64 = 2.0;
 /// Rows that one streak covers at most.
 const WIDEST: usize = 3;
-/// Samples that a streak has at least; a quarter of a shorter row. Anything shorter is a particle.
+/// Samples that a streak has at least; a quarter of a shorter row. Anything shorter may be a particle, which is about as high as wide.
 const SHORTEST: usize = 16;
 
 /// `field` with each streak replaced by the straight line between the samples above and below it. Nothing else moves.

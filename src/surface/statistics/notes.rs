@@ -110,13 +110,14 @@ mod tests {
 
     #[test]
     fn dust_and_seams_and_coarse_codes_are_told() {
-        // A tilt of 0.5 along x, and dust on the lower end that is as high as the upper end.
+        // A tilt of 0.5 over the field, a particle at its lower end and a pit at its upper end: both within the tilted range.
         let dusty = notes_of(&field(100, 100, |x, y| {
-            0.05 * x
-                + 0.001 * (7.0 * x + 5.0 * y).sin()
-                + if x < 0.15 && y > 2.0 && y < 2.07 { 0.5 } else { 0.0 }
+            let in_row = y > 2.0 && y < 2.07;
+            let particle = if in_row && x < 0.15 { 0.45 } else { 0.0 };
+            let pit = if in_row && x > 9.75 { 0.45 } else { 0.0 };
+            0.05 * x + 0.001 * (7.0 * x + 5.0 * y).sin() + particle - pit
         }));
-        assert!(dusty.contains("--level plane raises the height range from 5"), "{dusty}");
+        assert!(dusty.contains("--level plane raises the height range from 49"), "{dusty}");
         assert!(dusty.contains("seams: ") && !dusty.contains("quantisation"), "{dusty}");
         let codes = notes_of(&field(90, 90, |x, y| 0.002 * (40.0 * (x * y).sin()).round()));
         assert!(codes.contains("multiples of 2.000 nm (81 levels), an error of 0.577 nm RMS"), "{codes}");

@@ -52,7 +52,9 @@ pub fn dominant_periods(field: &HeightField, spectrum: &Spectrum) -> Result<Vec<
         return Ok(Vec::new());
     }
     let mut in_halves: Vec<Vec<[f64; 2]>> = vec![Vec::new(); peaks.len()];
+    let mut asked = 0;
     for half in halves(field) {
+        asked += 1;
         let spectrum = Spectrum::windowed(&half?)?;
         for (peak, found) in peaks.iter().zip(&mut in_halves) {
             let near = |f: [f64; 2]| distance(f, peak.frequency) < NEAR * length(peak.frequency);
@@ -64,7 +66,10 @@ pub fn dominant_periods(field: &HeightField, spectrum: &Spectrum) -> Result<Vec<
             }
         }
     }
-    Ok(peaks.iter().zip(&in_halves).map(|(peak, in_halves)| period(peak, in_halves)).collect())
+    // What most halves do not show is a chance of the whole.
+    let shown = |in_halves: &[[f64; 2]]| 2 * in_halves.len() >= asked;
+    let found = peaks.iter().zip(&in_halves).filter(|(_, in_halves)| shown(in_halves));
+    Ok(found.map(|(peak, in_halves)| period(peak, in_halves)).collect())
 }
 
 /// The wave vector of the strongest period \[1/µm\], for what turns a field along its grooves; `None` where no period stands out.
