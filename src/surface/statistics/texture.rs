@@ -172,7 +172,7 @@ fn fast_length(n: usize) -> usize {
     let smooth = |n: &usize| {
         let mut rest = *n;
         for factor in [2, 3, 5] {
-            while rest % factor == 0 {
+            while rest.is_multiple_of(factor) {
                 rest /= factor;
             }
         }
