@@ -20,33 +20,41 @@ pub(super) fn apply(field: &HeightField) -> Result<HeightField> {
     let threshold = CLEAR * large_step(field);
     let mut heights = field.heights().to_vec();
     heights.par_chunks_mut(field.columns()).enumerate().for_each(|(row, heights)| {
+        let last = field.columns() - 1;
+        let beside = [row.checked_sub(1), Some(row + 1).filter(|r| *r < field.rows())];
+        let beside = beside.map(|row| row.map_or(&[][..], |row| field.row(row)));
+        let here = field.row(row);
         for (column, h) in heights.iter_mut().enumerate() {
-            let (mut around, count) = neighbours(field, column, row);
-            let around = &mut around[..count];
-            let (low, high) =
-                around.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
-            if *h > high + threshold || *h < low - threshold {
-                around.sort_unstable_by(f64::total_cmp);
-                *h = (around[(count - 1) / 2] + around[count / 2]) / 2.0;
+            let (from, to) = (column.saturating_sub(1), (column + 1).min(last));
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            let mut widen = |heights: &[f64]| {
+                for h in heights {
+                    low = low.min(*h);
+                    high = high.max(*h);
+                }
+            };
+            beside.iter().for_each(|line| widen(line.get(from..=to).unwrap_or_default()));
+            widen(&here[from..column]);
+            widen(&here[column + 1..=to.max(column)]);
+            if low <= high && (*h > high + threshold || *h < low - threshold) {
+                *h = median_of_neighbours(field, column, row);
             }
         }
     });
     HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights)
 }
 
-/// The up to eight neighbours of a sample, and how many there are. A single sample has itself.
-fn neighbours(field: &HeightField, column: usize, row: usize) -> ([f64; 8], usize) {
-    let mut around = [field.row(row)[column]; 8];
-    let mut count = 0;
+/// The median of the up to eight neighbours of a sample that has one at least.
+fn median_of_neighbours(field: &HeightField, column: usize, row: usize) -> f64 {
+    let mut around = Vec::with_capacity(8);
     for r in row.saturating_sub(1)..=(row + 1).min(field.rows() - 1) {
         for c in column.saturating_sub(1)..=(column + 1).min(field.columns() - 1) {
             if (r, c) != (row, column) {
-                around[count] = field.row(r)[c];
-                count += 1;
+                around.push(field.row(r)[c]);
             }
         }
     }
-    (around, count.max(1))
+    super::rows::median(&around)
 }
 
 /// The absolute height difference of neighbouring samples that [`LARGE_STEP`] of all are below \[µm\].

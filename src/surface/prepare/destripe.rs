@@ -5,6 +5,7 @@
 
 use crate::error::Result;
 use crate::surface::HeightField;
+use rayon::prelude::*;
 
 /// A streak is above (or below) both rows beside it by more than this many times the RMS step from row to row. For a sinusoid of any period
 /// and direction the factor is at most √2.
@@ -24,13 +25,15 @@ pub(super) fn apply(field: &HeightField) -> Result<HeightField> {
     let mut heights = field.heights().to_vec();
     let mut clean = vec![true; field.heights().len()];
     for width in 1..=WIDEST {
-        for first in 1..field.rows().saturating_sub(width) {
-            for sign in [1.0, -1.0] {
-                let streak = Streak { field, first, width, sign };
-                for run in streak.runs(threshold, shortest) {
-                    streak.replace(run, &mut heights, &mut clean);
-                }
-            }
+        let candidates = (1..field.rows().saturating_sub(width))
+            .into_par_iter()
+            .flat_map_iter(|first| [1.0, -1.0].map(|sign| Streak { field, first, width, sign }));
+        let found: Vec<_> = candidates
+            .map(|streak| (streak.runs(threshold, shortest), streak))
+            .filter(|(runs, _)| !runs.is_empty())
+            .collect();
+        for (runs, streak) in found {
+            runs.into_iter().for_each(|run| streak.replace(run, &mut heights, &mut clean));
         }
     }
     HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights)
@@ -61,19 +64,24 @@ impl Streak<'_> {
         self.field.row(self.first + self.width)
     }
 
-    /// By how much the rows are clear of both sides in a column.
-    fn clearance(&self, column: usize) -> f64 {
-        let inside = (self.first..self.first + self.width).map(|row| self.sign * self.field.row(row)[column]);
-        let outside = self.sign * self.above()[column];
-        inside.fold(f64::INFINITY, f64::min) - outside.max(self.sign * self.below()[column])
+    /// By how much the rows are clear of both sides, in each column.
+    fn clearances(&self) -> Vec<f64> {
+        let beside = self.above().iter().zip(self.below());
+        let mut clearances = vec![f64::INFINITY; self.field.columns()];
+        for row in self.first..self.first + self.width {
+            clearances.iter_mut().zip(self.field.row(row)).for_each(|(c, h)| *c = c.min(self.sign * h));
+        }
+        let outside = beside.map(|(a, b)| (self.sign * a).max(self.sign * b));
+        clearances.iter_mut().zip(outside).for_each(|(c, outside)| *c -= outside);
+        clearances
     }
 
     /// The runs of columns that are clear by more than `threshold`, each at least `shortest` long.
     fn runs(&self, threshold: f64, shortest: usize) -> Vec<std::ops::Range<usize>> {
         let mut runs = Vec::new();
         let mut start = 0;
-        for column in 0..=self.field.columns() {
-            if column < self.field.columns() && self.clearance(column) > threshold {
+        for (column, clearance) in self.clearances().into_iter().chain([f64::NEG_INFINITY]).enumerate() {
+            if clearance > threshold {
                 continue;
             }
             if column - start >= shortest {

@@ -14,9 +14,9 @@ const KERNEL: f64 = 1.0 / 20.0;
 /// Steps of the iteration; it converges geometrically.
 const MOST_ITERATIONS: usize = 100;
 /// A shift of this share of the slopes' deviation is rounding.
-const CONVERGED: f64 = 1e-12;
+const CONVERGED: f64 = 1e-10;
 /// Facets that are looked at, evenly spread over larger fields.
-const MOST_FACETS: usize = 1 << 20;
+const MOST_FACETS: usize = 1 << 18;
 
 /// `field` less the plane of the most frequent slope and less its mean.
 ///
