@@ -1,15 +1,16 @@
 //! `diffract surface`: what is in a height field, and generated ones.
 
+mod describe;
+mod plot;
+#[cfg(test)]
+mod worked_example;
+
 use super::options::{SurfaceOptions, seed};
 use super::write;
 use crate::error::{Error, Result};
-use crate::expansion::HeightScale;
-use crate::expansion::taylor::{F32_ROUNDOFF, terms_for, thesis_bound};
-use crate::optics::sampling;
-use crate::optics::spectrum::SHORTEST;
-use crate::precompute::layers::largest_z;
+use crate::figure;
 use crate::surface::synth::{self, Kind, Spec};
-use crate::surface::{HeightField, Statistics, image_file};
+use crate::surface::{Statistics, image_file};
 use crate::{output, units};
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
@@ -25,11 +26,16 @@ pub enum Command {
 
 /// Arguments of `surface info`.
 #[derive(Args, Debug)]
+#[command(after_help = "Example:
+  diffract surface info scan.png --pixel-size 97.66nm --height 434.7nm --level plane --crop 40um --plot scan.svg")]
 pub struct Info {
     /// Height field: a file or a built-in name
     surface_name: Option<String>,
     #[command(flatten)]
     surface: SurfaceOptions,
+    /// A figure of the heights, a profile, the spectrum and the distributions: .svg or .png
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
 }
 
 /// Arguments of `surface synth`.
@@ -71,8 +77,17 @@ fn kind(name: &str) -> Result<Kind> {
 pub fn run(command: &Command) -> Result<()> {
     match command {
         Command::Info(arguments) => {
-            let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
-            write::stdout(&describe(&field))
+            if let Some(path) = &arguments.plot {
+                figure::Format::of(path)?;
+                output::check(path)?;
+            }
+            let source = arguments.surface.source(arguments.surface_name.as_deref(), None, "elaphe")?;
+            let field = source.load()?;
+            let statistics = Statistics::of(&field)?;
+            if let Some(path) = &arguments.plot {
+                plot::figure(&source, &field, &statistics)?.save(path)?;
+            }
+            write::stdout(&describe::text(&source, &field, &statistics)?)
         }
         Command::Synth(arguments) => synthesise(arguments),
     }
@@ -90,43 +105,4 @@ fn synthesise(arguments: &Synth) -> Result<()> {
     let options =
         format!("--pixel-size {:.7}nmx{:.7}nm --height {:.7}nm", dx * 1e3, dy * 1e3, full_height * 1e3);
     write::stdout(&format!("{}: {columns} x {rows} samples; read it with {options}\n", path.display()))
-}
-
-/// The numbers of a height field, for reading by eye.
-fn describe(field: &HeightField) -> String {
-    let s = Statistics::of(field);
-    let nm = |x: f64| format!("{:.1} nm", x * 1e3);
-    let pair =
-        |[x, y]: [f64; 2], unit: &str, factor: f64| format!("{:.4} x {:.4} {unit}", x * factor, y * factor);
-    let period = |p: Option<f64>| p.map_or("none found".to_owned(), |p| format!("{p:.3} um"));
-    let mut lines = vec![
-        ("samples", format!("{} x {}", s.samples[0], s.samples[1])),
-        ("spacing", pair(s.pixel_size, "nm", 1e3)),
-        ("patch", pair(s.patch_size, "um", 1.0)),
-        ("height range", format!("{} ({} to {})", nm(s.range.1 - s.range.0), nm(s.range.0), nm(s.range.1))),
-        ("mean, RMS roughness", format!("{}, {}", nm(s.mean), nm(s.roughness))),
-        ("distinct heights", s.levels.to_string()),
-        ("beyond 3 sigma", format!("{:.2} %", s.outliers * 100.0)),
-        ("period along x, y", format!("{}, {}", period(s.period[0]), period(s.period[1]))),
-        ("holds frequencies to", pair(s.largest_frequency, "1/um", 1.0)),
-    ];
-    let held = sampling::limit(s.pixel_size, SHORTEST).map_or("all".to_owned(), |limit| {
-        format!("|{}| up to {:.2}; all need {} between samples", limit.axis, limit.largest, nm(limit.needed))
-    });
-    lines.push(("directions held at 380 nm", held));
-    let half_range = HeightScale::of(field).half_range;
-    let x = largest_z(SHORTEST) * half_range;
-    lines.push(("largest phase k|w|a", format!("{x:.2}")));
-    for tolerance in [1e-1, 1e-2, 1e-3, 1e-4] {
-        let bound = match terms_for(x, tolerance, F32_ROUNDOFF) {
-            Ok(terms) => {
-                let thesis = (1..=4096).find(|&n| thesis_bound(2.0 * x, n - 1) <= tolerance);
-                let thesis = thesis.map_or("more than 4096".to_owned(), |n| n.to_string());
-                format!("{terms} terms (tight bound, centred; the thesis' bound asks for {thesis})")
-            }
-            Err(_) => "not in 32-bit floats".to_owned(),
-        };
-        lines.push(("taylor", format!("sup error {tolerance:.0e}: {bound}")));
-    }
-    lines.iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect()
 }

@@ -8,7 +8,8 @@ use crate::picture_file::quoted;
 use crate::render::shading::{Purpose, Shading};
 use crate::scene::{Camera, Light, Scene};
 use crate::setup::Method;
-use crate::surface::{Level, Source};
+use crate::surface::Source;
+use crate::surface::prepare::{self, Level, Step};
 use glam::Vec3;
 
 /// How the diffraction is computed.
@@ -156,9 +157,14 @@ impl ViewSettings {
         if let Some(height) = s.height.filter(|h| !own || Some(*h) != scene.full_height) {
             option("height", format!("{height}um"));
         }
-        if s.level != Level::None {
-            option("level", s.level.name().to_owned());
+        let own_steps: &[Step] = if own { &scene.prepare } else { &[] };
+        if s.prepare != own_steps {
+            // Without a step the scene's own would stay.
+            let none = [Step::Level(Level::None)];
+            let steps = if s.prepare.is_empty() { &none[..] } else { &s.prepare };
+            words.push(prepare::as_options(steps));
         }
+        let mut option = |name: &str, value: String| words.push(format!("--{name} {}", quoted(&value)));
         if s.seed != 1 {
             option("seed", s.seed.to_string());
         }
@@ -219,7 +225,7 @@ mod tests {
             name: scene.surface.clone(),
             pixel_size: None,
             height: None,
-            level: Level::None,
+            prepare: Vec::new(),
             seed: 1,
         };
         let optics = OpticsSettings {

@@ -205,8 +205,6 @@ mod tests {
     }
 
     fn request(role: Role, number: u64, name: &str, tolerance: f64) -> Request {
-        let level = Level::None;
-        let surface = Surface { name: name.to_owned(), pixel_size: None, height: None, level, seed: 1 };
         let shading = Shading { tolerance, ..Shading::default() };
         Request { role, number, surface, settings: setup::Settings::new(setup::Method::Spectral, shading) }
     }

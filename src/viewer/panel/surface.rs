@@ -28,13 +28,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
                     }
                 });
             if let Some(kind) = chosen.filter(|k| Some(*k) != kind) {
-                *source = Source {
-                    name: kind.name().to_owned(),
-                    pixel_size: None,
-                    height: None,
-                    level: Level::None,
-                    seed: 1,
-                };
+                *source = Source::built_in(kind);
             }
         });
         if kind.is_none() {
@@ -46,7 +40,9 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         }
         row(ui, "level", |ui| {
             for level in [Level::None, Level::Mean, Level::Plane] {
-                ui.selectable_value(&mut source.level, level, level.name());
+                if ui.selectable_label(source.level() == level, level.to_string()).clicked() {
+                    source.set_level(level);
+                }
             }
         });
         coherence(ui, &mut model.settings, &mut model.last_coherence);
