@@ -10,6 +10,7 @@ use crate::output;
 use crate::render::evaluator::Query;
 use clap::Args;
 use glam::DVec3;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// Columns of every query file, in degrees.
@@ -29,7 +30,7 @@ Examples:
 )]
 pub struct Arguments {
     /// Height field: a file or a built-in name
-    surface_name: Option<String>,
+    surface_name: Option<OsString>,
     /// Directions to evaluate
     #[arg(long, value_name = "FILE")]
     queries: PathBuf,

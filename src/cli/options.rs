@@ -1,5 +1,6 @@
 //! Options that several commands share, with the same word and meaning in each.
 
+use super::say;
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::optics::coherence::Coherence;
@@ -7,11 +8,13 @@ use crate::optics::spectrum::Illuminant;
 use crate::render::color_table::Filter;
 use crate::render::shading::Shading;
 use crate::scene::{Camera, Light, MAX_LIGHTS, Scene};
+use crate::surface::files::Topography;
 use crate::surface::{HeightField, Level, Source};
 use crate::units;
 use crate::vk::selection::Wish;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
+use std::ffi::{OsStr, OsString};
 
 /// Smallest and largest tolerance that mean something: below the first, 32-bit floats are in the way everywhere.
 const TOLERANCES: (f64, f64) = (1e-6, 1.0);
@@ -45,15 +48,19 @@ pub enum Method {
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Surface")]
 pub struct SurfaceOptions {
-    /// Height field: a PNG or TIFF file, or flat, sinusoid, blaze, bumps, elaphe, xenopeltis
+    /// Height field: a microscope's file (.gsf .gwy .spm .ibw .sur .x3p .sdf .npy .txt .csv .xyz), a TIFF or PNG, or flat, sinusoid,
+    /// blaze, bumps, elaphe, xenopeltis
     #[arg(long, value_name = "FILE|BUILTIN")]
-    pub surface: Option<String>,
-    /// Distance between samples, as in 97.66nm or 80nmx90nm
+    pub surface: Option<OsString>,
+    /// Distance between samples, as in 97.66nm or 80nmx90nm, instead of the file's
     #[arg(long, value_name = "LENGTH", value_parser = units::length_pair, allow_hyphen_values = true)]
     pub pixel_size: Option<[f64; 2]>,
-    /// Height that the file's largest code stands for, as in 434.7nm; full height of a built-in
+    /// Height that an image's largest code stands for, as in 434.7nm; full height of a built-in, or of a file instead of its own
     #[arg(long, value_name = "LENGTH", value_parser = units::length, allow_hyphen_values = true)]
     pub height: Option<f64>,
+    /// Channel of a file that has several, by name or number [default: the first height]
+    #[arg(long, value_name = "NAME")]
+    pub channel: Option<String>,
     /// What to subtract from the heights: none, mean or plane
     #[arg(long, value_name = "LEVEL", value_parser = level, default_value = "none")]
     pub level: Level,
@@ -71,15 +78,30 @@ impl SurfaceOptions {
     /// The height field that the options name, or `scene`'s, or `fallback`.
     pub fn load(
         &self,
-        positional: Option<&str>,
+        positional: Option<&OsStr>,
         scene: Option<&Scene>,
         fallback: &str,
     ) -> Result<HeightField> {
-        self.source(positional, scene, fallback)?.load()
+        let source = self.source(positional, scene, fallback)?;
+        source.prepare(self.read(&source)?.into_field()?)
+    }
+
+    /// The heights of `source` as they are; tells what a user should know about them.
+    pub fn read(&self, source: &Source) -> Result<Topography> {
+        let scan = source.read()?;
+        for warning in scan.origin().into_iter().flat_map(|origin| &origin.warnings) {
+            say(&format_args!("{}: {warning}", source.name.display()));
+        }
+        Ok(scan)
     }
 
     /// What [`SurfaceOptions::load`] loads.
-    pub fn source(&self, positional: Option<&str>, scene: Option<&Scene>, fallback: &str) -> Result<Source> {
+    pub fn source(
+        &self,
+        positional: Option<&OsStr>,
+        scene: Option<&Scene>,
+        fallback: &str,
+    ) -> Result<Source> {
         if positional.is_some() && self.surface.is_some() {
             return Err(Error::usage(
                 "the surface is given twice",
@@ -87,12 +109,13 @@ impl SurfaceOptions {
             ));
         }
         let own = positional.or(self.surface.as_deref());
-        let name = own.or(scene.map(|s| s.surface.as_str())).unwrap_or(fallback);
+        let name = own.or(scene.map(|s| s.surface.as_os_str())).unwrap_or(OsStr::new(fallback));
         // A scene's units belong to the scene's surface.
         let of_scene = scene.filter(|_| own.is_none());
         let pixel_size = self.pixel_size.or(of_scene.and_then(|s| s.pixel_size));
         let height = self.height.or(of_scene.and_then(|s| s.full_height));
-        Ok(Source { name: name.to_owned(), pixel_size, height, level: self.level, seed: self.seed })
+        let channel = self.channel.clone();
+        Ok(Source { name: name.to_owned(), pixel_size, height, channel, level: self.level, seed: self.seed })
     }
 }
 

@@ -1,4 +1,7 @@
-//! `diffract surface`: what is in a height field, and generated ones.
+//! `diffract surface`: what is in a height field, other formats of it, and generated ones.
+
+mod convert;
+mod report;
 
 use super::options::{SurfaceOptions, seed};
 use super::write;
@@ -8,10 +11,12 @@ use crate::expansion::taylor::{F32_ROUNDOFF, terms_for, thesis_bound};
 use crate::optics::sampling;
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::layers::largest_z;
+use crate::surface::files::{Topography, image};
 use crate::surface::synth::{self, Kind, Spec};
-use crate::surface::{HeightField, Statistics, image_file};
+use crate::surface::{HeightField, Level, Statistics};
 use crate::{output, units};
 use clap::{Args, Subcommand};
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// What to do with a surface.
@@ -19,6 +24,8 @@ use std::path::PathBuf;
 pub enum Command {
     /// What is in a height field, and what it will cost
     Info(Info),
+    /// Write a height field in another format, heights unchanged
+    Convert(convert::Convert),
     /// Write a generated height field to a PNG or TIFF file
     Synth(Synth),
 }
@@ -27,7 +34,10 @@ pub enum Command {
 #[derive(Args, Debug)]
 pub struct Info {
     /// Height field: a file or a built-in name
-    surface_name: Option<String>,
+    surface_name: Option<OsString>,
+    /// Print samples, spacing_m, height_range_m, mean_m, rms_m, invalid and channels as JSON
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     surface: SurfaceOptions,
 }
@@ -67,15 +77,29 @@ fn kind(name: &str) -> Result<Kind> {
     })
 }
 
-/// Runs `surface info` or `surface synth`.
+/// Runs a command about surfaces.
 pub fn run(command: &Command) -> Result<()> {
     match command {
-        Command::Info(arguments) => {
-            let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
-            write::stdout(&describe(&field))
-        }
+        Command::Info(arguments) => info(arguments),
+        Command::Convert(arguments) => convert::run(arguments),
         Command::Synth(arguments) => synthesise(arguments),
     }
+}
+
+fn info(arguments: &Info) -> Result<()> {
+    let source = arguments.surface.source(arguments.surface_name.as_deref(), None, "elaphe")?;
+    let scan = arguments.surface.read(&source)?;
+    if !arguments.json {
+        let file: String =
+            report::lines(&scan).iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect();
+        return write::stdout(&(file + &describe(&source.prepare(scan.into_field()?)?)));
+    }
+    let (origin, invalid) = (scan.origin().cloned(), scan.missing());
+    let scan = match source.level {
+        Level::None => scan,
+        _ => Topography::of(source.prepare(scan.into_field()?)?),
+    };
+    write::stdout(&report::Report::of(&scan, origin.as_ref(), invalid).json()?)
 }
 
 fn synthesise(arguments: &Synth) -> Result<()> {
@@ -83,7 +107,7 @@ fn synthesise(arguments: &Synth) -> Result<()> {
     output::check(path)?;
     let field = synth::generate(&Spec { kind, seed, patch, pixel_size, period, height })?;
     // A flat field has code 0 all over: every height reads it back, and an option takes none of zero.
-    let full_height = Some(image_file::write(path, &field)?).filter(|h| *h > 0.0).unwrap_or(1e-3);
+    let full_height = Some(image::write(path, &field)?).filter(|h| *h > 0.0).unwrap_or(1e-3);
     let [dx, dy] = field.pixel_size();
     let [columns, rows] = [field.columns(), field.rows()];
     // Enough digits that the file read back has the same frequencies to a millionth.

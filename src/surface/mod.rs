@@ -1,7 +1,7 @@
 //! Height fields: the model, the files they come from, the generated ones, levelling.
 
+pub mod files;
 mod height_field;
-pub mod image_file;
 mod level;
 pub mod source;
 pub mod statistics;

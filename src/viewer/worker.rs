@@ -327,7 +327,8 @@ mod tests {
 
     fn request(role: Role, number: u64, name: &str, tolerance: f64) -> Request {
         let level = Level::None;
-        let source = Source { name: name.to_owned(), pixel_size: None, height: None, level, seed: 1 };
+        let source =
+            Source { name: name.into(), pixel_size: None, height: None, channel: None, level, seed: 1 };
         let shading = Shading { tolerance, ..Shading::default() };
         Request { role, number, source, shading, method: Reads::Layers, filter: Filter::Point }
     }

@@ -19,6 +19,7 @@ mod regressions;
 mod render;
 mod sampling;
 mod sandbox;
+mod scans;
 mod surface;
 mod table;
 mod trade;

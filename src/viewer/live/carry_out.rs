@@ -63,17 +63,19 @@ impl Live {
             return self.open_scene(name);
         }
         let surface = &mut self.model.settings.surface;
+        surface.name = name.into();
+        surface.channel = None;
+        // Microscopes' files have units; a start for the hand where images have none: a scan of a skin.
+        let image = matches!(extension.as_str(), "png" | "tif" | "tiff");
         let (pixel_size, height) = (surface.pixel_size, surface.height);
-        if pixel_size.is_none() || height.is_none() {
+        if image && (pixel_size.is_none() || height.is_none()) {
             self.model.message = Some(Message {
                 text: "a height image carries no units: set sample and full height in the panel".to_owned(),
                 bad: false,
             });
         }
-        surface.name = name;
-        // A start for the hand: a scan of a skin.
-        surface.pixel_size = Some(pixel_size.unwrap_or([0.1; 2]));
-        surface.height = Some(height.unwrap_or(0.5));
+        surface.pixel_size = image.then(|| pixel_size.unwrap_or([0.1; 2]));
+        surface.height = image.then(|| height.unwrap_or(0.5));
         self.window.request_redraw();
     }
 

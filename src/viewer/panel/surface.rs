@@ -14,11 +14,11 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     heading(ui, "Surface");
     rows(ui, "surface", |ui| {
         let source = &mut model.settings.surface;
-        let kind = Kind::from_name(&source.name);
+        let kind = source.kind();
         row(ui, "height field", |ui| {
             let mut chosen = None;
             ComboBox::from_id_salt("surface name")
-                .selected_text(short(&source.name))
+                .selected_text(short(&source.name.to_string_lossy()))
                 .width(WIDTH - LABEL - 64.0)
                 .show_ui(ui, |ui| {
                     for other in Kind::ALL {
@@ -29,9 +29,10 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
                 });
             if let Some(kind) = chosen.filter(|k| Some(*k) != kind) {
                 *source = Source {
-                    name: kind.name().to_owned(),
+                    name: kind.name().into(),
                     pixel_size: None,
                     height: None,
+                    channel: None,
                     level: Level::None,
                     seed: 1,
                 };
