@@ -16,6 +16,8 @@ pub struct Table {
     pub numbers: Vec<f64>,
     /// Lines before the first row of numbers, without white space around them.
     pub head: Vec<String>,
+    /// Whether the last of those lines names every column.
+    pub titled: bool,
 }
 
 /// What stands between numbers, and what their decimal point is.
@@ -35,7 +37,7 @@ enum Style {
 /// A row of another length, a word that is no number, no row at all; no room.
 pub fn parse(text: &str) -> Result<Table> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut table = Table { columns: 0, numbers: Vec::new(), head: Vec::new() };
+    let mut table = Table { columns: 0, numbers: Vec::new(), head: Vec::new(), titled: false };
     let mut style = None;
     for (i, line) in text.lines().enumerate() {
         let line = line.trim_matches(|c: char| c == ' ' || c == '\r');
@@ -71,6 +73,8 @@ pub fn parse(text: &str) -> Result<Table> {
         let found = table.numbers.len() - before;
         if before == 0 {
             table.columns = found;
+            table.titled =
+                found > 1 && table.head.last().is_some_and(|line| titles(line, separation) == found);
         } else if found != table.columns {
             return Err(Error::failed(
                 format!("line {} has {found} numbers, lines before it have {}", i + 1, table.columns),
@@ -88,6 +92,17 @@ fn begins_with_a_number(line: &str) -> bool {
     let first = line.trim_start().split([' ', '\t', ',', ';']).next().unwrap_or_default();
     // A comma in the middle may be a decimal point, and then the part before it is a number, too.
     number(first, false).is_some()
+}
+
+/// Words of `line` that stand apart as numbers do; 0 for a comment.
+fn titles(line: &str, style: Style) -> usize {
+    let comment = line.starts_with(['#', '%']) || line.starts_with("//");
+    let mut count = 0;
+    let _ = fields(line, style, |_| {
+        count += 1;
+        Ok(())
+    });
+    if comment { 0 } else { count }
 }
 
 /// How `line` is written, the first one of numbers, and whether its commas are decimal points.
@@ -170,7 +185,8 @@ mod tests {
     #[test]
     fn what_was_not_measured_is_nan_and_the_head_is_kept() {
         let table = parse("# Channel: A\nx,y\n1,nan,3\n,BAD,inf\n").unwrap();
-        assert_eq!((table.columns, table.head), (3, vec!["# Channel: A".to_owned(), "x,y".to_owned()]));
+        assert_eq!((table.columns, &table.head), (3, &vec!["# Channel: A".to_owned(), "x,y".to_owned()]));
+        assert!(!table.titled && parse("a,b\n1,2\n").unwrap().titled);
         assert_eq!(table.numbers.iter().filter(|x| x.is_nan()).count(), 4);
     }
 

@@ -8,7 +8,7 @@ use super::scan::{Channel, Quantity, Scan, size, spacing};
 use super::table::{self, Table};
 use super::topography::Topography;
 use super::units;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use std::io::{self, Write};
 
 /// What the head of Gwyddion's export says.
@@ -24,7 +24,13 @@ struct Head {
 /// # Errors
 /// As [`table::parse`]; too many numbers on a side.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
-    let Table { columns, mut numbers, head } = table::parse(&decode_text(bytes))?;
+    let Table { columns, mut numbers, head, titled } = table::parse(&decode_text(bytes))?;
+    if titled {
+        return Err(Error::failed(
+            "is a table with named columns and no matrix",
+            "write a line for each row of heights",
+        ));
+    }
     let rows = numbers.len() / columns;
     let size = size(columns as u64, rows as u64)?;
     let head = gwyddion(&head);

@@ -32,6 +32,12 @@ fn a_bare_matrix_is_in_metres_and_has_no_distances() {
 }
 
 #[test]
+fn a_table_with_named_columns_is_no_matrix() {
+    assert!(read(b"theta,phi,power\n1,2,3\n").err().unwrap().to_string().contains("named columns"));
+    assert!(read(b"heights of a scan\n1,2,3\n").is_ok(), "a title of the whole");
+}
+
+#[test]
 fn what_is_written_is_read_back_to_the_last_bit_with_its_gaps() {
     let mut heights: Vec<f64> = TOP.iter().chain(&BOTTOM).map(|h| h / 3.0 * 1e-7).collect();
     heights[4] = f64::NAN;
