@@ -4,7 +4,7 @@ use super::*;
 const SENSITIVITY: &str =
     "\\*Scanner list\r\n\\@Sens. Zsens: V 20.00000 nm/V\r\n\\@Sens. Defl: V 50.0 mV/V\r\n";
 
-/// A file by hand: its header ends at byte 4096, then the bottom row and the top row.
+/// A file by hand: its header ends at byte 1024, then the bottom row and the top row.
 fn file(version: &str, scanner: &str, image: &str, number: Number) -> Vec<u8> {
     let samples = BOTTOM.iter().chain(&TOP);
     let data: Vec<u8> = match number {
@@ -13,13 +13,13 @@ fn file(version: &str, scanner: &str, image: &str, number: Number) -> Vec<u8> {
     };
     let version = if version.is_empty() { String::new() } else { format!("\\Version: {version}\r\n") };
     let header = format!(
-        "\\*File list\r\n{version}{scanner}\\*Ciao image list\r\n\\Data offset: 4096\r\n\\Data length: {}\r\n\
+        "\\*File list\r\n{version}{scanner}\\*Ciao image list\r\n\\Data offset: 1024\r\n\\Data length: {}\r\n\
          \\Samps/line: 3\r\n\\Number of lines: 2\r\n{image}\\*File list end\r\n",
         data.len()
     );
     let mut bytes = header.into_bytes();
     bytes.push(0x1a);
-    bytes.resize(4096, 0);
+    bytes.resize(1024, 0);
     [bytes, data].concat()
 }
 
@@ -108,6 +108,6 @@ fn what_holds_no_image_and_sizes_that_lie_are_refused() {
     };
     assert!(lies("line: 3", "line: 9").contains("cut short"));
     assert!(lies("line: 3", "line: 99999999").contains("16384"));
-    assert!(lies("offset: 4096", "offset: 18446744073709551615").contains("cut short"));
+    assert!(lies("offset: 1024", "offset: 18446744073709551615").contains("cut short"));
     assert!(lies("pixel: 2", "pixel: 3").contains("3 bytes"));
 }
