@@ -139,7 +139,10 @@ impl Topography {
         let mut warnings = plausible::questions(self.size, self.spacing, high - low);
         if self.missing > 0 {
             let (missing, count) = (self.missing, self.samples.len());
-            warnings.push(format!("{missing} of {count} samples were not measured: {}", invalid::METHOD));
+            warnings.push(format!(
+                "{missing} of {count} samples were not measured; where all are needed, {}",
+                invalid::METHOD
+            ));
         }
         if let Some(origin) = &mut self.origin {
             origin.warnings = warnings;
