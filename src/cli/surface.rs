@@ -1,4 +1,7 @@
-//! `diffract surface`: what is in a height field, and generated ones.
+//! `diffract surface`: what is in a height field, other formats of it, and generated ones.
+
+mod convert;
+mod report;
 
 mod describe;
 mod plot;
@@ -9,10 +12,13 @@ use super::options::{SurfaceOptions, seed};
 use super::write;
 use crate::error::{Error, Result};
 use crate::figure;
+use crate::files::Files;
+use crate::surface::files::{Topography, image};
 use crate::surface::synth::{self, Kind, Spec};
-use crate::surface::{Statistics, image_file};
+use crate::surface::{Source, Statistics};
 use crate::{output, units};
 use clap::{Args, Subcommand};
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// What to do with a surface.
@@ -20,6 +26,8 @@ use std::path::PathBuf;
 pub enum Command {
     /// What is in a height field, and what it will cost
     Info(Info),
+    /// Write a height field in another format, heights unchanged
+    Convert(convert::Convert),
     /// Write a generated height field to a PNG or TIFF file
     Synth(Synth),
 }
@@ -30,7 +38,10 @@ pub enum Command {
   diffract surface info scan.png --pixel-size 97.66nm --height 434.7nm --level plane --crop 40um --plot scan.svg")]
 pub struct Info {
     /// Height field: a file or a built-in name
-    surface_name: Option<String>,
+    surface_name: Option<OsString>,
+    /// Print samples, spacing_m, height_range_m, mean_m, rms_m, invalid, channels and statistics as JSON
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     surface: SurfaceOptions,
     /// A figure of the heights, a profile, the spectrum and the distributions: .svg or .png
@@ -73,24 +84,52 @@ fn kind(name: &str) -> Result<Kind> {
     })
 }
 
-/// Runs `surface info` or `surface synth`.
+/// Runs a command about surfaces.
 pub fn run(command: &Command) -> Result<()> {
     match command {
-        Command::Info(arguments) => {
-            if let Some(path) = &arguments.plot {
-                figure::Format::of(path)?;
-                output::check(path)?;
-            }
-            let source = arguments.surface.source(arguments.surface_name.as_deref(), None, "elaphe")?;
-            let field = source.load()?;
-            let statistics = Statistics::of(&field)?;
-            if let Some(path) = &arguments.plot {
-                plot::figure(&source, &field, &statistics)?.save(path)?;
-            }
-            write::stdout(&describe::text(&source, &field, &statistics)?)
-        }
+        Command::Info(arguments) => info(arguments),
+        Command::Convert(arguments) => convert::run(arguments),
         Command::Synth(arguments) => synthesise(arguments),
     }
+}
+
+fn info(arguments: &Info) -> Result<()> {
+    if let Some(path) = &arguments.plot {
+        figure::Format::of(path)?;
+    }
+    let name = arguments.surface_name.as_deref();
+    Files::new().reads(arguments.surface.files(name)).writes(&arguments.plot).check()?;
+    let source = arguments.surface.source(name, None, "elaphe")?;
+    let scan = arguments.surface.read(&source)?;
+    if arguments.json {
+        return report(arguments, &source, scan);
+    }
+    let file: String =
+        report::lines(&scan).iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect();
+    let field = source.prepare(scan.into_field()?)?;
+    let statistics = Statistics::of(&field)?;
+    if let Some(path) = &arguments.plot {
+        plot::figure(&source, &field, &statistics)?.save(path)?;
+    }
+    write::stdout(&(file + &describe::text(&source, &field, &statistics)?))
+}
+
+/// Prints the report as JSON. Without a step it is about the heights as they are, with their gaps.
+fn report(arguments: &Info, source: &Source, scan: Topography) -> Result<()> {
+    let (origin, invalid) = (scan.origin().cloned(), scan.missing());
+    let scan =
+        if source.prepare.is_empty() { scan } else { Topography::of(source.prepare(scan.into_field()?)?) };
+    let report = report::Report::of(&scan, origin.as_ref(), invalid);
+    let field = match scan.into_field() {
+        Ok(field) => field,
+        Err(e) if arguments.plot.is_none() => return write::stdout(&report.without_statistics(&e).json()?),
+        Err(e) => return Err(e),
+    };
+    let statistics = Statistics::of(&field)?;
+    if let Some(path) = &arguments.plot {
+        plot::figure(source, &field, &statistics)?.save(path)?;
+    }
+    write::stdout(&report.with_statistics(source, &field, statistics)?.json()?)
 }
 
 fn synthesise(arguments: &Synth) -> Result<()> {
@@ -98,7 +137,7 @@ fn synthesise(arguments: &Synth) -> Result<()> {
     output::check(path)?;
     let field = synth::generate(&Spec { kind, seed, patch, pixel_size, period, height })?;
     // A flat field has code 0 all over: every height reads it back, and an option takes none of zero.
-    let full_height = Some(image_file::write(path, &field)?).filter(|h| *h > 0.0).unwrap_or(1e-3);
+    let full_height = Some(image::write(path, &field)?).filter(|h| *h > 0.0).unwrap_or(1e-3);
     let [dx, dy] = field.pixel_size();
     let [columns, rows] = [field.columns(), field.rows()];
     // Enough digits that the file read back has the same frequencies to a millionth.

@@ -9,6 +9,7 @@ use crate::surface::prepare::Step;
 use crate::units;
 use glam::{DVec3, Vec3};
 use serde::Deserialize;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// Names of the built-in scenes; the first is the default.
@@ -30,7 +31,7 @@ pub struct Scene {
     /// The mesh, in a world whose up is +z.
     pub mesh: Mesh,
     /// The surface: a built-in name or a file.
-    pub surface: String,
+    pub surface: OsString,
     /// Distance between samples of a surface file, where the scene gives it \[µm\].
     pub pixel_size: Option<[f64; 2]>,
     /// Height of the file's largest code, where the scene gives it \[µm\].
@@ -183,11 +184,8 @@ impl Scene {
         let lights = file.lights.iter().map(|l| units::light(l)).collect::<Result<Vec<_>>>()?;
         let field_of_view = units::angle(&file.camera.field_of_view)?.to_radians() as f32;
         let built_in_surface = crate::surface::synth::Kind::from_name(&file.surface).is_some();
-        let surface = if built_in_surface {
-            file.surface
-        } else {
-            folder.join(&file.surface).to_string_lossy().into_owned()
-        };
+        let surface =
+            if built_in_surface { file.surface.into() } else { folder.join(&file.surface).into_os_string() };
         let pigment = file.pigment.map(|p| folder.join(p));
         let mesh_file = (!BUILT_IN_MESHES.contains(&file.mesh.as_str())).then(|| folder.join(&file.mesh));
         let surface_file = (!built_in_surface).then(|| PathBuf::from(&surface));

@@ -1,7 +1,7 @@
 //! Height fields: the model, the files they come from, the generated ones, how they are prepared and what is in them.
 
+pub mod files;
 mod height_field;
-pub mod image_file;
 pub mod prepare;
 pub mod source;
 pub mod statistics;

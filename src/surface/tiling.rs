@@ -4,6 +4,7 @@
 //! a step that the surface does not have, and the step diffracts light along the axes.
 
 use super::HeightField;
+use super::statistics::metres_of_both;
 use serde::Serialize;
 
 /// A seam joins where its ratio to the step inside that is nearest to it is at most this, and at least the inverse. The seam of a periodic
@@ -22,7 +23,7 @@ pub struct Tiling {
     /// the median difference where it is smaller than that. 0 where there is no difference across the seam.
     pub ratio: [f64; 2],
     /// RMS height difference across the seam \[µm\].
-    #[serde(rename = "seam_um")]
+    #[serde(rename = "seam_m", serialize_with = "metres_of_both")]
     pub seam: [f64; 2],
     /// Whether the field can stand for an endless surface as it is.
     pub verdict: Verdict,

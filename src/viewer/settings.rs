@@ -149,13 +149,16 @@ impl ViewSettings {
         let s = &self.surface;
         let own = s.name == scene.surface;
         if !own {
-            option("surface", s.name.clone());
+            option("surface", s.name.to_string_lossy().into_owned());
         }
         if let Some([x, y]) = s.pixel_size.filter(|p| !own || Some(*p) != scene.pixel_size) {
             option("pixel-size", format!("{x}umx{y}um"));
         }
         if let Some(height) = s.height.filter(|h| !own || Some(*h) != scene.full_height) {
             option("height", format!("{height}um"));
+        }
+        if let Some(channel) = &s.channel {
+            option("channel", channel.clone());
         }
         let own_steps: &[Step] = if own { &scene.prepare } else { &[] };
         if s.prepare != own_steps {
@@ -225,6 +228,7 @@ mod tests {
             name: scene.surface.clone(),
             pixel_size: None,
             height: None,
+            channel: None,
             prepare: Vec::new(),
             seed: 1,
         };
@@ -289,7 +293,7 @@ mod tests {
         let told = repeats.command(&scene, [64, 48], "a.png");
         assert!(told.contains("--coherence repeats:3x7") && !told.contains("--wavelengths"), "{told}");
         assert_eq!(repeats.shading(&repeats.optics).unwrap().wavelengths, None);
-        s.surface.name = "my scan's.png".to_owned();
+        s.surface.name = "my scan's.png".into();
         s.surface.pixel_size = Some([0.09, 0.1]);
         s.camera.phi += 0.25;
         let told = s.command(&scene, [64, 48], "a.png");

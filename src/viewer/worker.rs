@@ -184,6 +184,7 @@ mod tests {
     use super::*;
     use crate::render::shading::Shading;
     use crate::surface::Level;
+    use crate::surface::synth::Kind;
     use crate::vk::instance::API_VERSION;
     use ash::vk;
     use std::sync::mpsc;
@@ -205,6 +206,7 @@ mod tests {
     }
 
     fn request(role: Role, number: u64, name: &str, tolerance: f64) -> Request {
+        let surface = Surface { name: name.into(), ..Surface::built_in(Kind::Blaze) };
         let shading = Shading { tolerance, ..Shading::default() };
         Request { role, number, surface, settings: setup::Settings::new(setup::Method::Spectral, shading) }
     }

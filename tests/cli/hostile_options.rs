@@ -154,6 +154,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--illuminant", &[NO_NUMBER, &["d50", "missing.csv", ".", "/dev/zero", "grey.png"]]),
     ("--surface", &[NO_NUMBER, &["nothing", "nothing.png", ".", "/dev/zero", "q.csv", "grey.png/x.png"]]),
     ("--cache-size", &[NO_NUMBER, &["500", "-1MB", "2gib", "8388609TiB", "1e400GB", "infMiB"]]),
+    ("--channel", &[&["", " ", "phase", "0", "2", "-1", "1.0"]]),
     ("--device", &[&["", " ", "nothing", "7", "-1", "99999999999999999999", "\n"]]),
     ("--folder", &[&["", "/dev/null", "grey.png", "grey.png/trade"]]),
     ("--fps", &[NO_NUMBER, &["0", "-15", "1e6", "15fps"]]),
@@ -190,6 +191,7 @@ fn sound(command: &[&str]) -> Vec<&'static str> {
             [&own[..], &SURFACE, &OPTICS[..2]].concat()
         }
         ["surface", "info"] => SURFACE.to_vec(),
+        ["surface", "convert"] => [&SURFACE[..], &["--output", "out.gsf"]].concat(),
         ["surface", "synth"] => vec!["blaze", "--output", "out.png"],
         _ => vec![],
     }

@@ -21,7 +21,7 @@ pub fn figure(source: &Source, field: &HeightField, statistics: &Statistics) -> 
     let spectrum = Spectrum::windowed(&analysed_part(field))?;
     let name = std::path::Path::new(&source.name)
         .file_name()
-        .map_or(source.name.clone(), |n| n.to_string_lossy().into_owned());
+        .map_or(source.name.to_string_lossy().into_owned(), |n| n.to_string_lossy().into_owned());
     Ok(Figure::new(format!("{name}: heights, spectrum and distributions"))
         .panel_size(PANEL[0], PANEL[1])
         .row(vec![heights(field, statistics), power(&spectrum)])

@@ -91,7 +91,10 @@ fn metres_of_option<S: Serializer>(um: &Option<f64>, serializer: S) -> std::resu
     um.map(|um| um * METRES).serialize(serializer)
 }
 
-fn metres_of_both<S: Serializer>(um: &[f64; 2], serializer: S) -> std::result::Result<S::Ok, S::Error> {
+pub(super) fn metres_of_both<S: Serializer>(
+    um: &[f64; 2],
+    serializer: S,
+) -> std::result::Result<S::Ok, S::Error> {
     um.map(|um| um * METRES).serialize(serializer)
 }
 

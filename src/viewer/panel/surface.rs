@@ -14,11 +14,11 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     heading(ui, "Surface");
     rows(ui, "surface", |ui| {
         let source = &mut model.settings.surface;
-        let kind = Kind::from_name(&source.name);
+        let kind = source.kind();
         row(ui, "height field", |ui| {
             let mut chosen = None;
             ComboBox::from_id_salt("surface name")
-                .selected_text(short(&source.name))
+                .selected_text(short(&source.name.to_string_lossy()))
                 .width(WIDTH - LABEL - 64.0)
                 .show_ui(ui, |ui| {
                     for other in Kind::ALL {
