@@ -208,6 +208,7 @@ mod tests {
     use super::*;
     use crate::render::shading::Shading;
     use crate::surface::Level;
+    use crate::surface::synth::Kind;
     use crate::vk::instance::API_VERSION;
     use ash::vk;
     use std::sync::mpsc;
@@ -229,8 +230,7 @@ mod tests {
     }
 
     fn request(role: Role, number: u64, name: &str, tolerance: f64) -> Request {
-        let level = Level::None;
-        let surface = Surface { name: name.to_owned(), pixel_size: None, height: None, level, seed: 1 };
+        let surface = Surface { name: name.into(), ..Surface::built_in(Kind::Blaze) };
         let shading = Shading { tolerance, ..Shading::default() };
         Request {
             role,
