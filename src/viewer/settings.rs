@@ -269,13 +269,16 @@ mod tests {
     fn the_command_line_names_what_differs_and_quotes_it() {
         let (mut s, scene) = settings();
         let plain = s.command(&scene, [64, 48], "a.png");
-        let expected =
-            "diffract render plate --method spectral --windows 1x1 --basis taylor --samples 1 --tolerance 1e-2 ";
+        let expected = "diffract render plate --method spectral --windows 1x1 --basis taylor --samples 1 --tolerance 1e-2 ";
         assert!(plain.starts_with(expected), "{plain}");
         assert!(plain.ends_with("--size 64x48 -o a.png"), "{plain}");
         assert!(!plain.contains("--eye") && !plain.contains("--surface") && !plain.contains("--seed"));
-        let by_table =
-            OpticsSettings { method: Method::Table, terms: Some(9), windows: Windows::All, ..s.optics.clone() };
+        let by_table = OpticsSettings {
+            method: Method::Table,
+            terms: Some(9),
+            windows: Windows::All,
+            ..s.optics.clone()
+        };
         let table = ViewSettings { optics: by_table, ..s.clone() }.command(&scene, [64, 48], "a.png");
         let expected = "--method table --windows all --beyond copies --samples 1 --tolerance 1e-2";
         assert!(table.contains(expected), "{table}");

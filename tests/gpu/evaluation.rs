@@ -44,6 +44,11 @@ pub fn queries(seed: u64, count: usize) -> Vec<Query> {
         .collect()
 }
 
+/// Directions of colours over both hemispheres.
+pub fn colours(seed: u64, count: usize) -> Vec<Query> {
+    queries(seed, count).into_iter().map(|q| Query { wavelength: None, ..q }).collect()
+}
+
 /// A small patch of a kind, under a window that sees several copies of it.
 pub fn patch(kind: Kind, side: f64) -> HeightField {
     generate(&Spec { patch: Some([side, side]), ..Spec::new(kind) }).unwrap()

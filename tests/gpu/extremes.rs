@@ -299,8 +299,11 @@ fn repeats_from_one_to_a_thousand_give_the_reference_picture() {
     let size = [24, 18];
     with_device(|device| {
         for copies in [[1, 1], [1, 1000], [1000, 1], [1000, 1000]] {
-            let shading =
-                Shading { coherence: Coherence::Repeats(copies), windows: Windows::ONE, ..Shading::default() };
+            let shading = Shading {
+                coherence: Coherence::Repeats(copies),
+                windows: Windows::ONE,
+                ..Shading::default()
+            };
             let shading = shading.for_pictures();
             let settings = Settings {
                 sigma: f64::INFINITY,
@@ -459,8 +462,7 @@ fn meshes() -> [(&'static str, String); 6] {
 #[test]
 fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_number() {
     let field = patch(Kind::Bumps, 2.0);
-    let shading =
-        shading(4.0, 1e-1);
+    let shading = shading(4.0, 1e-1);
     let layers = layers_of(&field, &shading).unwrap();
     with_device(|device| {
         for (name, text) in meshes() {
