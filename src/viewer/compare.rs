@@ -68,6 +68,7 @@ fn optimal(own: &OpticsSettings, tolerance: f64) -> OpticsSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::optics::coherence::Windows;
 
     #[test]
     fn the_key_steps_through_all_and_comes_back() {
@@ -78,9 +79,16 @@ mod tests {
     #[test]
     fn the_compared_setting_is_stricter_and_the_moving_picture_looser() {
         for tolerance in [1e-3, 1e-2, 5e-2] {
-            let own = OpticsSettings { basis: Basis::Taylor, terms: Some(5), ..optimal(tolerance) };
+            let own = OpticsSettings {
+                method: Method::Table,
+                windows: Windows::ONE,
+                basis: Basis::Taylor,
+                tolerance,
+                terms: Some(5),
+                wavelengths: None,
+            };
             assert!(strict(&own).tolerance < tolerance && coarse(&own).tolerance > tolerance);
-            assert_eq!(strict(&own).terms, None);
+            assert_eq!((strict(&own).terms, strict(&own).windows), (None, own.windows));
         }
     }
 }

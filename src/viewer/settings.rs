@@ -234,8 +234,7 @@ mod tests {
         };
         let optics = OpticsSettings {
             method: Method::Spectral,
-            filter: Filter::Point,
-            windows: [1, 1],
+            windows: Windows::ONE,
             basis: Basis::Taylor,
             tolerance: 1e-2,
             terms: None,
@@ -246,6 +245,7 @@ mod tests {
             surface,
             optics,
             coherence: Coherence::SUNLIGHT,
+            beyond: Beyond::Copies,
             ior: 1.5,
             illuminant: "d65".to_owned(),
             lights: scene.lights.clone(),
@@ -279,19 +279,32 @@ mod tests {
     fn the_command_line_names_what_differs_and_quotes_it() {
         let (mut s, scene) = settings();
         let plain = s.command(&scene, [64, 48], "a.png");
-        assert!(plain.starts_with("diffract render plate --basis taylor --tolerance 1e-2 "), "{plain}");
+        let expected = "diffract render plate --method spectral --windows 1x1 --basis taylor --samples 1 --tolerance 1e-2 ";
+        assert!(plain.starts_with(expected), "{plain}");
         assert!(plain.ends_with("--size 64x48 -o a.png"), "{plain}");
         assert!(!plain.contains("--eye") && !plain.contains("--surface") && !plain.contains("--seed"));
-        let by_table =
-            OpticsSettings { method: Method::Table, terms: Some(9), windows: [2, 3], ..s.optics.clone() };
+        let by_table = OpticsSettings {
+            method: Method::Table,
+            terms: Some(9),
+            windows: Windows::All,
+            ..s.optics.clone()
+        };
         let table = ViewSettings { optics: by_table, ..s.clone() }.command(&scene, [64, 48], "a.png");
-        let expected = "--method table --filter point --windows 2x3 --tolerance 1e-2";
-        assert!(table.contains(expected) && !table.contains("--terms"), "{table}");
+        let expected = "--method table --windows all --beyond copies --samples 1 --tolerance 1e-2";
+        assert!(table.contains(expected), "{table}");
+        assert!(!table.contains("--terms") && !table.contains("--basis"), "{table}");
         let through = Coherence::Repeats([3, 7]);
-        let named = OpticsSettings { wavelengths: Some(9), ..s.optics.clone() };
+        // A finite grating stands at one place, so that there is no mean and no table of it.
+        let named = OpticsSettings {
+            method: Method::Table,
+            windows: Windows::All,
+            wavelengths: Some(9),
+            ..s.optics.clone()
+        };
         let repeats = ViewSettings { coherence: through, optics: named, ..s.clone() };
         let told = repeats.command(&scene, [64, 48], "a.png");
-        assert!(told.contains("--coherence repeats:3x7") && !told.contains("--wavelengths"), "{told}");
+        assert!(told.contains("--coherence grating:3x7") && !told.contains("--wavelengths"), "{told}");
+        assert!(told.contains("--method spectral --windows 1x1"), "{told}");
         assert_eq!(repeats.shading(&repeats.optics).unwrap().wavelengths, None);
         s.surface.name = "my scan's.png".into();
         s.surface.pixel_size = Some([0.09, 0.1]);

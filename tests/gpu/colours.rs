@@ -1,10 +1,10 @@
 //! Colours of single directions with the settings of pictures, against the direct f64 sum.
 
 use crate::device::with_device;
-use crate::evaluation::{patch, shading, window};
-use crate::table::{by_reference, colours, errors};
+use crate::evaluation::{FLOOR, colours, patch, shading, window};
 use diffract::expansion::Basis;
 use diffract::optics::geometry::Pair;
+use diffract::optics::reference::Reference;
 use diffract::precompute::{Layers, compute};
 use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
@@ -13,6 +13,25 @@ use diffract::surface::HeightField;
 use diffract::surface::synth::Kind;
 use diffract::vk::device::Device;
 use glam::{DVec2, DVec3};
+
+/// The colours of `queries` by the direct sum, XYZ of f cos θ_i.
+fn by_reference(field: &HeightField, shading: &Shading, queries: &[Query]) -> Vec<DVec3> {
+    let reference = Reference::new(field, shading.coherence, [1, 1], shading.ior);
+    queries.iter().map(|q| reference.cosine_weighted_xyz(&q.pair, &shading.illuminant).unwrap()).collect()
+}
+
+/// ‖found − exact‖/‖exact‖ over all directions, then median and 99th percentile of the errors of single directions that a
+/// display does not show as black, each relative to its own value.
+fn errors(found: &[DVec3], exact: &[DVec3]) -> [f64; 3] {
+    assert!(found.iter().all(|f| f.is_finite()));
+    let pairs = || found.iter().zip(exact);
+    let mut single: Vec<f64> =
+        pairs().filter(|(_, e)| e.length() > FLOOR).map(|(f, e)| (*f - *e).length() / e.length()).collect();
+    single.sort_by(f64::total_cmp);
+    let difference: f64 = pairs().map(|(f, e)| (*f - *e).length_squared()).sum();
+    let size: f64 = exact.iter().map(|e| e.length_squared()).sum();
+    [(difference / size).sqrt(), single[single.len() / 2], single[single.len() * 99 / 100]]
+}
 
 /// Layers of `field` for pictures.
 fn layers(device: &Device, field: &HeightField, shading: &Shading) -> Layers {

@@ -3,16 +3,15 @@
 use crate::device::with_device;
 use crate::measure::per_direction;
 use diffract::expansion::Basis;
-use diffract::optics::coherence::Coherence;
+use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::orders::Repeats;
 use diffract::optics::reference::Reference;
 use diffract::precompute::{Layers, Settings, compute};
 use diffract::random::Random;
-use diffract::render::color_table::{ColorTable, Filter};
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::shading::Shading;
-use diffract::render::source::{Grating, Source, Table};
+use diffract::render::source::{Grating, Source};
 use diffract::surface::HeightField;
 use diffract::surface::synth::{Kind, Spec, generate};
 use diffract::vk::device::Device;
@@ -45,13 +44,24 @@ pub fn queries(seed: u64, count: usize) -> Vec<Query> {
         .collect()
 }
 
+/// Directions of colours over both hemispheres.
+pub fn colours(seed: u64, count: usize) -> Vec<Query> {
+    queries(seed, count).into_iter().map(|q| Query { wavelength: None, ..q }).collect()
+}
+
 /// A small patch of a kind, under a window that sees several copies of it.
 pub fn patch(kind: Kind, side: f64) -> HeightField {
     generate(&Spec { patch: Some([side, side]), ..Spec::new(kind) }).unwrap()
 }
 
+/// Through one window.
 pub fn shading(length: f64, tolerance: f64) -> Shading {
-    Shading { coherence: Coherence::Gaussian { length }, tolerance, ..Shading::default() }
+    Shading {
+        coherence: Coherence::Gaussian { length },
+        windows: Windows::ONE,
+        tolerance,
+        ..Shading::default()
+    }
 }
 
 /// What is shaded from `layers` of a window.
@@ -63,11 +73,6 @@ pub fn window(layers: &Layers) -> Source {
 pub fn grating(layers: &Layers, copies: [u32; 2], field: &HeightField) -> Source {
     let repeats = Repeats { copies, period: field.patch_size() };
     Source::Grating(Grating { layers: Arc::new(layers.clone()), repeats })
-}
-
-/// What is shaded from `table`.
-pub fn tabled(table: &ColorTable, filter: Filter) -> Source {
-    Source::Table(Table { table: Arc::new(table.clone()), filter })
 }
 
 pub fn layers(field: &HeightField, shading: &Shading) -> Layers {

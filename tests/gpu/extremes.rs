@@ -7,7 +7,7 @@ use crate::measure::channel;
 use diffract::error::Result;
 use diffract::expansion::Basis;
 use diffract::optics::brdf::{cosine_weighted, schlick};
-use diffract::optics::coherence::Coherence;
+use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::reference::Reference;
 use diffract::precompute::audit::FAINT;
@@ -299,8 +299,11 @@ fn repeats_from_one_to_a_thousand_give_the_reference_picture() {
     let size = [24, 18];
     with_device(|device| {
         for copies in [[1, 1], [1, 1000], [1000, 1], [1000, 1000]] {
-            let shading =
-                Shading { coherence: Coherence::Repeats(copies), tolerance: 1e-2, ..Shading::default() };
+            let shading = Shading {
+                coherence: Coherence::Repeats(copies),
+                windows: Windows::ONE,
+                ..Shading::default()
+            };
             let shading = shading.for_pictures();
             let settings = Settings {
                 sigma: f64::INFINITY,
@@ -388,6 +391,7 @@ fn combinations_of_ends_are_done_within_their_tolerance_or_refused_with_a_remedy
                 basis: case.basis,
                 tolerance: case.tolerance,
                 coherence: Coherence::Gaussian { length: case.length },
+                windows: Windows::ONE,
                 ..Shading::default()
             };
             let layers = match layers_of(&field, &shading) {
@@ -458,8 +462,7 @@ fn meshes() -> [(&'static str, String); 6] {
 #[test]
 fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_number() {
     let field = patch(Kind::Bumps, 2.0);
-    let shading =
-        Shading { coherence: Coherence::Gaussian { length: 4.0 }, tolerance: 1e-1, ..Shading::default() };
+    let shading = shading(4.0, 1e-1);
     let layers = layers_of(&field, &shading).unwrap();
     with_device(|device| {
         for (name, text) in meshes() {

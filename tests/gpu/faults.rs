@@ -1,12 +1,12 @@
 //! Devices that run out of memory: each allocation in turn fails, nothing is left behind, the next try succeeds.
 
 use crate::device::with_device;
-use crate::evaluation::{grating, layers, patch, queries, shading, tabled, window};
+use crate::evaluation::{grating, layers, patch, queries, shading, window};
+use crate::mean::source;
 use diffract::error::Result;
 use diffract::measure::profile;
-use diffract::optics::coherence::Coherence;
+use diffract::optics::coherence::{Coherence, Windows};
 use diffract::precompute::{Settings, compute};
-use diffract::render::color_table::{self, Filter, bake};
 use diffract::render::difference::DifferencePass;
 use diffract::render::evaluator::Evaluator;
 use diffract::render::frame::View;
@@ -15,6 +15,7 @@ use diffract::render::pigment::Pigment;
 use diffract::render::shading::Shading;
 use diffract::render::source::Source;
 use diffract::scene::{Light, Scene};
+use diffract::setup::Method;
 use diffract::surface::synth::Kind;
 use diffract::vk::device::Device;
 use diffract::vk::instance::Instance;
@@ -69,24 +70,17 @@ fn a_picture_fails_cleanly_at_each_of_its_allocations_and_succeeds_afterwards() 
 }
 
 #[test]
-fn a_bake_and_its_picture_fail_cleanly_at_each_of_their_allocations_and_succeed_afterwards() {
-    let shading = shading(4.0, 2e-1);
+fn a_picture_of_the_mean_fails_cleanly_at_each_of_its_allocations_and_succeeds_afterwards() {
+    let shading = Shading { windows: Windows::All, ..shading(4.0, 2e-1) }.for_pictures();
     let field = patch(Kind::Bumps, 2.0);
     let scene = Scene::open("plate").unwrap();
     with_device(|device| {
-        let settings = bake::layer_settings(&shading, device.candidate()).unwrap();
-        let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
-        let make =
-            || color_table::make(device, (&field, layers.clone(), &settings), &shading, &|_, _, _| Ok(()));
-        let undisturbed = make().unwrap();
-        let (allocations, table) = with_each_allocation_failing(device, make);
-        eprintln!("{allocations} allocations bake a table");
-        assert!(allocations > 5 && table == undisturbed, "{allocations}");
-        for filter in [Filter::Point, Filter::Pixel] {
-            let paint = || paint(device, &tabled(&table, filter), &shading, &scene);
+        for method in [Method::Table, Method::Spectral] {
+            let source = source(device, &field, &shading, method, 1e-2);
+            let paint = || paint(device, &source, &shading, &scene);
             let expected = paint().unwrap();
             let (allocations, picture) = with_each_allocation_failing(device, paint);
-            assert!(allocations > 10 && picture == expected, "{allocations}");
+            assert!(allocations > 10 && picture == expected, "{method:?}: {allocations}");
         }
     });
 }
@@ -94,8 +88,9 @@ fn a_bake_and_its_picture_fail_cleanly_at_each_of_their_allocations_and_succeed_
 #[test]
 fn a_picture_through_repeats_fails_cleanly_at_each_of_its_allocations_and_succeeds_afterwards() {
     let copies = [3, 2];
-    let shading = Shading { coherence: Coherence::Repeats(copies), tolerance: 1e-1, ..Shading::default() }
-        .for_pictures();
+    let coherence = Coherence::Repeats(copies);
+    let shading = Shading { coherence, windows: Windows::ONE, tolerance: 1e-1, ..Shading::default() };
+    let shading = shading.for_pictures();
     let field = patch(Kind::Bumps, 2.0);
     let settings = Settings {
         sigma: f64::INFINITY,

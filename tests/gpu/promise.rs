@@ -7,7 +7,7 @@ use crate::device::with_device;
 use crate::evaluation::{layers, queries, window};
 use crate::measure::per_direction;
 use diffract::expansion::Basis;
-use diffract::optics::coherence::Coherence;
+use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::color::DISPLAY_BLACK;
 use diffract::optics::reference::Reference;
 use diffract::random::Random;
@@ -63,6 +63,7 @@ fn the_promised_error_is_never_below_the_measured_one_and_seldom_far_above_it() 
                 tolerance: 10f64.powf(-1.0 - 2.0 * uniform()),
                 ior: 1.2 + uniform(),
                 basis,
+                windows: Windows::ONE,
                 ..Shading::default()
             };
             let queries = queries(combination as u64, DIRECTIONS);

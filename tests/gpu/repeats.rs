@@ -4,7 +4,7 @@
 use crate::device::with_device;
 use crate::evaluation::{grating, patch, queries};
 use crate::measure::channel;
-use diffract::optics::coherence::Coherence;
+use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::nufft::cosine_weighted_xyz;
 use diffract::optics::reference::Reference;
 use diffract::optics::spectrum::Illuminant;
@@ -25,7 +25,8 @@ use std::sync::Arc;
 const SIZE: [u32; 2] = [64, 48];
 
 fn shading(copies: [u32; 2], tolerance: f64) -> Shading {
-    Shading { coherence: Coherence::Repeats(copies), tolerance, ..Shading::default() }.for_pictures()
+    let coherence = Coherence::Repeats(copies);
+    Shading { coherence, windows: Windows::ONE, tolerance, ..Shading::default() }.for_pictures()
 }
 
 /// The layers of one period.

@@ -4,7 +4,7 @@
 use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::measure::channel;
-use diffract::optics::coherence::Coherence;
+use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::spectrum::SHORTEST;
 use diffract::precompute::thesis;
 use diffract::render::frame::View;
@@ -30,7 +30,8 @@ fn the_thesis_sum_is_right_where_three_bins_hold_the_window() {
             let (low, high) = field.range();
             let error = |length: f64| {
                 let coherence = Coherence::Gaussian { length };
-                let shading = Shading { coherence, ..Shading::default() }.for_pictures();
+                let shading =
+                    Shading { coherence, windows: Windows::ONE, ..Shading::default() }.for_pictures();
                 let layers = Arc::new(thesis::layers(&field, length / 4.0, SHORTEST).unwrap());
                 let source = Source::Thesis(Thesis { layers, half_range: (high - low) / 2.0 });
                 let mut painter =

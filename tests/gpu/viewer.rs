@@ -92,7 +92,7 @@ fn what_is_left_out_first_while_moving_costs_the_least_error() {
                     .unwrap();
             let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
             let directions = [painter.directions(&view, 0).unwrap()];
-            (picture.radiance, window(&layers).cost(shading, &directions, SIZE))
+            (picture.radiance, window(&layers).cost(shading, &directions))
         };
         let (exact, whole) = drawn(&own);
         let error = |radiance: &[[f32; 4]]| (0..3).map(|c| channel(radiance, &exact, c)).fold(0.0, f64::max);

@@ -1,0 +1,214 @@
+//! The mean over all windows on the device, by power spectra and by a colour table, against the f64 mean.
+
+use crate::device::with_device;
+use crate::evaluation::{FLOOR, colours, patch, queries};
+use crate::measure::{channel, per_direction};
+use diffract::brdf::mean::{Covariance, Mean, TabulatedMean};
+use diffract::optics::coherence::{Coherence, Windows};
+use diffract::optics::spectrum::SHORTEST;
+use diffract::render::evaluator::{Evaluator, Query};
+use diffract::render::footprints::least_read;
+use diffract::render::frame::View;
+use diffract::render::picture::{Directions, Painter};
+use diffract::render::pigment::Pigment;
+use diffract::render::reference_picture::reference_picture;
+use diffract::render::shading::Shading;
+use diffract::render::source::{ClassicalGrating, Source};
+use diffract::scene::{Light, Scene};
+use diffract::setup::{self, InUse, Method, Target};
+use diffract::surface::HeightField;
+use diffract::surface::synth::Kind;
+use diffract::vk::device::Device;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Of the mean over all windows.
+fn shading(length: f64, tolerance: f64) -> Shading {
+    let coherence = Coherence::Gaussian { length };
+    Shading { coherence, windows: Windows::All, tolerance, ..Shading::default() }
+}
+
+/// What is shaded from, for pixels that average over standard deviations of (u, v) from `least_footprint` on.
+pub fn source(
+    device: &Arc<Device>,
+    field: &HeightField,
+    shading: &Shading,
+    method: Method,
+    least_footprint: f64,
+) -> Source {
+    let settings =
+        setup::Settings { cached: false, least_footprint, ..setup::Settings::new(method, shading.clone()) };
+    let progress = &|_, _, _| Ok(());
+    setup::source(field, &settings, Target::from(device), &mut InUse::default(), progress).unwrap().source
+}
+
+fn mean<'a>(field: &'a HeightField, shading: &Shading) -> Mean<'a> {
+    let sigma = shading.coherence.sigma().unwrap();
+    Mean { field, sigma, beyond: shading.beyond, ior: shading.ior }
+}
+
+/// A tenth higher.
+fn higher(field: &HeightField) -> HeightField {
+    let heights = field.heights().iter().map(|h| h * 1.1).collect();
+    HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights).unwrap()
+}
+
+/// ‖found − exact‖/‖exact‖ over all directions.
+fn relative(found: &[DVec3], exact: &[DVec3]) -> f64 {
+    assert!(found.len() == exact.len() && found.iter().all(|f| f.is_finite()));
+    let difference: f64 = found.iter().zip(exact).map(|(f, e)| (*f - *e).length_squared()).sum();
+    (difference / exact.iter().map(|e| e.length_squared()).sum::<f64>()).sqrt()
+}
+
+/// Colours of single directions meet each of `tolerances` by `method`, and those of a higher surface do not.
+fn colours_meet_their_tolerance(method: Method, tolerances: &[f64]) {
+    let queries = colours(21, 300);
+    let asked: Vec<_> = queries.iter().map(|q| (q.pair, Covariance::default())).collect();
+    with_device(|device| {
+        for (kind, side, length) in
+            [(Kind::Elaphe, 12.0, 16.0), (Kind::Blaze, 10.0, 16.0), (Kind::Bumps, 4.0, 12.0)]
+        {
+            let field = patch(kind, side);
+            let any = shading(length, 1.0);
+            let table = TabulatedMean::new(mean(&field, &any), SHORTEST, &|_, _| Ok(())).unwrap();
+            let exact = table.xyz(&any.illuminant, &asked, &|_, _| Ok(())).unwrap();
+            for &tolerance in tolerances {
+                let shading = shading(length, tolerance);
+                let answers = |field: &HeightField| {
+                    let source = source(device, field, &shading, method, 0.0);
+                    let mut evaluator = Evaluator::new(device, &source, &shading).unwrap();
+                    evaluator.cosine_weighted(&queries).unwrap()
+                };
+                let error = relative(&answers(&field), &exact);
+                eprintln!("{} by {} at {tolerance:e}: {error:.2e}", kind.name(), method.name());
+                assert!(error <= tolerance, "{} at {tolerance}: {error:e}", kind.name());
+                if tolerances.last() == Some(&tolerance) {
+                    let wrong = relative(&answers(&higher(&field)), &exact);
+                    assert!(
+                        wrong > 2.0 * tolerance,
+                        "{}: a tenth more of height makes {wrong:e}",
+                        kind.name()
+                    );
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn colours_by_a_table_meet_their_tolerance() {
+    colours_meet_their_tolerance(Method::Table, &[1e-1, 2e-2]);
+}
+
+#[test]
+fn colours_by_power_spectra_meet_their_tolerance() {
+    colours_meet_their_tolerance(Method::Spectral, &[1e-1, 1e-2]);
+}
+
+#[test]
+fn single_wavelengths_by_power_spectra_meet_their_tolerance_and_tables_refuse_them() {
+    let field = patch(Kind::Elaphe, 12.0);
+    let queries = queries(22, 400);
+    let exact: Vec<f64> = {
+        let shading = shading(16.0, 1.0);
+        let table = TabulatedMean::new(mean(&field, &shading), SHORTEST, &|_, _| Ok(())).unwrap();
+        let none = Covariance::default();
+        queries.iter().map(|q| table.cosine_weighted(&q.pair, q.wavelength.unwrap(), &none)).collect()
+    };
+    with_device(|device| {
+        for tolerance in [1e-1, 1e-2] {
+            let shading = shading(16.0, tolerance);
+            let answers = |field: &HeightField| -> Vec<f64> {
+                let source = source(device, field, &shading, Method::Spectral, 0.0);
+                let mut evaluator = Evaluator::new(device, &source, &shading).unwrap();
+                evaluator.cosine_weighted(&queries).unwrap().iter().map(|f| f.x).collect()
+            };
+            let error = per_direction(&answers(&field), &exact, FLOOR);
+            eprintln!("single wavelengths at {tolerance:e}: {error:.2e}");
+            assert!(error <= tolerance, "{tolerance}: {error:e}");
+            assert!(per_direction(&answers(&higher(&field)), &exact, FLOOR) > 2.0 * tolerance);
+        }
+        let shading = shading(16.0, 1e-1);
+        let table = source(device, &field, &shading, Method::Table, 0.0);
+        let mut evaluator = Evaluator::new(device, &table, &shading).unwrap();
+        assert!(evaluator.cosine_weighted(&queries[..1]).is_err(), "a table holds colours");
+    });
+}
+
+const SIZE: [u32; 2] = [64, 48];
+
+/// The directions of each light of `view`, with footprints.
+fn directions(device: &Arc<Device>, scene: &Scene, view: &View) -> Vec<Directions> {
+    let source = Source::ClassicalGrating(ClassicalGrating::default());
+    let (shading, pigment, lights) = (Shading::default(), Pigment::white(), view.lights.len());
+    let mut painter = Painter::new(device, &source, &shading, &scene.mesh, &pigment, SIZE, lights).unwrap();
+    painter.ask_for_footprints().unwrap();
+    (0..lights).map(|light| painter.directions(view, light).unwrap()).collect()
+}
+
+/// Pictures over footprints by `method` are within `allowed` of the f64 picture, where the light is moved they are not.
+fn pictures_are_the_reference_picture(method: Method, allowed: f64) {
+    let field = patch(Kind::Elaphe, 12.0);
+    let scene = Scene::open("sphere").unwrap();
+    let lights = vec![
+        Light { theta: 45.0, phi: -40.0, intensity: 2.0 },
+        Light { theta: 70.0, phi: 60.0, intensity: 0.7 },
+    ];
+    let view = View::of(&scene, lights);
+    let shading = shading(16.0, 2e-2).for_pictures();
+    with_device(|device| {
+        let seen = directions(device, &scene, &view);
+        let source = source(device, &field, &shading, method, least_read(&seen));
+        let mesh = &scene.mesh;
+        let mut painter =
+            Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE, view.lights.len())
+                .unwrap();
+        let mut paint = |view: &View| painter.paint(view, 0.0, DVec3::ZERO).unwrap().radiance;
+        let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
+        let errors = |found: &[[f32; 4]]| [0, 1, 2].map(|c| channel(found, &exact, c));
+        let found = errors(&paint(&view));
+        eprintln!("pictures by {}: {found:.4?}", method.name());
+        // Without footprints the reference is another picture.
+        let points: Vec<Directions> =
+            seen.iter().map(|seen| Directions { footprints: Vec::new(), ..seen.clone() }).collect();
+        let sharp = reference_picture(&field, &shading, &view, &points, &|_, _| Ok(())).unwrap();
+        let without = [0, 1, 2].map(|c| channel(&sharp, &exact, c));
+        let mut moved = view.clone();
+        moved.lights[0].theta += 5.0;
+        let wrong = errors(&paint(&moved));
+        eprintln!("without footprints {without:.4?}, under a moved light {wrong:.4?}");
+        assert!(wrong.iter().all(|&e| e > 2.0 * allowed), "{wrong:?}");
+        assert!(without.iter().all(|&e| e > allowed), "{without:?}");
+        assert!(found.iter().all(|&e| e <= allowed), "{}: {found:?}", method.name());
+    });
+}
+
+#[test]
+fn a_picture_by_a_table_is_the_reference_picture_over_the_same_footprints() {
+    pictures_are_the_reference_picture(Method::Table, 2e-2);
+}
+
+#[test]
+fn a_picture_by_power_spectra_is_the_reference_picture_over_the_same_footprints() {
+    pictures_are_the_reference_picture(Method::Spectral, 2e-2);
+}
+
+#[test]
+fn the_work_of_a_table_is_three_samples_for_each_tap() {
+    let field = patch(Kind::Bumps, 4.0);
+    let scene = Scene::open("sphere").unwrap();
+    let view = View::of(&scene, vec![Light { theta: 45.0, phi: -40.0, intensity: 2.0 }]);
+    let shading = shading(8.0, 1e-1).for_pictures();
+    with_device(|device| {
+        let seen = directions(device, &scene, &view);
+        let source = source(device, &field, &shading, Method::Table, least_read(&seen));
+        let points = [Directions { footprints: Vec::new(), ..seen[0].clone() }];
+        assert_eq!(source.cost(&shading, &points).samples_per_pixel(), 3.0);
+        let most = 3.0 * (2 * diffract::table::MOST_SIDES + 1) as f64;
+        let along = source.cost(&shading, &seen).samples_per_pixel();
+        assert!(along > 3.0 && along <= most, "{along}");
+        // As many for every light.
+        let both = [seen[0].clone(), seen[0].clone()];
+        assert_eq!(source.cost(&shading, &both).samples_per_pixel(), 2.0 * along);
+    });
+}
