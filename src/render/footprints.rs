@@ -9,7 +9,6 @@ use super::shading::Shading;
 use super::source::{ClassicalGrating, Source};
 use crate::error::Result;
 use crate::scene::Mesh;
-use crate::table::{MOST_SIDES, TAP_REACH, TAP_SPACING};
 use crate::vk::device::Device;
 use glam::DVec3;
 use std::sync::Arc;
@@ -93,17 +92,18 @@ pub fn least(device: &Arc<Device>, mesh: &Mesh, view: &View, size: [u32; 2], sam
     Ok((2.0 * least.log2()).floor().exp2().sqrt())
 }
 
-/// The least standard deviation of (u, v) at which a table is read for the pixels of `directions` (one entry per light), but for the smallest.
+/// The standard deviation of (u, v) that half of the pixels of `directions` (one entry per light) exceed in the geometric mean of both axes. A
+/// footprint is averaged over its longer axis, which leaves little to resolve along the shorter one: on the snake a level of half the blur takes four times the
+/// room and brings no smaller error.
 fn least_read(directions: &[Directions]) -> f64 {
-    /// Part of the pixels that are averaged over a little more than they show.
-    const BELOW: f64 = 0.2;
+    const BELOW: f64 = 0.5;
     let mut read: Vec<f64> = directions
         .iter()
         .flat_map(|seen| {
             let shaded = |i: &usize| seen.light[*i][2] > 0.0 && seen.view[*i][2] > 0.0;
             (0..seen.view.len()).filter(shaded).map(|i| {
-                let [longer, shorter] = seen.covariance(i).axes().map(f64::sqrt);
-                shorter.max(longer * TAP_REACH / (TAP_SPACING * MOST_SIDES as f64))
+                let [longer, shorter] = seen.covariance(i).axes();
+                (longer * shorter).powf(0.25)
             })
         })
         .collect();
