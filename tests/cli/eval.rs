@@ -201,7 +201,8 @@ fn a_surface_that_32_bit_powers_cannot_hold_needs_no_option_and_taylor_by_name_i
     let sandbox = Sandbox::new();
     sandbox.write("q.csv", QUERIES);
     let ask = |more: &[&str]| {
-        sandbox.run2(&["eval", "xenopeltis", "--coherence", "gaussian:6um", "--queries", "q.csv"], more)
+        let window = ["--coherence", "gaussian:6um", "--windows", "1x1", "--queries", "q.csv"];
+        sandbox.run2(&["eval", "xenopeltis"], &[&window[..], more].concat())
     };
     let (by_default, reference) = (ask(&[]).done(), ask(&["--method", "reference"]).done());
     assert!(deviation(&answers(&by_default, 1), &answers(&reference, 1)) < 1e-2, "{by_default} {reference}");

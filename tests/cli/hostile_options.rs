@@ -136,7 +136,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--field-of-view", &[NO_NUMBER, &["35", "0deg", "-35deg", "171deg", "35um", "nandeg"]]),
     ("--base-color", &[NO_NUMBER, NO_TRIPLE, &["-0.1,0,0", "0,0,1.1"]]),
     ("--level", &[NO_NUMBER, &["top", "Mean", "none,mean"]]),
-    ("--filter", &[NO_NUMBER, &["mip", "PIXEL", "pixel,point", "none"]]),
+    ("--beyond", &[NO_NUMBER, &["copy", "COPIES", "copies,alike", "none"]]),
     ("--method", &[NO_NUMBER, &["guess", "SPECTRAL"]]),
     ("--basis", &[NO_NUMBER, &["fourier"]]),
     ("--illuminant", &[NO_NUMBER, &["d50", "missing.csv", ".", "/dev/zero", "grey.png"]]),
