@@ -205,6 +205,7 @@ impl OpticsOptions {
 
     /// The settings that the options stand for, where colours of single directions of `field` are asked for.
     pub fn shading(&self, colour: &ColourOptions, field: &HeightField) -> Result<Shading> {
+        self.check()?;
         colour.of(self.monochrome(field))
     }
 
