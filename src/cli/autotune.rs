@@ -5,6 +5,7 @@ use super::say;
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::measure::profile::measure;
+use crate::optics::coherence::Windows;
 use crate::setup::Method;
 
 /// The candidates without --tolerance, the most accurate first. Tables of smaller tolerances do not fit usual devices.
@@ -68,17 +69,17 @@ fn candidates(options: &BenchmarkOptions) -> Vec<BenchmarkOptions> {
         Some(tolerance) => [Method::Spectral, Method::Table].map(|method| (method, tolerance)).to_vec(),
         None => CANDIDATES.to_vec(),
     };
-    // Basis and terms are options of the spectral method.
-    let spectral = optics.basis.is_some() || optics.terms.is_some();
+    // Tables hold the mean over all windows, and bases are of one window.
+    let mean = optics.windows() == Windows::All;
     let wanted = |method: Method| match optics.method {
         Some(named) => named == method,
-        None => !spectral || method == Method::Spectral,
+        None => mean || method == Method::Spectral,
     };
     let with = |(method, tolerance)| {
         let mut own = options.clone();
         own.optics.method = Some(method);
         own.optics.tolerance = Some(tolerance);
-        own.optics.basis = optics.basis.or((method == Method::Spectral).then_some(Basis::Optimal));
+        own.optics.basis = optics.basis.or((!mean).then_some(Basis::Optimal));
         own
     };
     settings.into_iter().filter(|(method, _)| wanted(*method)).map(with).collect()
@@ -120,15 +121,18 @@ mod tests {
     #[test]
     fn what_is_named_is_kept_and_the_rest_goes_from_fine_to_coarse() {
         let all = tried("");
-        assert_eq!(all[0], "--method spectral --basis optimal --tolerance 1e-3");
+        assert_eq!(all[0], "--method spectral --tolerance 1e-3");
         assert_eq!(all.last().unwrap(), "--method table --tolerance 1e-1");
         assert!(tried("--method table").iter().all(|flags| flags.starts_with("--method table")));
-        assert!(
-            tried("--basis taylor").iter().all(|flags| flags.starts_with("--method spectral --basis taylor"))
-        );
+        let taylor = tried("--windows 1x1 --basis taylor");
+        assert!(taylor.iter().all(|flags| flags.starts_with("--method spectral --basis taylor")));
         assert_eq!(
             tried("--tolerance 3e-2"),
-            ["--method spectral --basis optimal --tolerance 3e-2", "--method table --tolerance 3e-2"]
+            ["--method spectral --tolerance 3e-2", "--method table --tolerance 3e-2"]
+        );
+        assert_eq!(
+            tried("--windows 1x1 --tolerance 3e-2"),
+            ["--method spectral --basis optimal --tolerance 3e-2"]
         );
         assert_eq!(tried("--tolerance 3e-2 --method table"), ["--method table --tolerance 3e-2"]);
     }

@@ -149,6 +149,7 @@ impl OpticsOptions {
 
     /// The settings that the options stand for, where colours of single directions of `field` are asked for.
     pub fn shading(&self, colour: &ColourOptions, field: &HeightField) -> Result<Shading> {
+        self.check()?;
         colour.of(self.monochrome(field))
     }
 

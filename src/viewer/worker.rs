@@ -207,7 +207,6 @@ impl Preparer {
 mod tests {
     use super::*;
     use crate::render::shading::Shading;
-    use crate::surface::Level;
     use crate::surface::synth::Kind;
     use crate::vk::instance::API_VERSION;
     use ash::vk;

@@ -241,7 +241,8 @@ fn compare_tells_methods_apart_from_equal_ones() {
     let sandbox = Sandbox::new();
     let deviation = |pair: &str| -> f64 {
         let start = ["brdf", "blaze", "--light", "30,0", "--wavelength", "550nm", "--plot", "m.png"];
-        let outcome = sandbox.run2(&start, &[&["--compare", pair], &WINDOW[..]].concat());
+        // Bases are of one window.
+        let outcome = sandbox.run2(&start, &[&["--compare", pair, "--windows", "1x1"], &WINDOW[..]].concat());
         assert_eq!(outcome.code, Some(0), "{outcome:?}");
         let line = outcome.stderr.lines().last().unwrap_or_default().to_owned();
         line.rsplit(' ').next().unwrap().parse().unwrap()

@@ -6,9 +6,13 @@ use std::path::PathBuf;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-/// Arguments of a small picture.
+/// Arguments of a small picture through one window, whose layers are the one file that is kept.
 fn picture(output: &'static str) -> Vec<&'static str> {
-    [&["render", "sphere", "--size", "24x18", "--tolerance", "1e-1", "-o", output][..], &SMALL].concat()
+    [
+        &["render", "sphere", "--size", "24x18", "--tolerance", "1e-1", "--windows", "1x1", "-o", output][..],
+        &SMALL,
+    ]
+    .concat()
 }
 
 fn kept(sandbox: &Sandbox) -> Vec<PathBuf> {
@@ -126,7 +130,7 @@ fn without_a_place_to_keep_spectra_the_work_is_done_with_one_warning() {
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     let lines: Vec<&str> = outcome.stderr.lines().collect();
     assert!(
-        matches!(lines[..], [line] if line.starts_with("diffract: the spectra are not kept")),
+        matches!(lines[..], [line] if line.starts_with("diffract: the spectra cannot be kept for next time")),
         "{outcome:?}"
     );
     assert_eq!(sandbox.read("out.exr"), right);

@@ -201,10 +201,25 @@ fn a_surface_that_32_bit_powers_cannot_hold_needs_no_option_and_taylor_by_name_i
     let sandbox = Sandbox::new();
     sandbox.write("q.csv", QUERIES);
     let ask = |more: &[&str]| {
-        sandbox.run2(&["eval", "xenopeltis", "--coherence", "gaussian:6um", "--queries", "q.csv"], more)
+        let window = ["--coherence", "gaussian:6um", "--windows", "1x1", "--queries", "q.csv"];
+        sandbox.run2(&["eval", "xenopeltis"], &[&window[..], more].concat())
     };
     let (by_default, reference) = (ask(&[]).done(), ask(&["--method", "reference"]).done());
     assert!(deviation(&answers(&by_default, 1), &answers(&reference, 1)) < 1e-2, "{by_default} {reference}");
     let line = ask(&["--basis", "taylor"]).refused(1);
     assert!(line.contains("--basis optimal"), "{line}");
+}
+
+#[test]
+fn a_basis_is_refused_with_the_mean_by_every_command_of_single_directions() {
+    let sandbox = Sandbox::with_small_surface();
+    sandbox.write("q.csv", QUERIES);
+    for words in [
+        &["eval", "flat", "--queries", "q.csv"][..],
+        &["brdf", "flat", "--light", "30,0", "-o", "m.png"],
+        &["peaks", "flat", "--theta-i", "30", "--angles", "0:9:1"],
+    ] {
+        let line = sandbox.run2(words, &["--basis", "optimal"]).refused(2);
+        assert!(line.contains("--windows 1x1"), "{words:?}: {line}");
+    }
 }

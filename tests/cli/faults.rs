@@ -17,8 +17,9 @@ const KILLS_OF_TRADE: usize = 10;
 /// Small work of each kind, and the file that it leaves.
 fn works() -> [(Vec<&'static str>, &'static str); 4] {
     let optics = ["--tolerance", "1e-1"];
-    let picture = ["render", "sphere", "--size", "24x18", "-o", "out.exr"];
-    let answers = ["eval", "--queries", "q.csv", "-o", "out.csv"];
+    let picture =
+        ["render", "sphere", "--size", "24x18", "--windows", "1x1", "--samples", "1", "-o", "out.exr"];
+    let answers = ["eval", "--queries", "q.csv", "--windows", "1x1", "-o", "out.csv"];
     let surface = ["surface", "synth", "bumps", "--patch", "3um", "-o", "out.tif"];
     let table = ["render", "sphere", "--size", "24x18", "--method", "table", "-o", "baked.exr"];
     [
@@ -205,7 +206,8 @@ fn where_the_disk_is_full_results_fail_whole_and_spectra_are_only_not_kept() {
     let done = with_files_of_at_most(&sandbox, 7, &picture);
     assert_eq!(done.code, Some(0), "{done:?}");
     assert!(
-        done.stderr.starts_with("diffract: the spectra are not kept") && done.stderr.lines().count() == 1
+        done.stderr.starts_with("diffract: the spectra cannot be kept for next time")
+            && done.stderr.lines().count() == 1
     );
     assert_eq!(sandbox.read(output), right);
     assert_eq!(fs::read_dir(sandbox.cache()).unwrap().count(), 0, "nothing half in the cache");
@@ -278,12 +280,12 @@ fn on_a_small_disk_that_runs_full_the_former_file_stays_and_nothing_else() {
         assert_eq!(failed.stdout, format!("{file} 6\n"), "{arguments:?}");
     }
     remove(&disk);
-    // And one for the cache: the picture is there, the spectra are not kept.
+    // And one for the cache: the picture is there, the spectra cannot be kept for next time.
     remove(&sandbox.cache());
     remove(&sandbox.path(output));
     let Some(done) = on_a_small_disk(&sandbox, &sandbox.cache(), 8192, &picture) else { return };
     assert_eq!((done.code, done.stdout.as_str()), (Some(0), ""), "{done:?}");
-    assert!(done.stderr.starts_with("diffract: the spectra are not kept"), "{done:?}");
+    assert!(done.stderr.starts_with("diffract: the spectra cannot be kept for next time"), "{done:?}");
     assert!(done.stderr.contains("No space left on device") && done.stderr.lines().count() == 1, "{done:?}");
     assert_eq!(sandbox.read(output), right);
 }

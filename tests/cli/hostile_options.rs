@@ -148,7 +148,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--taper", &[NO_NUMBER, NO_LENGTH, &["1um", "5nmx5nm"]]),
     ("--tile", &[NO_NUMBER, &["mirrors", "mirror:5um", "blend:", "blend:0um", "blend:1um"]]),
     ("--plot", &[&["", "none/out.png", ".", "/dev/null", "grey.png/out.png", "out.gif", "out"]]),
-    ("--filter", &[NO_NUMBER, &["mip", "PIXEL", "pixel,point", "none"]]),
+    ("--beyond", &[NO_NUMBER, &["copy", "COPIES", "copies,alike", "none"]]),
     ("--method", &[NO_NUMBER, &["guess", "SPECTRAL"]]),
     ("--basis", &[NO_NUMBER, &["fourier"]]),
     ("--illuminant", &[NO_NUMBER, &["d50", "missing.csv", ".", "/dev/zero", "grey.png"]]),

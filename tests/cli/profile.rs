@@ -11,6 +11,8 @@ fn profile(sandbox: &Sandbox, options: &[&str]) -> String {
         "bumps",
         "--coherence",
         "gaussian:8um",
+        "--windows",
+        "1x1",
         "--tolerance",
         "1e-1",
         "--size",
@@ -76,7 +78,8 @@ fn a_profile_tells_the_error_beside_the_time_and_a_worse_setting_has_a_larger_on
 fn a_frame_rate_chooses_the_most_accurate_setting_that_keeps_it_and_says_where_none_does() {
     let sandbox = Sandbox::new();
     let asked = |options: &[&str]| {
-        let setting = ["profile", "plate", "--surface", "bumps", "--coherence", "gaussian:6um"];
+        let surface = ["profile", "plate", "--surface", "bumps"];
+        let setting = [&surface[..], &["--coherence", "gaussian:6um", "--windows", "1x1"]].concat();
         let small = ["--size", "8x6", "--frames", "3"];
         let outcome = sandbox.run([&setting[..], &small, options].concat());
         assert_eq!(outcome.code, Some(0), "{outcome:?}");

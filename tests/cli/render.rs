@@ -62,7 +62,8 @@ fn a_png_and_an_exr_of_the_size_appear_and_nothing_else() {
 #[test]
 fn an_exr_is_signed_and_covered_exactly_where_its_alpha_is_1() {
     let sandbox = Sandbox::with_small_surface();
-    let colourful = ["--surface", "blaze", "--pixel-size", "90nm", "--height", "250nm"];
+    // Orders of one window are sharp, and their colours lie outside sRGB.
+    let colourful = ["--surface", "blaze", "--pixel-size", "90nm", "--height", "250nm", "--windows", "1x1"];
     render(&sandbox, "sphere", "s.exr", &colourful);
     render(&sandbox, "sphere", "s.png", &colourful);
     let (width, height, pixels) = exr(&sandbox, "s.exr");
@@ -113,7 +114,7 @@ fn more_samples_smooth_the_alpha_of_both_formats_and_a_seed_is_one_picture() {
     let seeded = draw("seeded", &["--samples", "16", "--seed", "2"]).0;
     assert!(seeded != radiance, "the seed does not reach the samples");
     // The reference looks at the same places.
-    let tight = ["--samples", "2", "--tolerance", "1e-2", "--size", "32x24"];
+    let tight = ["--samples", "2", "--tolerance", "1e-2", "--size", "32x24", "--windows", "1x1"];
     let fast = draw("fast", &tight).0;
     let exact = draw("exact", &[&tight[..], &["--method", "reference"]].concat()).0;
     assert!(fast.iter().zip(&exact).all(|(a, b)| a[3] == b[3]) && fast.iter().any(|p| p[3] == 0.5));
@@ -163,7 +164,8 @@ fn the_same_command_writes_the_same_bytes_and_the_second_time_from_the_cache() {
     };
     render(&sandbox, "sphere", "a.png", &[]);
     let first = kept();
-    assert_eq!(first.len(), 1, "{first:?}");
+    // Power spectra, and the colour table that is made from them.
+    assert_eq!(first.len(), 2, "{first:?}");
     render(&sandbox, "sphere", "b.png", &[]);
     render(&sandbox, "sphere", "a.exr", &[]);
     render(&sandbox, "sphere", "b.exr", &[]);
@@ -192,7 +194,7 @@ fn a_picture_that_fails_keeps_the_former_file() {
 fn spectral_agrees_with_the_reference_within_the_tolerance_and_another_light_does_not() {
     let sandbox = Sandbox::with_small_surface();
     let of = |name: &str, more: &[&str]| {
-        render(&sandbox, "plate", name, &[&["--size", "12x8"], more].concat());
+        render(&sandbox, "plate", name, &[&["--size", "12x8", "--windows", "1x1"], more].concat());
         exr(&sandbox, name).2
     };
     let reference = of("r.exr", &["--method", "reference"]);
@@ -209,7 +211,8 @@ fn spectral_agrees_with_the_reference_within_the_tolerance_and_another_light_doe
 #[test]
 fn options_change_the_picture() {
     let sandbox = Sandbox::with_small_surface();
-    render(&sandbox, "sphere", "plain.exr", &[]);
+    let one = ["--windows", "1x1"];
+    render(&sandbox, "sphere", "plain.exr", &one);
     let plain = exr(&sandbox, "plain.exr").2;
     sandbox.write("red.csv", "wavelength,power\n380,0\n600,0\n610,1\n780,1\n");
     for more in [
@@ -228,17 +231,28 @@ fn options_change_the_picture() {
         &["--wavelengths", "7"],
         &["--surface", "blaze"],
     ] {
-        render(&sandbox, "sphere", "other.exr", more);
+        render(&sandbox, "sphere", "other.exr", &[&one[..], more].concat());
         let change = deviation(&exr(&sandbox, "other.exr").2, &plain);
         assert!(change > 1e-6, "{more:?} changes nothing");
     }
     for same in
         [&["--light", "35,-50,2"][..], &["--illuminant", "d65"], &["--ior", "1.5"], &["--level", "none"]]
     {
-        render(&sandbox, "sphere", "other.exr", same);
+        render(&sandbox, "sphere", "other.exr", &[&one[..], same].concat());
         // The files differ in the command that they carry.
         assert!(exr(&sandbox, "other.exr").2 == plain, "{same:?} is not the default");
     }
+    // The mean over all windows is the default, by a table.
+    render(&sandbox, "sphere", "mean.exr", &[]);
+    let mean = exr(&sandbox, "mean.exr").2;
+    render(&sandbox, "sphere", "other.exr", &["--windows", "all", "--method", "table"]);
+    assert!(exr(&sandbox, "other.exr").2 == mean);
+    let [copies, alike] = ["copies", "alike"].map(|beyond| {
+        render(&sandbox, "sphere", "other.exr", &["--beyond", beyond]);
+        exr(&sandbox, "other.exr").2
+    });
+    assert!(deviation(&mean, &plain) > 1e-2 && deviation(&copies, &alike) > 1e-3);
+    assert!(mean == copies || mean == alike);
 }
 
 #[test]
@@ -322,10 +336,10 @@ fn a_scene_file_finds_its_mesh_and_surface_beside_itself() {
 #[test]
 fn a_sample_of_the_reference_is_a_part_of_the_whole_and_the_whole_is_what_the_layers_draw() {
     let sandbox = Sandbox::with_small_surface();
-    let reference = ["--method", "reference"];
+    let reference = ["--method", "reference", "--windows", "1x1"];
     render(&sandbox, "sphere", "whole.exr", &reference);
     render(&sandbox, "sphere", "part.exr", &[&reference[..], &["--sample-pixels", "50"]].concat());
-    render(&sandbox, "sphere", "layers.exr", &["--tolerance", "1e-3"]);
+    render(&sandbox, "sphere", "layers.exr", &["--tolerance", "1e-3", "--windows", "1x1"]);
     let (_, _, whole) = exr(&sandbox, "whole.exr");
     let (_, _, part) = exr(&sandbox, "part.exr");
     let (_, _, layers) = exr(&sandbox, "layers.exr");
@@ -359,7 +373,25 @@ fn repeats_are_drawn_as_the_reference_draws_them_and_refused_where_they_take_too
     assert!(many.contains("wavelengths") && many.contains("20000") && many.contains("repeats"), "{many}");
     let named = refused(2, &["--coherence", "repeats:3x3", "--wavelengths", "40"]);
     assert!(named.contains("--wavelengths"), "{named}");
-    let table = refused(1, &["--coherence", "repeats:30x30", "--method", "table"]);
-    assert!(table.contains("texels") && table.contains("--method spectral"), "{table}");
+    let table = refused(2, &["--coherence", "repeats:30x30", "--method", "table"]);
+    assert!(table.contains("the mean over all windows") && table.contains("--method spectral"), "{table}");
+    let mean = refused(2, &["--coherence", "repeats:3x3", "--windows", "all"]);
+    assert!(mean.contains("--windows 1x1"), "{mean}");
+    assert!(!sandbox.path("none.png").exists());
+}
+
+#[test]
+fn what_belongs_to_one_window_is_refused_with_the_mean_and_the_other_way_round() {
+    let sandbox = Sandbox::with_small_surface();
+    let refused = |more: &[&str]| {
+        sandbox.run2(&["render", "sphere", "-o", "none.png"], &[&SMALL[..], more].concat()).refused(2)
+    };
+    for own in [&["--basis", "taylor"][..], &["--terms", "9"]] {
+        let line = refused(own);
+        assert!(line.contains(own[0]) && line.contains("--windows 1x1"), "{line}");
+    }
+    assert!(refused(&["--windows", "1x1", "--beyond", "alike"]).contains("--beyond"));
+    let grid = refused(&["--windows", "2x2", "--method", "table"]);
+    assert!(grid.contains("--windows all") && grid.contains("--method spectral"), "{grid}");
     assert!(!sandbox.path("none.png").exists());
 }

@@ -96,7 +96,7 @@ fn every_command_that_shades_tells_it_and_tells_it_once() {
         format!("brdf c.png --size 8x8 --light 20,0 -o b.exr {WINDOW}"),
         format!("peaks c.png --theta-i 30 --wavelengths 380:390:10 --angles 0:10:5 --axis x {WINDOW}"),
         format!("render plate {surface} --size 8x6 -o r.png"),
-        format!("render plate {surface} --size 8x6 -o r.png --method table"),
+        format!("render plate {surface} --size 8x6 -o r.png --windows 1x1"),
         format!("render plate {surface} --size 4x3 -o r.png --method reference"),
         format!("profile plate {surface} --size 8x6 --frames 3 --error 5"),
     ] {

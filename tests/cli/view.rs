@@ -9,7 +9,8 @@ const ESCAPE: u32 = 0xff1b;
 const SHIFT: u32 = 0xffe1;
 
 /// Quick to compute.
-const QUICK: [&str; 4] = ["--tolerance", "1e-1", "--size", "320x240"];
+/// Through one window, at the centres of pixels.
+const QUICK: [&str; 6] = ["--tolerance", "1e-1", "--windows", "1x1", "--size", "320x240"];
 
 /// The viewer of `scene` on `display`.
 fn view(sandbox: &Sandbox, display: &Display, more: &[&str]) -> Child {
@@ -70,7 +71,7 @@ fn the_window_shows_and_saves_what_render_draws_through_drags_keys_drops_and_siz
         wait_for(what, || display.look(window).filter(|shown| same(shown, expected)));
     };
     // At first, what `render` draws without a word about camera and lights.
-    let plain = [&["render", "sphere", "-o", "plain.png"][..], &SMALL, &QUICK].concat();
+    let plain = [&["render", "sphere", "--samples", "1", "-o", "plain.png"][..], &SMALL, &QUICK].concat();
     sandbox.run(plain).done();
     let plain = image::open(sandbox.path("plain.png")).unwrap().to_rgb8();
     shows(&plain, "the picture of render");
@@ -94,7 +95,12 @@ fn the_window_shows_and_saves_what_render_draws_through_drags_keys_drops_and_siz
     // Another size, and none at all for a while.
     display.resize(window, [1, 1]);
     display.resize(window, [360, 300]);
-    let larger = [&["render", "sphere", "-o", "larger.png"][..], &SMALL, &QUICK[..2], &["--size", "360x300"]];
+    let larger = [
+        &["render", "sphere", "--samples", "1", "-o", "larger.png"][..],
+        &SMALL,
+        &QUICK[..4],
+        &["--size", "360x300"],
+    ];
     sandbox.run(larger.concat()).done();
     let larger = image::open(sandbox.path("larger.png")).unwrap().to_rgb8();
     shows(&larger, "the picture of the new size");
@@ -137,7 +143,7 @@ fn a_split_shows_both_settings_and_errors_have_colours_and_escape_closes() {
     let window = display.window();
     let render = |name: &str, more: &[&str]| {
         sandbox
-            .run([&["render", "plate", "-o", name][..], &SMALL, &["--size", "320x240"], more].concat())
+            .run([&["render", "plate", "--samples", "1", "-o", name][..], &SMALL, &QUICK[2..], more].concat())
             .done();
         image::open(sandbox.path(name)).unwrap().to_rgb8()
     };

@@ -8,25 +8,21 @@ use crate::viewer::Viewer;
 const LARGE: [&str; 2] = ["--size", "600x1040"];
 
 #[test]
-fn method_filter_windows_and_what_else_the_optics_has_act_on_the_picture() {
+fn windows_method_and_what_else_the_optics_has_act_on_the_picture() {
     let viewer = Viewer::open(&[&["sphere"][..], &LARGE].concat());
-    let (first, _) = viewer.shows("--basis optimal");
-    viewer.press("table");
-    let (by_table, command) = viewer.shows("--method table --filter point --windows 1x1");
-    assert!(by_table != first, "{command}");
+    let (first, _) = viewer.shows("--method table --windows all");
     viewer.says("of a colour table");
-    viewer.press("all it sees");
-    let (filtered, _) = viewer.shows("--filter pixel");
-    assert!(filtered != by_table);
-    viewer.press("its centre");
-    let count = viewer.drag("windows", 0, 24);
-    assert_eq!(viewer.row("windows")[1].text, "1");
-    // The bumps repeat within their patch: windows a few of them apart see the same, and only the command tells.
-    viewer.shows(&format!("--filter point --windows {count}x1"));
-
     viewer.press("spectral");
-    let (again, _) = viewer.shows("--basis optimal");
+    viewer.shows("--method spectral --windows all");
+    viewer.press("one");
+    let (speckled, command) = viewer.shows("--windows 1x1 --basis optimal");
+    assert!(speckled != first, "{command}");
+    viewer.press("mean");
+    viewer.press("table");
+    let (again, _) = viewer.shows("--method table --windows all");
     assert!(again == first);
+    viewer.press("one");
+    viewer.shows("--windows 1x1 --basis optimal");
     viewer.choose("basis", "taylor");
     viewer.shows("--basis taylor");
     viewer.choose("tolerance", "5 %");
@@ -65,7 +61,7 @@ fn coherence_is_a_window_or_repeats() {
     let viewer = Viewer::open(&[&["sphere"][..], &LARGE].concat());
     let (through_a_window, _) = viewer.shows("--coherence gaussian:4um");
     viewer.press("repeats");
-    let (repeats, command) = viewer.shows("--coherence repeats:3x3");
+    let (repeats, command) = viewer.shows("--coherence grating:3x3");
     assert!(repeats != through_a_window, "{command}");
     viewer.says("where the orders are");
     // The hemisphere is of the repeats, too: orders on black, where a window leaves no black.
@@ -75,7 +71,7 @@ fn coherence_is_a_window_or_repeats() {
     assert!(levels.iter().filter(|&&level| level > 100).count() > 200, "there are orders");
 
     let along_y = viewer.drag("copies", 2, 22);
-    let (more, _) = viewer.shows(&format!("--coherence repeats:3x{along_y}"));
+    let (more, _) = viewer.shows(&format!("--coherence grating:3x{along_y}"));
     assert!(more != repeats);
     // What only the shading depends on.
     let index = viewer.drag("index", 0, 30);
@@ -92,24 +88,6 @@ fn coherence_is_a_window_or_repeats() {
     viewer.shows("--coherence gaussian:4um");
     let length = viewer.drag("length", 0, 20);
     viewer.shows_number("--coherence", &length);
-    viewer.close();
-}
-
-#[test]
-fn what_cannot_be_is_told_and_the_picture_stays() {
-    // A table through so many copies would take more texels than a device has.
-    let many = ["plate", "--coherence", "repeats:400x400", "--size", "440x1040"];
-    let viewer = Viewer::open(&many);
-    let (spectral, _) = viewer.shows("--coherence repeats:400x400");
-    viewer.press("table");
-    let why = wait_for("a reason", || {
-        viewer.words().into_iter().find(|w| w.text.contains("table") && w.text.contains("; ")).map(|w| w.text)
-    });
-    assert!(why.contains("repeats"), "{why}");
-    let (still, command) = viewer.shows("--coherence repeats:400x400");
-    assert!(still == spectral && !command.contains("--method table"), "{command}");
-    viewer.press("gaussian");
-    viewer.shows("--method table");
     viewer.close();
 }
 

@@ -172,6 +172,7 @@ fn period(text: &str) -> Result<f64> {
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
     arguments.plot.as_deref().map(Format::of).transpose()?;
+    arguments.optics.check()?;
     Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()))
         .writes([&arguments.output, &arguments.json, &arguments.plot].into_iter().flatten())
