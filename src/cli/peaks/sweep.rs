@@ -60,7 +60,7 @@ impl Sweep {
         let evaluations = wavelengths.len() * angles.len();
         // This sweep and the mean.
         memory::ensure_room(evaluations as u64 * 2 * size_of::<f64>() as u64, "the sweep")?;
-        if optics.method() == Method::Reference && evaluations > MANY_SUMS {
+        if optics.method() == Method::Reference && windows != Windows::All && evaluations > MANY_SUMS {
             say(&format_args!("{evaluations} direct sums take their time; --method spectral is faster"));
         }
         let azimuth = arguments.axis.azimuth();
