@@ -1,6 +1,7 @@
 //! Signs and axes: a facet sends light where a mirror of its tilt does, and no flip of the image goes unnoticed.
 
 use crate::plain::{MIRROR, mirrored, scaled, surface, swapped, toward, upside_down, view_at};
+use ::image::{GrayImage, Luma};
 use diffract::optics::coherence::Coherence;
 use diffract::optics::geometry::Pair;
 use diffract::optics::reference::Reference;
@@ -8,7 +9,6 @@ use diffract::surface::HeightField;
 use diffract::surface::files::{self, Wish, image};
 use diffract::surface::synth::{Kind, Spec, generate};
 use glam::{DVec2, DVec3};
-use image::{GrayImage, Luma};
 
 /// 100 × 100 samples, close enough for |u| ≤ 2 at [`WAVELENGTH`].
 const SAMPLES: usize = 100;
