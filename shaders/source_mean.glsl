@@ -119,13 +119,16 @@ float normal_quantile(float p) {
     return p < 0.5 ? -x : x;
 }
 
+// Standard deviations of the longer axis that count as the path of a ray.
+const float LONGER_REACH = 2.0;
+
 vec3 source_xyz(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
     Ellipse ellipse = ellipse_of(c);
     float left = sqrt(max(ellipse.longer - ellipse.shorter, 0.0));
-    // The blur along the ray sets how many wavelengths resolve it.
+    // The blur along the ray sets how many wavelengths resolve it, and they have to resolve what the longer axis covers, too.
     float blur = source.finest * source.orders + source.middle * ellipse.shorter;
-    float uv = pair.uv * source.rays * inversesqrt(blur);
+    float uv = max(pair.uv, LONGER_REACH * left) * source.rays * inversesqrt(blur);
     ivec2 comb = combs[min(int(uv * (0.5 * float(UV_BINS))), UV_BINS - 1)];
     vec3 sum = vec3(0.0);
     vec2 place = vec2(0.5);

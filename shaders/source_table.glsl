@@ -24,9 +24,9 @@ layout(set = 1, binding = 0, std140) uniform Table {
 } source;
 
 // The constants of src/table/read.rs.
-const float TAP_SPACING = 2.0; // standard deviations of a level's average between two taps
-const float TAP_REACH = 2.0;   // standard deviations of the longer axis that taps reach
-const float MOST_SIDES = 4.0;  // taps on either side
+const float TAP_SPACING = 2.2; // standard deviations of a level's average between two taps
+const float TAP_REACH = 2.5;   // standard deviations of the longer axis that taps reach
+const float MOST_SIDES = 8.0;  // taps on either side
 
 struct Piece {
     float layer;

@@ -13,6 +13,7 @@ use crate::setup::Settings;
 use clap::Args;
 use glam::DVec3;
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// Columns of every query file, in degrees.
@@ -32,7 +33,7 @@ Examples:
 )]
 pub struct Arguments {
     /// Height field: a file or a built-in name
-    surface_name: Option<String>,
+    surface_name: Option<OsString>,
     /// Directions to evaluate
     #[arg(long, value_name = "FILE")]
     queries: PathBuf,

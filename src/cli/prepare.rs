@@ -8,11 +8,8 @@ use crate::error::Result;
 use crate::optics::sampling::{self, Limit};
 use crate::render::footprints;
 use crate::render::frame::View;
-use crate::render::picture::Painter;
-use crate::render::pigment::Pigment;
 use crate::render::sampling::Sample;
-use crate::render::shading::Shading;
-use crate::render::source::{ClassicalGrating, Source};
+use crate::render::source::Source;
 use crate::scene::Scene;
 use crate::setup::{self, InUse, Settings, Target};
 use crate::surface::HeightField;
@@ -86,7 +83,7 @@ pub fn for_each_window(
     opened.get().map_or(Ok(()), |device| finish(device))
 }
 
-/// The least standard deviation of (u, v) that the finest level of a source has to resolve, for a picture of `size` pixels of `view`.
+/// The least standard deviation of (u, v) that a source for a picture of `size` pixels of `view` has to resolve.
 ///
 /// # Errors
 /// Where the device is lost or has no room.
@@ -97,14 +94,7 @@ pub fn least_footprint(
     size: [u32; 2],
     sample: &Sample,
 ) -> Result<f64> {
-    let source = Source::ClassicalGrating(ClassicalGrating::default());
-    let (shading, pigment) = (Shading::default(), Pigment::white());
-    let lights = view.lights.len();
-    let mut painter = Painter::new(device, &source, &shading, &scene.mesh, &pigment, size, lights)?;
-    painter.ask_for_footprints()?;
-    let directions: Vec<_> =
-        (0..lights).map(|light| painter.directions_of(view, light, sample)).collect::<Result<_>>()?;
-    let least = footprints::least_read(&directions);
+    let least = footprints::least(device, &scene.mesh, view, size, sample)?;
     detail(&format_args!("pixels are averaged over standard deviations of (u, v) from {least:.1e} on"));
     Ok(least)
 }

@@ -8,6 +8,7 @@ use super::{captions, prepare, scale};
 use crate::error::{Error, Result};
 use crate::files::Files;
 use crate::measure::error;
+use crate::optics::coherence::Windows;
 use crate::optics::spectrum::SHORTEST;
 use crate::picture_file::{self, Format};
 use crate::render::frame::{Shown, View};
@@ -119,6 +120,9 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
     let mut painter = Painter::new(&device, &source, shading, &scene.mesh, &pigment, size, lights)?;
     if source.has_limits(shading) {
         source.check(shading, &directions_of(&mut painter, &view, &Sampling::ONE.sample(0))?)?;
+    }
+    if reference && shading.windows == Windows::All {
+        painter.ask_for_footprints()?;
     }
     scale::tell(&mut painter, &view, scene, shading.coherence)?;
     let picture = if reference {

@@ -12,7 +12,7 @@ use crate::precompute::Layers;
 use crate::render::pigment::Pigment;
 use crate::scene::{Scene, obj};
 use crate::spectra::power::{self, PowerSpectra};
-use crate::surface::image_file;
+use crate::surface::files::{self, scan::Scan, sidecar::Sidecar};
 use crate::table::{ColorTable, TableReader};
 use crate::units;
 use crate::vk::selection::DeviceChoice;
@@ -31,8 +31,21 @@ pub struct Reader {
 }
 
 /// All of them.
-pub const READERS: [Reader; 12] = [
+pub const READERS: [Reader; 25] = [
     Reader { name: "height_image", read: height_image },
+    Reader { name: "gsf", read: |bytes| scan(files::gsf::read(bytes)) },
+    Reader { name: "gwy", read: |bytes| scan(files::gwy::read(bytes)) },
+    Reader { name: "nanoscope", read: |bytes| scan(files::nanoscope::read(bytes)) },
+    Reader { name: "igor", read: |bytes| scan(files::igor::read(bytes)) },
+    Reader { name: "digital_surf", read: |bytes| scan(files::digital_surf::read(bytes)) },
+    Reader { name: "x3p", read: |bytes| scan(files::x3p::read(bytes)) },
+    Reader { name: "sdf_text", read: |bytes| scan(files::sdf::read_text(bytes)) },
+    Reader { name: "sdf_binary", read: |bytes| scan(files::sdf::read_binary(bytes)) },
+    Reader { name: "npy", read: |bytes| scan(files::npy::read(bytes)) },
+    Reader { name: "height_text", read: |bytes| scan(files::text::read(bytes)) },
+    Reader { name: "xyz", read: |bytes| scan(files::xyz::read(bytes)) },
+    Reader { name: "tiff", read: |bytes| scan(files::tiff::read(bytes)) },
+    Reader { name: "sidecar", read: |bytes| Sidecar::parse(text(bytes)?).map(drop) },
     Reader { name: "pigment", read: |bytes| Pigment::from_bytes(bytes).map(drop) },
     Reader { name: "mesh", read: |bytes| obj::from_bytes(bytes).map(drop) },
     Reader { name: "scene", read: scene },
@@ -52,12 +65,31 @@ fn text(bytes: &[u8]) -> Result<&str> {
 }
 
 fn height_image(bytes: &[u8]) -> Result<()> {
-    let field = image_file::from_reader(Cursor::new(bytes), [0.1, 0.1], 0.4)?;
-    assert!(
-        field.heights().iter().all(|h| (0.0..=0.4).contains(h)),
-        "a height outside of the image's own range"
-    );
+    const HEIGHT: f64 = 0.4;
+    let wish = files::Wish { pixel_size: Some([0.1, 0.1]), height: Some(HEIGHT), channel: None };
+    let scan = files::image::read(bytes)?;
+    drop(scan);
+    let field = files::from_bytes(bytes, "png", &wish)?.into_field()?;
+    let (low, high) = field.range();
+    assert!(high - low <= HEIGHT * (1.0 + 1e-12), "heights beyond the image's own range");
     Ok(())
+}
+
+/// Every channel of a file, as everything behind the reader gets it.
+fn scan(scan: Result<Scan>) -> Result<()> {
+    let mut whole = Ok(());
+    for channel in scan?.channels {
+        let ([columns, rows], spacing) = (channel.size, channel.spacing);
+        assert!(spacing.iter().flatten().all(|d| d.is_finite() && *d > 0.0), "a distance that is none");
+        match channel.samples() {
+            Ok(samples) => {
+                assert_eq!(samples.len(), columns * rows, "samples that do not fill their grid");
+                assert!(samples.iter().all(|h| h.is_finite() || h.is_nan()), "an infinite height");
+            }
+            Err(e) => whole = Err(e),
+        }
+    }
+    whole
 }
 
 /// Files that the scene names are looked for where there are none.

@@ -8,7 +8,6 @@ use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::scene::Scene;
 use crate::setup::{self, Method, Settings};
-use crate::surface::synth::Kind;
 use crate::units;
 use crate::viewer::{self, Start};
 use ash::vk;
@@ -85,7 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut scene = plain.clone();
     arguments.view.apply(&mut scene)?;
     let surface = arguments.surface.source(None, Some(&scene), "elaphe")?;
-    if Kind::from_name(&surface.name).is_none() {
+    if surface.kind().is_none() {
         surface.load()?; // a file that is none is told before a window opens
     }
     let messages = viewer::run(Start {

@@ -118,6 +118,13 @@ impl Panel {
         Self { frame: PlotFrame::Hemisphere, raster: Some(raster), ..Self::new(axis("x"), axis("y")) }
     }
 
+    /// With a length of x as long as one of y.
+    #[must_use]
+    pub fn to_scale(mut self) -> Self {
+        self.frame = PlotFrame::Box { equal: true };
+        self
+    }
+
     /// With words above.
     #[must_use]
     pub fn titled(mut self, title: impl Into<String>) -> Self {

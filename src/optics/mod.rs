@@ -15,3 +15,4 @@ pub mod reference;
 pub mod sampling;
 pub mod spectrum;
 pub mod svd;
+pub mod validity;

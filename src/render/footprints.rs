@@ -3,9 +3,15 @@
 
 use super::frame::View;
 use super::picture::{Directions, Painter};
+use super::pigment::Pigment;
+use super::sampling::Sample;
+use super::shading::Shading;
+use super::source::{ClassicalGrating, Source};
 use crate::error::Result;
-use crate::table::{MOST_SIDES, TAP_REACH, TAP_SPACING};
+use crate::scene::Mesh;
+use crate::vk::device::Device;
 use glam::DVec3;
+use std::sync::Arc;
 
 /// The semi-axes of the footprints of a frame: singular values of the Jacobian of (u, v), per pixel, over all lights. A pixel filter of
 /// standard deviation s \[pixels\] becomes an ellipse in (u, v) with these semi-axes times s.
@@ -66,24 +72,43 @@ fn quantile(values: &[f64], share: f64) -> f64 {
     values.get((share.clamp(0.0, 1.0) * last as f64).round() as usize).copied().unwrap_or(0.0)
 }
 
-/// The least standard deviation of (u, v) that is worth a level of its own for the pixels of `directions` (one entry per light): few of them are
-/// read at a finer one.
-pub fn least_read(directions: &[Directions]) -> f64 {
-    /// Part of the pixels that are averaged over a little more than they show.
-    const BELOW: f64 = 0.2;
+/// The least standard deviation of (u, v) that the finest level of a source has to resolve for a `sample` of `view` with `size` pixels. It is rounded
+/// down to a power of √2, so that views that differ little share a source.
+///
+/// # Errors
+/// Where the device is lost or has no room.
+pub fn least(device: &Arc<Device>, mesh: &Mesh, view: &View, size: [u32; 2], sample: &Sample) -> Result<f64> {
+    let source = Source::ClassicalGrating(ClassicalGrating::default());
+    let lights = view.lights.len();
+    let mut painter =
+        Painter::new(device, &source, &Shading::default(), mesh, &Pigment::white(), size, lights)?;
+    painter.ask_for_footprints()?;
+    let directions: Vec<_> =
+        (0..lights).map(|light| painter.directions_of(view, light, sample)).collect::<Result<_>>()?;
+    let least = least_read(&directions);
+    if least <= 0.0 {
+        return Ok(0.0);
+    }
+    Ok((2.0 * least.log2()).floor().exp2().sqrt())
+}
+
+/// The standard deviation of (u, v) that half of the pixels of `directions` (one entry per light) exceed in the geometric mean of both axes. A
+/// footprint is averaged over its longer axis, which leaves little to resolve along the shorter one: on the snake a level of half the blur takes four times the
+/// room and brings no smaller error.
+fn least_read(directions: &[Directions]) -> f64 {
+    const BELOW: f64 = 0.5;
     let mut read: Vec<f64> = directions
         .iter()
         .flat_map(|seen| {
             let shaded = |i: &usize| seen.light[*i][2] > 0.0 && seen.view[*i][2] > 0.0;
             (0..seen.view.len()).filter(shaded).map(|i| {
-                let [longer, shorter] = seen.covariance(i).axes().map(f64::sqrt);
-                shorter.max(longer * TAP_REACH / (TAP_SPACING * MOST_SIDES as f64))
+                let [longer, shorter] = seen.covariance(i).axes();
+                (longer * shorter).powf(0.25)
             })
         })
         .collect();
     read.sort_by(f64::total_cmp);
-    let least = quantile(&read, BELOW);
-    std::env::var("DIFFRACT_LEAST").ok().and_then(|t| t.parse().ok()).unwrap_or(least)
+    quantile(&read, BELOW)
 }
 
 /// The median area of the surface that a covered pixel of `view` shows \[units of the scene, squared\]; `None` where no pixel shows the

@@ -5,9 +5,11 @@ use super::light::{Light, MAX_LIGHTS};
 use super::{Mesh, obj, primitives, snake};
 use crate::error::{Error, Result};
 use crate::input;
+use crate::surface::prepare::Step;
 use crate::units;
 use glam::{DVec3, Vec3};
 use serde::Deserialize;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// Names of the built-in scenes; the first is the default.
@@ -29,11 +31,13 @@ pub struct Scene {
     /// The mesh, in a world whose up is +z.
     pub mesh: Mesh,
     /// The surface: a built-in name or a file.
-    pub surface: String,
+    pub surface: OsString,
     /// Distance between samples of a surface file, where the scene gives it \[µm\].
     pub pixel_size: Option<[f64; 2]>,
     /// Height of the file's largest code, where the scene gives it \[µm\].
     pub full_height: Option<f64>,
+    /// What is done to the heights before use, in this order.
+    pub prepare: Vec<Step>,
     /// The camera.
     pub camera: Camera,
     /// The lights, at most [`MAX_LIGHTS`].
@@ -61,6 +65,8 @@ struct File {
     surface: String,
     pixel_size: Option<String>,
     height: Option<String>,
+    #[serde(default)]
+    prepare: Vec<String>,
     #[serde(default = "black")]
     base_color: Triple<f32>,
     pigment: Option<PathBuf>,
@@ -178,11 +184,8 @@ impl Scene {
         let lights = file.lights.iter().map(|l| units::light(l)).collect::<Result<Vec<_>>>()?;
         let field_of_view = units::angle(&file.camera.field_of_view)?.to_radians() as f32;
         let built_in_surface = crate::surface::synth::Kind::from_name(&file.surface).is_some();
-        let surface = if built_in_surface {
-            file.surface
-        } else {
-            folder.join(&file.surface).to_string_lossy().into_owned()
-        };
+        let surface =
+            if built_in_surface { file.surface.into() } else { folder.join(&file.surface).into_os_string() };
         let pigment = file.pigment.map(|p| folder.join(p));
         let mesh_file = (!BUILT_IN_MESHES.contains(&file.mesh.as_str())).then(|| folder.join(&file.mesh));
         let surface_file = (!built_in_surface).then(|| PathBuf::from(&surface));
@@ -192,6 +195,7 @@ impl Scene {
             surface,
             pixel_size: file.pixel_size.as_deref().map(units::length_pair).transpose()?,
             full_height: file.height.as_deref().map(units::length).transpose()?,
+            prepare: steps(&file.prepare)?,
             camera: Camera::looking(file.camera.eye.0.into(), file.camera.target.0.into(), field_of_view)?,
             lights,
             base_color: base_color.into(),
@@ -205,6 +209,13 @@ impl Scene {
 
 /// Meshes that scene files can name instead of a file.
 const BUILT_IN_MESHES: [&str; 4] = ["snake", "plate", "sphere", "disc"];
+
+/// The steps of `prepare`, each as on the command line without the dashes.
+fn steps(words: &[String]) -> Result<Vec<Step>> {
+    let step = |text: &String| Step::parse(text).map_err(|e| e.at("prepare"));
+    let steps: Vec<Step> = words.iter().map(step).collect::<Result<_>>()?;
+    Ok(steps.into_iter().filter(|step| !step.is_nothing()).collect())
+}
 
 fn open_mesh(name: &str, up: Up, folder: &Path) -> Result<Mesh> {
     match name {
@@ -252,6 +263,20 @@ mod tests {
         assert!((unit("scale = \"60mm\"").unwrap() - 0.06).abs() < 1e-15);
         for wrong in ["scale = \"1\"", "scale = \"0 m\"", "scale = \"-1 m\"", "scale = 1"] {
             assert!(unit(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_scene_prepares_its_surface_in_the_order_that_it_gives() {
+        let plate = BUILT_IN[1].1;
+        let with = |steps: &str| Scene::parse(&format!("prepare = {steps}\n{plate}"), Path::new(""));
+        let steps = with("[\"level rows\", \"crop 40um\", \"level none\", \"invert\"]").unwrap().prepare;
+        assert_eq!(crate::surface::prepare::describe(&steps), "level rows, crop 40um, invert");
+        assert!(Scene::parse(plate, Path::new("")).unwrap().prepare.is_empty());
+        for (wrong, said) in
+            [("[\"level top\"]", "prepare: there is no level `top`"), ("\"invert\"", "line 1")]
+        {
+            assert!(with(wrong).unwrap_err().to_string().contains(said), "{wrong}");
         }
     }
 

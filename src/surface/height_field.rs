@@ -81,6 +81,11 @@ impl HeightField {
         &self.heights
     }
 
+    /// All heights \[µm\], without a copy of them.
+    pub fn into_heights(self) -> Vec<f64> {
+        self.heights
+    }
+
     /// The heights of one row \[µm\]; row 0 has the largest `y`.
     pub fn row(&self, row: usize) -> &[f64] {
         &self.heights[row * self.columns..(row + 1) * self.columns]

@@ -1,14 +1,14 @@
-//! Height fields: the model, the files they come from, the generated ones, levelling.
+//! Height fields: the model, the files they come from, the generated ones, how they are prepared and what is in them.
 
+pub mod files;
 mod height_field;
-pub mod image_file;
-mod level;
+pub mod prepare;
 pub mod source;
 pub mod statistics;
 pub mod synth;
 pub mod tiling;
 
 pub use height_field::{HeightField, MAX_SIDE};
-pub use level::Level;
+pub use prepare::Level;
 pub use source::Source;
 pub use statistics::Statistics;

@@ -4,22 +4,26 @@
 //! a step that the surface does not have, and the step diffracts light along the axes.
 
 use super::HeightField;
+use super::statistics::metres_of_both;
 use serde::Serialize;
 
-/// The largest ratio of a seam to the steps inside at which the field still tiles. The seam of a periodic field is one of its own
-/// steps, so its ratio is at most about 1; the rest is room for noise. The seams of a scan that does not tile have ratios of 2 and more
-/// unless neighbouring samples are unrelated, where a seam makes no difference.
+/// A seam joins where its ratio to the step inside that is nearest to it is at most this, and at least the inverse. The seam of a periodic
+/// field is one of its own steps and has a ratio of about 1; the rest is room for noise. The seams of a scan that does not tile have
+/// ratios of 2 and more, unless neighbouring samples are unrelated, where a seam makes no difference.
 pub const LARGEST_RATIO: f64 = 1.25;
+
+/// A seam below this share of the RMS step inside is too small to be seen beside it.
+const NEGLIGIBLE: f64 = 0.05;
 
 /// How the edges of a height field meet. Index 0 is the seam between the right and the left edge (steps along `x`), index 1 the one
 /// between the bottom and the top edge (steps along `y`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tiling {
-    /// RMS height difference across the seam over the largest RMS difference of two neighbouring columns (rows) inside the
-    /// field; 0 where there is no difference across the seam.
+    /// RMS height difference across the seam over that of the two neighbouring columns (rows) inside whose difference is nearest to it; over
+    /// the median difference where it is smaller than that. 0 where there is no difference across the seam.
     pub ratio: [f64; 2],
     /// RMS height difference across the seam \[µm\].
-    #[serde(rename = "seam_um")]
+    #[serde(rename = "seam_m", serialize_with = "metres_of_both")]
     pub seam: [f64; 2],
     /// Whether the field can stand for an endless surface as it is.
     pub verdict: Verdict,
@@ -42,7 +46,12 @@ pub enum Verdict {
 impl Tiling {
     /// Whether copies join without visible steps along `axis`, 0 for `x` and 1 for `y`.
     pub fn joins(&self, axis: usize) -> bool {
-        self.ratio[axis] <= LARGEST_RATIO
+        match self.verdict {
+            Verdict::Tiles => true,
+            Verdict::SeamAlongX => axis == 1,
+            Verdict::SeamAlongY => axis == 0,
+            Verdict::SeamAlongBoth => false,
+        }
     }
 }
 
@@ -58,37 +67,51 @@ impl Verdict {
     }
 }
 
-/// Compares the steps across the seams of `field` with the steps between neighbouring samples inside it.
+/// Compares the steps across the seams of `field` with the steps between neighbouring samples inside it, each as RMS over a pair of
+/// neighbouring columns or rows.
 ///
-/// The yardstick is the largest step inside, as RMS over a pair of neighbouring columns or rows, and not the typical one: a sawtooth or a
-/// binary grating has rare large steps, and one of them may fall on the seam.
+/// A seam no larger than the median step joins, and so does a larger one that is as large as some step inside: a sawtooth has few large
+/// steps, all of one size, and one of them may fall on the seam.
 pub fn tiles(field: &HeightField) -> Tiling {
-    let along_x = steps_along_x(field);
-    let along_y = steps_along_y(field);
-    let axes = [along_x, along_y];
-    let ratio = axes.map(|steps| steps.ratio());
-    let verdict = match ratio.map(|r| r <= LARGEST_RATIO) {
-        [true, true] => Verdict::Tiles,
-        [false, true] => Verdict::SeamAlongX,
-        [true, false] => Verdict::SeamAlongY,
-        [false, false] => Verdict::SeamAlongBoth,
+    let axes = [steps_along_x(field), steps_along_y(field)];
+    let [x, y] = [0, 1].map(|axis| axes[axis].ratio());
+    let joins = |(_, joins): (f64, bool)| joins;
+    let verdict = match (joins(x), joins(y)) {
+        (true, true) => Verdict::Tiles,
+        (false, true) => Verdict::SeamAlongX,
+        (true, false) => Verdict::SeamAlongY,
+        (false, false) => Verdict::SeamAlongBoth,
     };
-    Tiling { ratio, seam: axes.map(|steps| steps.seam), verdict }
+    Tiling { ratio: [x.0, y.0], seam: [axes[0].seam, axes[1].seam], verdict }
 }
 
 /// RMS steps along one axis \[µm\].
-#[derive(Clone, Copy)]
 struct Steps {
     /// Across the seam.
     seam: f64,
-    /// The largest between two neighbouring lines inside.
-    inside: f64,
+    /// Between neighbouring lines inside, smallest first.
+    inside: Vec<f64>,
 }
 
 impl Steps {
-    /// Where there is a step across the seam there is one inside, too: lines that all equal their neighbours equal each other.
-    fn ratio(&self) -> f64 {
-        if self.seam == 0.0 { 0.0 } else { self.seam / self.inside }
+    /// The seam over the step that it is compared with, and whether it joins.
+    fn ratio(&self) -> (f64, bool) {
+        if self.seam == 0.0 || self.inside.is_empty() {
+            return (0.0, true);
+        }
+        let median = self.inside[self.inside.len() / 2];
+        let squares: f64 = self.inside.iter().map(|step| step * step).sum();
+        let small = median.max(NEGLIGIBLE * (squares / self.inside.len() as f64).sqrt());
+        if self.seam <= small {
+            return (self.seam / small, true);
+        }
+        // The nearest in proportion: the next larger or the next smaller one.
+        let place = self.inside.partition_point(|step| *step < self.seam);
+        let larger = self.inside.get(place).map(|step| self.seam / step);
+        let smaller = place.checked_sub(1).map(|place| self.seam / self.inside[place]);
+        let off = |ratio: f64| ratio.ln().abs();
+        let nearest = [larger, smaller].into_iter().flatten().min_by(|a, b| off(*a).total_cmp(&off(*b)));
+        nearest.map_or((0.0, true), |ratio| (ratio, off(ratio) <= LARGEST_RATIO.ln()))
     }
 }
 
@@ -116,9 +139,10 @@ fn steps_along_y(field: &HeightField) -> Steps {
 
 /// From the sums of squared steps between each line and the next one, the seam's last, each over `count` samples.
 fn root_mean_squares(squares: &[f64], count: usize) -> Steps {
-    let rms = |square: f64| (square / count as f64).sqrt();
-    let (seam, inside) = squares.split_last().map_or((0.0, &[][..]), |(seam, inside)| (*seam, inside));
-    Steps { seam: rms(seam), inside: rms(inside.iter().copied().fold(0.0, f64::max)) }
+    let mut steps: Vec<f64> = squares.iter().map(|square| (square / count as f64).sqrt()).collect();
+    let seam = steps.pop().unwrap_or_default();
+    steps.sort_unstable_by(f64::total_cmp);
+    Steps { seam, inside: steps }
 }
 
 #[cfg(test)]
@@ -165,6 +189,15 @@ mod tests {
             "the sine meets itself at half a period, the cosine does not"
         );
         assert_eq!(periods(3.25).verdict, Verdict::SeamAlongBoth);
+    }
+
+    #[test]
+    fn a_sawtooth_tiles_after_whole_periods_only_though_no_seam_is_larger_than_its_walls() {
+        let teeth = |columns| tiles(&field(columns, 20, |x, _| 0.01 * (x % 25.0))).verdict;
+        assert_eq!(
+            [teeth(100), teeth(110), teeth(113)],
+            [Verdict::Tiles, Verdict::SeamAlongX, Verdict::SeamAlongX]
+        );
     }
 
     #[test]

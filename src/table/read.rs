@@ -25,12 +25,12 @@ pub struct Taps {
     pub fall: f64,
 }
 
-/// Taps are at most so many standard deviations of the level's average apart: a row of Gaussians two deviations apart is even to 1.4 %.
-pub const TAP_SPACING: f64 = 2.0;
+/// Taps are at most so many standard deviations of the level's average apart: a row of Gaussians so far apart is even to 3.4 %.
+pub const TAP_SPACING: f64 = 2.2;
 /// Most taps on either side. A longer footprint is read at a coarser level.
-pub const MOST_SIDES: usize = 4;
+pub const MOST_SIDES: usize = 8;
 /// Taps reach so many standard deviations of the longer axis.
-pub const TAP_REACH: f64 = 2.0;
+pub const TAP_REACH: f64 = 2.5;
 
 impl<'a> TableReader<'a> {
     /// For `table`.

@@ -8,7 +8,8 @@ use crate::picture_file::quoted;
 use crate::render::shading::{Purpose, Shading};
 use crate::scene::{Camera, Light, Scene};
 use crate::setup::Method;
-use crate::surface::{Level, Source};
+use crate::surface::Source;
+use crate::surface::prepare::{self, Level, Step};
 use glam::Vec3;
 
 /// How the diffraction is computed.
@@ -148,7 +149,7 @@ impl ViewSettings {
         let s = &self.surface;
         let own = s.name == scene.surface;
         if !own {
-            option("surface", s.name.clone());
+            option("surface", s.name.to_string_lossy().into_owned());
         }
         if let Some([x, y]) = s.pixel_size.filter(|p| !own || Some(*p) != scene.pixel_size) {
             option("pixel-size", format!("{x}umx{y}um"));
@@ -156,9 +157,17 @@ impl ViewSettings {
         if let Some(height) = s.height.filter(|h| !own || Some(*h) != scene.full_height) {
             option("height", format!("{height}um"));
         }
-        if s.level != Level::None {
-            option("level", s.level.name().to_owned());
+        if let Some(channel) = &s.channel {
+            option("channel", channel.clone());
         }
+        let own_steps: &[Step] = if own { &scene.prepare } else { &[] };
+        if s.prepare != own_steps {
+            // Without a step the scene's own would stay.
+            let none = [Step::Level(Level::None)];
+            let steps = if s.prepare.is_empty() { &none[..] } else { &s.prepare };
+            words.push(prepare::as_options(steps));
+        }
+        let mut option = |name: &str, value: String| words.push(format!("--{name} {}", quoted(&value)));
         if s.seed != 1 {
             option("seed", s.seed.to_string());
         }
@@ -219,7 +228,8 @@ mod tests {
             name: scene.surface.clone(),
             pixel_size: None,
             height: None,
-            level: Level::None,
+            channel: None,
+            prepare: Vec::new(),
             seed: 1,
         };
         let optics = OpticsSettings {
@@ -296,7 +306,7 @@ mod tests {
         assert!(told.contains("--coherence grating:3x7") && !told.contains("--wavelengths"), "{told}");
         assert!(told.contains("--method spectral --windows 1x1"), "{told}");
         assert_eq!(repeats.shading(&repeats.optics).unwrap().wavelengths, None);
-        s.surface.name = "my scan's.png".to_owned();
+        s.surface.name = "my scan's.png".into();
         s.surface.pixel_size = Some([0.09, 0.1]);
         s.camera.phi += 0.25;
         let told = s.command(&scene, [64, 48], "a.png");

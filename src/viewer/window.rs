@@ -323,7 +323,11 @@ impl ViewerWindow {
         let short = |name: &str| {
             Path::new(name).file_name().map_or(name.to_owned(), |n| n.to_string_lossy().into_owned())
         };
-        self.window.set_title(&format!("diffract: {}, {}", short(&s.scene), short(&s.surface.name)));
+        self.window.set_title(&format!(
+            "diffract: {}, {}",
+            short(&s.scene),
+            short(&s.surface.name.to_string_lossy())
+        ));
     }
 }
 

@@ -1,7 +1,11 @@
 //! The thread that prepares sources. Requests of one role replace each other; the user's own goes first.
 
+use super::frame::LoadedScene;
 use super::prepared::{Prepared, ROLES, Role};
 use crate::error::{Error, Result};
+use crate::render::footprints;
+use crate::render::frame::View;
+use crate::render::sampling::Sampling;
 use crate::setup::{self, InUse, Target};
 use crate::surface::{HeightField, Source as Surface};
 use crate::vk::device::Device;
@@ -21,6 +25,19 @@ pub struct Request {
     pub surface: Surface,
     /// The settings.
     pub settings: setup::Settings,
+    /// The picture that it is for, whose footprints set how fine the source has to be.
+    pub picture: Option<RequestedPicture>,
+}
+
+/// A picture that a source is made for.
+#[derive(Clone)]
+pub struct RequestedPicture {
+    /// The scene.
+    pub loaded: Arc<LoadedScene>,
+    /// What is seen of it.
+    pub view: View,
+    /// Pixels.
+    pub size: [u32; 2],
 }
 
 /// What the worker reports.
@@ -163,7 +180,14 @@ impl Preparer {
     ) -> Result<(Arc<Prepared>, Option<String>)> {
         let field = self.field(&request.surface)?;
         let target = Target { limits: &self.limits, device: self.device.as_ref() };
-        let made = setup::source(&field, &request.settings, target, &mut self.in_use, progress)?;
+        let mut settings = request.settings.clone();
+        if let (Some(device), Some(picture)) = (&self.device, &request.picture)
+            && setup::averages_footprints(&settings)
+        {
+            let (mesh, sample) = (&picture.loaded.scene.mesh, Sampling::ONE.sample(0));
+            settings.least_footprint = footprints::least(device, mesh, &picture.view, picture.size, &sample)?;
+        }
+        let made = setup::source(&field, &settings, target, &mut self.in_use, progress)?;
         let (shaded_from, shading) = (made.source, request.settings.shading.clone());
         let prepared = Prepared { number: request.number, field, shaded_from, shading };
         Ok((Arc::new(prepared), made.note))
@@ -183,7 +207,7 @@ impl Preparer {
 mod tests {
     use super::*;
     use crate::render::shading::Shading;
-    use crate::surface::Level;
+    use crate::surface::synth::Kind;
     use crate::vk::instance::API_VERSION;
     use ash::vk;
     use std::sync::mpsc;
@@ -205,10 +229,15 @@ mod tests {
     }
 
     fn request(role: Role, number: u64, name: &str, tolerance: f64) -> Request {
-        let level = Level::None;
-        let surface = Surface { name: name.to_owned(), pixel_size: None, height: None, level, seed: 1 };
+        let surface = Surface { name: name.into(), ..Surface::built_in(Kind::Blaze) };
         let shading = Shading { tolerance, ..Shading::default() };
-        Request { role, number, surface, settings: setup::Settings::new(setup::Method::Spectral, shading) }
+        Request {
+            role,
+            number,
+            surface,
+            settings: setup::Settings::new(setup::Method::Spectral, shading),
+            picture: None,
+        }
     }
 
     #[test]

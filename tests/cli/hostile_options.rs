@@ -135,13 +135,26 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--target", &[NO_NUMBER, NO_TRIPLE]),
     ("--field-of-view", &[NO_NUMBER, &["35", "0deg", "-35deg", "171deg", "35um", "nandeg"]]),
     ("--base-color", &[NO_NUMBER, NO_TRIPLE, &["-0.1,0,0", "0,0,1.1"]]),
-    ("--level", &[NO_NUMBER, &["top", "Mean", "none,mean"]]),
+    (
+        "--level",
+        &[NO_NUMBER, &["top", "Mean", "none,mean", "polynomial", "polynomial:0", "polynomial:13", "rows:2"]],
+    ),
+    ("--despike", &[&["x", ""]]), // takes no value, and the surface is named already
+    ("--destripe", &[&["x", ""]]), // the same
+    ("--invert", &[&["x", ""]]),  // the same
+    ("--crop", &[NO_NUMBER, NO_LENGTH, NO_PAIR, &["1um", "90nm+1um+0um", "90nm+0um", "90nm+0um+0um+0um"]]),
+    ("--resample", &[NO_NUMBER, NO_LENGTH, NO_PAIR, &["0.01nm"]]),
+    ("--rotate", &[NO_NUMBER, &["30", "361deg", "30um", "Auto", "auto,30deg"]]),
+    ("--taper", &[NO_NUMBER, NO_LENGTH, &["1um", "5nmx5nm"]]),
+    ("--tile", &[NO_NUMBER, &["mirrors", "mirror:5um", "blend:", "blend:0um", "blend:1um"]]),
+    ("--plot", &[&["", "none/out.png", ".", "/dev/null", "grey.png/out.png", "out.gif", "out"]]),
     ("--beyond", &[NO_NUMBER, &["copy", "COPIES", "copies,alike", "none"]]),
     ("--method", &[NO_NUMBER, &["guess", "SPECTRAL"]]),
     ("--basis", &[NO_NUMBER, &["fourier"]]),
     ("--illuminant", &[NO_NUMBER, &["d50", "missing.csv", ".", "/dev/zero", "grey.png"]]),
     ("--surface", &[NO_NUMBER, &["nothing", "nothing.png", ".", "/dev/zero", "q.csv", "grey.png/x.png"]]),
     ("--cache-size", &[NO_NUMBER, &["500", "-1MB", "2gib", "8388609TiB", "1e400GB", "infMiB"]]),
+    ("--channel", &[&["", " ", "phase", "0", "2", "-1", "1.0"]]),
     ("--device", &[&["", " ", "nothing", "7", "-1", "99999999999999999999", "\n"]]),
     ("--folder", &[&["", "/dev/null", "grey.png", "grey.png/trade"]]),
     ("--fps", &[NO_NUMBER, &["0", "-15", "1e6", "15fps"]]),
@@ -178,6 +191,7 @@ fn sound(command: &[&str]) -> Vec<&'static str> {
             [&own[..], &SURFACE, &OPTICS[..2]].concat()
         }
         ["surface", "info"] => SURFACE.to_vec(),
+        ["surface", "convert"] => [&SURFACE[..], &["--output", "out.gsf"]].concat(),
         ["surface", "synth"] => vec!["blaze", "--output", "out.png"],
         _ => vec![],
     }

@@ -20,6 +20,7 @@ mod regressions;
 mod render;
 mod sampling;
 mod sandbox;
+mod scans;
 mod surface;
 mod table;
 mod trade;

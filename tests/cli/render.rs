@@ -256,6 +256,29 @@ fn options_change_the_picture() {
 }
 
 #[test]
+fn a_scene_prepares_its_surface_and_the_command_line_does_it_instead() {
+    let sandbox = Sandbox::with_small_surface();
+    let scene = |prepare: &str| {
+        format!(
+            "mesh = \"plate\"\nsurface = \"blaze\"\nlights = [\"35,-50\"]\nprepare = [{prepare}]\n\
+             [camera]\neye = [0.0, -1.0, 3.0]\ntarget = [0.0, 0.0, 0.0]\nfield_of_view = \"35deg\"\n"
+        )
+    };
+    sandbox.write("plain.toml", scene(""));
+    sandbox.write("prepared.toml", scene("\"crop 5umx2um+0um+0um\", \"invert\""));
+    let draw = |scene: &str, file: &str, more: &[&str]| {
+        let common = ["render", scene, "-o", file, "--size", "24x24", "--coherence", "gaussian:4um"];
+        sandbox.run2(&common, more).done();
+        sandbox.read(file)
+    };
+    let plain = draw("plain.toml", "plain.exr", &[]);
+    let by_scene = draw("prepared.toml", "scene.exr", &[]);
+    let by_options = draw("plain.toml", "options.exr", &["--crop", "5umx2um+0um+0um", "--invert"]);
+    assert!(by_scene == by_options && by_scene != plain);
+    assert!(draw("prepared.toml", "none.exr", &["--level", "none"]) == plain, "the scene's steps stay");
+}
+
+#[test]
 fn a_light_of_twice_the_intensity_is_twice_as_bright() {
     let sandbox = Sandbox::with_small_surface();
     render(&sandbox, "sphere", "one.exr", &["--light", "45,-40,1"]);

@@ -90,6 +90,40 @@ fn levelling_takes_the_mean_and_the_slope_away() {
 }
 
 #[test]
+fn steps_act_in_the_order_of_the_command_line_and_are_told() {
+    let sandbox = Sandbox::new();
+    let info = |steps: &[&str]| sandbox.run2(&["surface", "info", "blaze"], steps).done();
+    let mean =
+        |info: &str| row(info, "mean, RMS roughness").split(' ').next().unwrap().parse::<f64>().unwrap();
+    // A crop of one and a half periods from the left has another mean than the whole.
+    let levelled_first = info(&["--level", "mean", "--crop", "3.75umx20um+0um+0um"]);
+    let cropped_first = info(&["--crop", "3.75umx20um+0um+0um", "--level", "mean"]);
+    assert!(mean(&levelled_first).abs() > 10.0 && mean(&cropped_first).abs() < 0.1);
+    assert_eq!(row(&levelled_first, "prepared by"), "level mean, crop 3.75umx20um+0um+0um");
+    assert_eq!(row(&cropped_first, "prepared by"), "crop 3.75umx20um+0um+0um, level mean");
+    assert_eq!(row(&info(&["--level", "none"]), "prepared by"), "none");
+    let more = info(&["--despike", "--destripe", "--invert", "--resample", "50nm", "--tile", "mirror"]);
+    assert_eq!(row(&more, "prepared by"), "despike, destripe, invert, resample 50nm, tile mirror");
+    assert_eq!(row(&more, "samples"), "800 x 800");
+    let e = sandbox.run(["surface", "info", "blaze", "--crop", "1mm"]).refused(1);
+    assert!(e.contains("--crop 1000um: the field of 20um x 20um"), "{e}");
+}
+
+#[test]
+fn info_tells_what_a_cropped_blaze_lacks_and_draws_a_page() {
+    let sandbox = Sandbox::new();
+    let info = sandbox.run(["surface", "info", "blaze", "--crop", "11um", "--plot", "page.svg"]).done();
+    assert!(row(&info, "tiles").starts_with("no: the left and right edges do not meet"), "{info}");
+    assert!(row(&info, "dominant period").starts_with("2.50"), "{info}");
+    assert!(row(&info, "scalar theory").contains("angles of orders are exact"), "{info}");
+    assert!(info.contains("\nnote                      seams: copies do not join"), "{info}");
+    let page = String::from_utf8(sandbox.read("page.svg")).unwrap();
+    assert!(page.contains("Power spectrum") && page.contains("Prepared by: crop 11um"), "no page");
+    sandbox.run(["surface", "info", "--plot", "page.png"]).done();
+    assert!(sandbox.read("page.png").starts_with(b"\x89PNG"));
+}
+
+#[test]
 fn a_scan_of_one_sample_or_one_line_is_a_surface() {
     let sandbox = Sandbox::new();
     sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r,wavelength\n20,0,20,180,550\n");

@@ -3,7 +3,7 @@
 use crate::sandbox::Sandbox;
 
 /// Every command and what its help has to mention.
-pub const COMMANDS: [(&[&str], &str); 13] = [
+pub const COMMANDS: [(&[&str], &str); 14] = [
     (&["view"], "--fps"),
     (&["render"], "--exposure"),
     (&["eval"], "--queries"),
@@ -13,6 +13,7 @@ pub const COMMANDS: [(&[&str], &str); 13] = [
     (&["trade"], "--quick"),
     (&["surface"], "synth"),
     (&["surface", "info"], "--level"),
+    (&["surface", "convert"], "--channel"),
     (&["surface", "synth"], "--patch"),
     (&["cache"], "clear"),
     (&["cache", "clear"], "Remove"),

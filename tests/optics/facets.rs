@@ -4,8 +4,9 @@ use crate::plain::{MIRROR, mirrored, scaled, surface, swapped, toward, upside_do
 use diffract::optics::coherence::Coherence;
 use diffract::optics::geometry::Pair;
 use diffract::optics::reference::Reference;
+use diffract::surface::HeightField;
+use diffract::surface::files::{self, Wish, image};
 use diffract::surface::synth::{Kind, Spec, generate};
-use diffract::surface::{HeightField, image_file};
 use glam::{DVec2, DVec3};
 use image::{GrayImage, Luma};
 
@@ -81,17 +82,23 @@ fn the_facet_check_fails_for_every_flip() {
     }
 }
 
+/// The height image at `path`, whose largest code means `full_height` \[µm\].
+fn read(path: &std::path::Path, full_height: f64) -> HeightField {
+    let wish = Wish { pixel_size: Some([PIXEL; 2]), height: Some(full_height), channel: None };
+    files::read(path, &wish).unwrap().into_field().unwrap()
+}
+
 #[test]
 fn a_facet_keeps_its_direction_through_a_height_image_and_the_flipped_image_does_not() {
     let folder = tempfile::tempdir().unwrap();
     let slope = DVec2::new(0.1, -0.06);
     for name in ["facet.png", "facet.tif"] {
         let path = folder.path().join(name);
-        let full_height = image_file::write(&path, &facet(slope)).unwrap();
-        let read = image_file::read(&path, [PIXEL; 2], full_height).unwrap();
-        let deviation = facet_deviation(&read, slope, DVec3::Z);
+        let full_height = image::write(&path, &facet(slope)).unwrap();
+        let back = read(&path, full_height);
+        let deviation = facet_deviation(&back, slope, DVec3::Z);
         assert!(deviation < TOLERANCE, "{name}: {deviation}");
-        assert!(facet_deviation(&upside_down(&read), slope, DVec3::Z) > 2.0 * TOLERANCE);
+        assert!(facet_deviation(&upside_down(&back), slope, DVec3::Z) > 2.0 * TOLERANCE);
     }
 }
 
@@ -104,10 +111,10 @@ fn an_image_that_is_bright_at_the_top_is_a_slope_up_along_y() {
     picture.save(&path).unwrap();
     let slope = DVec2::new(0.0, 0.1);
     // One row is 0.1·PIXEL = 2 codes of 255.
-    let read = image_file::read(&path, [PIXEL; 2], 0.1 * PIXEL / 2.0 * 255.0).unwrap();
-    let deviation = facet_deviation(&read, slope, DVec3::Z);
+    let back = read(&path, 0.1 * PIXEL / 2.0 * 255.0);
+    let deviation = facet_deviation(&back, slope, DVec3::Z);
     assert!(deviation < TOLERANCE, "{deviation}");
-    assert!(facet_deviation(&upside_down(&read), slope, DVec3::Z) > 2.0 * TOLERANCE);
+    assert!(facet_deviation(&upside_down(&back), slope, DVec3::Z) > 2.0 * TOLERANCE);
 }
 
 /// u of the strongest of the orders −3 … 3 of a blazed grating of period `period` at normal incidence.

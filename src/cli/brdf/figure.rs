@@ -22,7 +22,8 @@ const PANEL: [f64; 2] = [540.0, 470.0];
 
 /// Words about the surface, the lights and what is shown.
 fn settings(arguments: &Arguments, field: &HeightField) -> String {
-    let name = arguments.surface_name.as_deref().or(arguments.surface.surface.as_deref()).unwrap_or("elaphe");
+    let name = arguments.surface_name.as_deref().or(arguments.surface.surface.as_deref());
+    let name = name.map_or("elaphe".into(), |name| name.to_string_lossy());
     let shown = match arguments.wavelength {
         Some(wavelength) => format!("{} nm", (wavelength * 1e4).round() / 10.0),
         None => format!("colour under {}", arguments.colour.illuminant),
@@ -30,7 +31,7 @@ fn settings(arguments: &Arguments, field: &HeightField) -> String {
     format!(
         "Hemisphere of view directions from above, x to the right, y up; rings of polar angle every 15°. {}; light \
          from {}; {shown}; {size}×{size} directions.",
-        captions::surface(name, field),
+        captions::surface(&name, field),
         captions::lights(&arguments.light),
         size = arguments.size
     )

@@ -20,6 +20,7 @@ use crate::units;
 use clap::Args;
 use glam::DVec3;
 use map::Map;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use variant::Variant;
 
@@ -43,7 +44,7 @@ Examples:
 )]
 pub struct Arguments {
     /// Height field: a file or a built-in name
-    surface_name: Option<String>,
+    surface_name: Option<OsString>,
     /// Where the map goes: .png as displayed, .exr linear and signed
     #[arg(short, long, value_name = "FILE", required_unless_present = "plot")]
     output: Option<PathBuf>,

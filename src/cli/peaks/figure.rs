@@ -133,7 +133,8 @@ fn periods(arguments: &Arguments, found: &[Found]) -> Panel {
 }
 
 fn caption(arguments: &Arguments, field: &HeightField, found: &[Found]) -> String {
-    let name = arguments.surface_name.as_deref().or(arguments.surface.surface.as_deref()).unwrap_or("elaphe");
+    let name = arguments.surface_name.as_deref().or(arguments.surface.surface.as_deref());
+    let name = name.map_or("elaphe".into(), |name| name.to_string_lossy());
     let lines: Vec<String> = found.iter().map(|of| format!("Order {}: {}.", of.order, of.line())).collect();
     let right = match found.len() {
         1 => "the dashed line is the mean, the band the standard deviation",
@@ -141,7 +142,7 @@ fn caption(arguments: &Arguments, field: &HeightField, found: &[Found]) -> Strin
     };
     format!(
         "{}; light from θ = {}° in the plane of N and {}. {} Right: {right}.\n{}",
-        captions::surface(name, field),
+        captions::surface(&name, field),
         arguments.theta_i.to_string().replace('-', "−"),
         arguments.axis.name(),
         captions::sentence(&captions::optics(&arguments.optics)),

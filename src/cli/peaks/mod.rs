@@ -13,6 +13,7 @@ use crate::files::Files;
 use clap::{Args, ValueEnum};
 use report::{Found, Report};
 use serde::Serialize;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use sweep::Sweep;
 
@@ -48,7 +49,7 @@ Examples:
 )]
 pub struct Arguments {
     /// Height field: a file or a built-in name
-    surface_name: Option<String>,
+    surface_name: Option<OsString>,
     /// Where the light stands, in degrees from the normal toward the axis
     #[arg(long, value_name = "DEG", value_parser = theta_i, allow_hyphen_values = true)]
     theta_i: f64,

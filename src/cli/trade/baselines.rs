@@ -8,7 +8,7 @@ use crate::optics::spectrum::SHORTEST;
 use crate::precompute::thesis;
 use crate::render::picture::Painter;
 use crate::render::source::{ClassicalGrating, Source, Thesis};
-use crate::surface::statistics::Statistics;
+use crate::surface::statistics::line_periods;
 use std::sync::Arc;
 
 /// Baselines of a frame.
@@ -34,7 +34,7 @@ impl Baselines<'_> {
     /// The classical shader of a grating of one period, at the brightness that fits the reference best. `None` for a surface
     /// that is not periodic.
     fn grating(&self, references: &mut References) -> Result<Option<Measurement>> {
-        let [along_x, along_y] = Statistics::of(&self.scene.field).period;
+        let [along_x, along_y] = line_periods(&self.scene.field);
         let (axis, period) = match (along_x, along_y) {
             (Some(period), _) => ([1.0, 0.0], period),
             (None, Some(period)) => ([0.0, 1.0], period),

@@ -188,7 +188,7 @@ impl<'a> Sweep<'a> {
             if self.rows.is_empty() || self.rows.iter().any(|row| row.series == series) {
                 continue;
             }
-            let options = setting(self.arguments, "--tolerance 1e-1")?;
+            let options = setting(self.arguments, "--windows 1x1 --tolerance 1e-1")?;
             let baselines = Baselines { scene: &self.scene, options: &options, limits: LIMITS };
             match baselines.measure(series, &mut self.references) {
                 Ok(None) => {}

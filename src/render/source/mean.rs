@@ -52,6 +52,9 @@ const MIDDLE: f64 = 0.55;
 /// Samples of the specular order's power over z: between two, the phase of the farthest heights of 1 µm turns by a thirtieth of a radian.
 const SPECULAR_SAMPLES: usize = 1024;
 
+/// Standard deviations of a footprint's longer axis that count as the path of a ray; `LONGER_REACH` of the shader.
+const LONGER_REACH: f64 = 2.0;
+
 /// The `Mean` block (std140).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -201,9 +204,10 @@ impl Mean {
         for (index, seen) in directions.iter().enumerate() {
             for i in (0..seen.view.len()).filter(|&i| seen.view[i][3] != 0.0) {
                 cost.covered += usize::from(index == 0);
-                let shorter = seen.covariance(i).axes()[1];
+                let [longer, shorter] = seen.covariance(i).axes();
+                let left = (longer - shorter).max(0.0).sqrt();
                 let toward = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
-                let uv = toward(0).hypot(toward(1));
+                let uv = toward(0).hypot(toward(1)).max(LONGER_REACH * left);
                 let blur = orders + shorter / MIDDLE.powi(2);
                 let nodes = combs.nodes_at(uv * (finest / blur).sqrt()).len();
                 cost.wavelengths += nodes;

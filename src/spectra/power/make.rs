@@ -267,3 +267,94 @@ fn audit(series: &[Vec<f64>], audited: &[OrderPowers], z_max: f64) -> f64 {
     }
     worst
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectra::power::read::Reader;
+    use glam::DVec2;
+
+    fn settings(tolerance: f64) -> PowerSettings {
+        PowerSettings {
+            sigma: 2.0,
+            beyond: Beyond::Copies,
+            shortest: 0.38,
+            series_error: tolerance,
+            reading_error: tolerance,
+            least_footprint: 0.0,
+            side_limit: 16384,
+            memory_limit: 1 << 30,
+        }
+    }
+
+    fn rough(height: f64) -> HeightField {
+        let wave = |x: f64, y: f64| {
+            (6.3 * x).sin() + 0.6 * (5.1 * x + 7.7 * y).cos() + 0.4 * (11.0 * y - 3.0 * x).sin()
+        };
+        let n = 60;
+        let at = |i: usize| wave(0.1 * (i % n) as f64, 0.1 * (i / n) as f64) / 4.0;
+        HeightField::new(n, n, [0.1; 2], (0..n * n).map(|i| height * at(i)).collect()).unwrap()
+    }
+
+    #[test]
+    fn the_series_in_z_meet_their_error_at_all_heights_and_at_both_ends_of_z() {
+        for height in [0.0, 0.05, 0.4, 1.0, 3.0] {
+            let field = rough(height);
+            let spectra = power_spectra(&field, &settings(1e-2), &|_, _| Ok(())).unwrap();
+            let header = &spectra.header;
+            assert!(header.series_error <= 1e-2, "{height} um: {}", header.series_error);
+            assert_eq!(header.terms % PER_TEXEL, 0);
+            // The specular order's curve against the plain mean of the phases.
+            for share in [1e-3, 0.2, 0.55, 0.9999] {
+                let z = share * header.z_max;
+                let mut t = vec![0.0; header.terms];
+                polynomials(2.0 * share - 1.0, &mut t);
+                let series: f64 = header.specular.iter().zip(&t).map(|(a, t)| a * t).sum();
+                let (re, im) = field
+                    .heights()
+                    .iter()
+                    .fold((0.0, 0.0), |(re, im), h| (re + (z * h).cos(), im + (z * h).sin()));
+                let n = field.heights().len() as f64;
+                let plain = (re * re + im * im) / (n * n);
+                assert!((series - plain).abs() < 2e-3, "{height} um at {share}: {series} {plain}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_read_between_texels_is_the_blurred_sum_over_the_orders() {
+        let field = rough(0.3);
+        let tolerance = 1e-2;
+        let spectra = power_spectra(&field, &settings(tolerance), &|_, _| Ok(())).unwrap();
+        let reader = Reader::new(&spectra);
+        // Every order's power by its transform, and its lobe, without the specular order.
+        let orders = OrderGrid::new(&field, 100.0, 0.0);
+        let transform = Transform::new(&field, orders, Beyond::Copies);
+        let variance = Blur::of_coherence(2.0).variance[0];
+        let mean = |f: DVec2, z: f64| -> f64 {
+            let powers = transform.at(z).powers;
+            let lobe = |i: usize| {
+                let m = |place: usize, axis: usize| place as f64 - orders.origin[axis] as f64;
+                let [columns, _] = orders.size;
+                let at = DVec2::new(m(i % columns, 0), m(i / columns, 1)) / DVec2::from_array(orders.patch);
+                (-0.5 * (f - at).length_squared() / variance).exp() / (2.0 * PI * variance)
+            };
+            powers.iter().enumerate().map(|(i, power)| power * lobe(i)).sum()
+        };
+        let (mut error, mut energy) = (0.0, 0.0);
+        for i in 0..200 {
+            let f = DVec2::from_angle(2.4 * f64::from(i)) * (0.2 + 0.02 * f64::from(i));
+            let z = 4.0 + 0.1 * f64::from(i);
+            let mut terms = vec![[0.0; PER_TEXEL]; reader.header.terms / PER_TEXEL];
+            reader.read(f, 0.0, &mut terms);
+            let mut t = vec![0.0; reader.header.terms];
+            polynomials(2.0 * z / reader.header.z_max - 1.0, &mut t);
+            let value: f64 = terms.iter().flatten().zip(&t).map(|(a, t)| f64::from(*a) * t).sum();
+            let exact = mean(f, z);
+            error += (value * reader.header.unit * z * z - exact).powi(2);
+            energy += exact * exact;
+        }
+        let error = f64::sqrt(error / energy);
+        assert!(error <= 2.0 * tolerance, "{error}");
+    }
+}

@@ -214,4 +214,52 @@ mod tests {
             assert!((sum - 1.0).abs() < 1e-12, "{beyond:?}: {sum}");
         }
     }
+
+    /// J_m(x) = (1/π) ∫ cos(mτ − x sin τ) dτ over 0 … π.
+    fn bessel(m: i64, x: f64) -> f64 {
+        const STEPS: usize = 4000;
+        let at = |i: usize| {
+            let t = PI * (i as f64 + 0.5) / STEPS as f64;
+            (m as f64 * t - x * t.sin()).cos()
+        };
+        (0..STEPS).map(at).sum::<f64>() / STEPS as f64
+    }
+
+    #[test]
+    fn a_sinusoid_sends_squared_bessel_functions_into_its_orders_and_a_mirror_everything_into_one() {
+        const PERIODS: usize = 3;
+        let (columns, amplitude, z) = (96, 0.1, 17.0);
+        let height = |i: usize| amplitude * (2.0 * PI * PERIODS as f64 * i as f64 / columns as f64).sin();
+        let heights = (0..columns * 4).map(|i| height(i % columns)).collect();
+        let field = HeightField::new(columns, 4, [0.1; 2], heights).unwrap();
+        let grid = OrderGrid::new(&field, 100.0, 0.0);
+        let powers = Transform::new(&field, grid, Beyond::Copies).at(z);
+        assert!((powers.specular - bessel(0, z * amplitude).powi(2)).abs() < 1e-9);
+        for order in 1..5i64 {
+            let column = (order * PERIODS as i64 + grid.origin[0] as i64) as usize;
+            let got = powers.powers[grid.origin[1] * grid.size[0] + column];
+            assert!((got - bessel(order, z * amplitude).powi(2)).abs() < 1e-9, "order {order}: {got}");
+        }
+        let flat = HeightField::new(8, 8, [0.1; 2], vec![0.3; 64]).unwrap();
+        let powers = Transform::new(&flat, OrderGrid::new(&flat, 100.0, 0.0), Beyond::Copies).at(z);
+        assert!((powers.specular - 1.0).abs() < 1e-12 && powers.powers.iter().all(|p| *p < 1e-24));
+    }
+
+    #[test]
+    fn a_scan_whose_edges_do_not_meet_shows_no_cross_when_the_surface_goes_on_alike() {
+        // A tilt of one height range over the patch, and waves of whole periods: the seam alone sends light along the axes.
+        let n = 64;
+        let height = |x: f64, y: f64| 0.15 * x + 0.02 * (2.0 * PI * (5.0 * x + 4.0 * y)).sin();
+        let heights =
+            (0..n * n).map(|i| height((i % n) as f64 / n as f64, (i / n) as f64 / n as f64)).collect();
+        let field = HeightField::new(n, n, [0.1; 2], heights).unwrap();
+        let grid = OrderGrid::new(&field, 100.0, 0.0);
+        let cross = |beyond| {
+            let powers = Transform::new(&field, grid, beyond).at(12.0).powers;
+            // Orders on the axis, far from the specular direction and from the waves.
+            (20..28).map(|m| powers[grid.origin[1] * grid.size[0] + grid.origin[0] + m]).sum::<f64>()
+        };
+        let (copies, alike) = (cross(Beyond::Copies), cross(Beyond::Alike));
+        assert!(alike < 1e-3 * copies, "{alike:e} of {copies:e}");
+    }
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::surface::Statistics;
+use crate::surface::statistics::line_periods;
 
 fn made(kind: Kind) -> HeightField {
     generate(&Spec::new(kind)).unwrap()
@@ -81,7 +81,7 @@ fn the_design_periods_are_found_again() {
         (Kind::Elaphe, [Some(1.14), Some(3.1)], 0.02),
         (Kind::Xenopeltis, [Some(1.55), Some(6.5)], 0.02),
     ] {
-        let found = Statistics::of(&made(kind)).period;
+        let found = line_periods(&made(kind));
         for axis in 0..2 {
             let near = match (found[axis], expected[axis]) {
                 (Some(a), Some(b)) => (a / b - 1.0).abs() < within,

@@ -14,11 +14,11 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     heading(ui, "Surface");
     rows(ui, "surface", |ui| {
         let source = &mut model.settings.surface;
-        let kind = Kind::from_name(&source.name);
+        let kind = source.kind();
         row(ui, "height field", |ui| {
             let mut chosen = None;
             ComboBox::from_id_salt("surface name")
-                .selected_text(short(&source.name))
+                .selected_text(short(&source.name.to_string_lossy()))
                 .width(WIDTH - LABEL - 64.0)
                 .show_ui(ui, |ui| {
                     for other in Kind::ALL {
@@ -28,13 +28,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
                     }
                 });
             if let Some(kind) = chosen.filter(|k| Some(*k) != kind) {
-                *source = Source {
-                    name: kind.name().to_owned(),
-                    pixel_size: None,
-                    height: None,
-                    level: Level::None,
-                    seed: 1,
-                };
+                *source = Source::built_in(kind);
             }
         });
         if kind.is_none() {
@@ -46,7 +40,9 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         }
         row(ui, "level", |ui| {
             for level in [Level::None, Level::Mean, Level::Plane] {
-                ui.selectable_value(&mut source.level, level, level.name());
+                if ui.selectable_label(source.level() == level, level.to_string()).clicked() {
+                    source.set_level(level);
+                }
             }
         });
         coherence(ui, &mut model.settings, &mut model.last_coherence);

@@ -81,14 +81,17 @@ impl ViewerWindow {
         if extension.is_empty() || extension == "obj" || extension == "toml" {
             return self.open_scene(name);
         }
+        // Microscopes' files have units. Images have none: they start with those of a scan of a skin.
+        let image = matches!(extension.as_str(), "png" | "tif" | "tiff");
         let Source { pixel_size, height, .. } = self.model.settings.surface;
-        if pixel_size.is_none() || height.is_none() {
+        if image && (pixel_size.is_none() || height.is_none()) {
             self.model.say("a height image carries no units: set sample and full height in the panel");
         }
         let surface = &mut self.model.settings.surface;
-        surface.name = name;
-        surface.pixel_size = Some(pixel_size.unwrap_or(TYPICAL_PIXEL));
-        surface.height = Some(height.unwrap_or(TYPICAL_HEIGHT));
+        surface.name = name.into();
+        surface.channel = None;
+        surface.pixel_size = image.then(|| pixel_size.unwrap_or(TYPICAL_PIXEL));
+        surface.height = image.then(|| height.unwrap_or(TYPICAL_HEIGHT));
         self.window.request_redraw();
     }
 
@@ -121,6 +124,8 @@ impl ViewerWindow {
             settings.base_color = scene.base_color;
             settings.surface.name.clone_from(&scene.surface);
             (settings.surface.pixel_size, settings.surface.height) = (scene.pixel_size, scene.full_height);
+            settings.surface.channel = None;
+            settings.surface.prepare.clone_from(&scene.prepare);
         }
         settings.scene.clone_from(&name);
         self.model.applied.scene = name;

@@ -9,7 +9,7 @@ use crate::viewer::model::Progress;
 use crate::viewer::prepared::Role;
 use crate::viewer::quality::Quality;
 use crate::viewer::settings::{Needs, ViewSettings};
-use crate::viewer::worker::Request;
+use crate::viewer::worker::{Request, RequestedPicture};
 
 impl ViewerWindow {
     /// Requests every setting that is needed and not requested yet.
@@ -55,7 +55,8 @@ impl ViewerWindow {
                 let surface = settings.surface.clone();
                 let method = settings.method(&settings.optics);
                 let settings = setup::Settings::new(method, shading);
-                self.threads.worker.request(Request { role, number, surface, settings });
+                let picture = self.requested_picture();
+                self.threads.worker.request(Request { role, number, surface, settings, picture });
                 self.model.sources.progress[role as usize] = Some(Progress { done: 0, of: 1 });
                 self.window.request_redraw();
             }
@@ -70,17 +71,32 @@ impl ViewerWindow {
         }
     }
 
+    /// The picture as it should look now.
+    fn requested_picture(&self) -> Option<RequestedPicture> {
+        let model = &self.model;
+        (!model.size.contains(&0)).then(|| RequestedPicture {
+            loaded: model.loaded.clone(),
+            view: self.view(),
+            size: model.size,
+        })
+    }
+
+    fn view(&self) -> View {
+        let (shown, scene) = (self.model.shown(), &self.model.loaded.scene);
+        View {
+            camera: shown.shown_camera(scene),
+            base_color: shown.base_color,
+            pigment: scene.pigment.is_some(),
+            ..View::of(scene, shown.lights)
+        }
+    }
+
     /// The whole frame as it should look now; `None` before anything is ready to be drawn.
     pub(super) fn whole_frame(&self) -> Option<FrameRequest> {
         let model = &self.model;
         let own = model.sources.own.clone().filter(|_| !model.size.contains(&0))?;
         let (shown, scene) = (model.shown(), &model.loaded.scene);
-        let view = View {
-            camera: shown.shown_camera(scene),
-            base_color: shown.base_color,
-            pigment: scene.pigment.is_some(),
-            ..View::of(scene, shown.lights)
-        };
+        let view = self.view();
         Some(FrameRequest {
             loaded: model.loaded.clone(),
             own,

@@ -1,9 +1,17 @@
+use super::super::{Wish, read as read_file};
 use super::*;
-use image::{GrayImage, ImageBuffer, Luma, RgbImage, Rgba};
+use ::image::{self, GrayImage, ImageBuffer, Luma, RgbImage, Rgba};
+use std::fs;
 use std::path::PathBuf;
 use tempfile::TempDir;
 
 const PIXEL: [f64; 2] = [0.1, 0.1];
+
+/// The image at `path` as a height field.
+fn read(path: &Path, pixel_size: [f64; 2], full_height: f64) -> Result<HeightField> {
+    read_file(path, &Wish { pixel_size: Some(pixel_size), height: Some(full_height), channel: None })?
+        .into_field()
+}
 
 fn folder() -> TempDir {
     tempfile::tempdir().unwrap()
@@ -164,7 +172,7 @@ fn low_bit_depths_and_palettes_of_greys_are_grey() {
 #[test]
 fn what_is_no_image_file_is_refused_before_it_is_read() {
     let folder = folder();
-    assert!(refusal(&folder.path().join("none.png")).contains("cannot open"));
+    assert!(refusal(&folder.path().join("none.png")).contains("no such file"));
     assert!(refusal(folder.path()).contains("folder"));
     assert!(refusal(&file(&folder, "empty.png", b"")).contains("empty"));
     assert!(refusal(&file(&folder, "text.png", b"not an image")).contains("neither"));
@@ -225,12 +233,33 @@ fn a_bomb_is_refused_by_its_header() {
 }
 
 #[test]
-fn float_samples_are_refused_with_the_reason() {
+fn an_orientation_that_a_png_asks_for_is_applied() {
     let folder = folder();
-    let data = [0.5_f32.to_le_bytes(), 1.0_f32.to_le_bytes()].concat();
-    let e = refusal(&file(&folder, "float.tif", &tiff(2, 1, 32, 3, &data)));
-    assert!(e.contains("32-bit samples"), "{e}");
-    assert!(refusal(&file(&folder, "long.tif", &tiff(2, 1, 32, 1, &data))).contains("export it as"));
+    // Exif with one entry: orientation 6, the stored picture is to be turned clockwise.
+    let exif = [&b"MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01"[..], &[0, 6, 0, 0, 0, 0, 0, 0]].concat();
+    let data = chunk(b"IDAT", &stored(&[0, 1, 2, 3, 0, 4, 5, 6]));
+    let bytes =
+        |rest: &[Vec<u8>]| [&png_header(3, 2, 8, 0)[..], &rest.concat(), &chunk(b"IEND", &[])].concat();
+    let plain = read(&file(&folder, "plain.png", &bytes(&[data.clone()])), PIXEL, 255.0).unwrap();
+    assert_eq!((plain.columns(), plain.rows(), plain.heights()[0].round()), (3, 2, 1.0));
+    let turned =
+        read(&file(&folder, "turned.png", &bytes(&[chunk(b"eXIf", &exif), data])), PIXEL, 255.0).unwrap();
+    let codes: Vec<f64> = turned.heights().iter().map(|h| h.round()).collect();
+    assert_eq!((turned.columns(), turned.rows(), codes), (2, 3, vec![4.0, 1.0, 5.0, 2.0, 6.0, 3.0]));
+}
+
+#[test]
+fn float_samples_are_heights_and_wide_integers_are_codes() {
+    let folder = folder();
+    let data = [0.5e-6_f32.to_le_bytes(), 1.0e-6_f32.to_le_bytes()].concat();
+    let wish = Wish { pixel_size: Some(PIXEL), height: None, channel: None };
+    let float = file(&folder, "float.tif", &tiff(2, 1, 32, 3, &data));
+    let heights = read_file(&float, &wish).unwrap().into_field().unwrap();
+    assert!((heights.heights()[0] - 0.5).abs() < 1e-7 && (heights.heights()[1] - 1.0).abs() < 1e-7);
+    let codes = [0_u32.to_le_bytes(), u32::MAX.to_le_bytes()].concat();
+    let long = file(&folder, "long.tif", &tiff(2, 1, 32, 1, &codes));
+    assert_eq!(read(&long, PIXEL, 0.5).unwrap().heights(), [0.0, 0.5]);
+    assert!(read_file(&long, &wish).unwrap_err().to_string().contains("--height"));
 }
 
 #[test]

@@ -1,77 +1,13 @@
-//! What is in a height field, as numbers.
+//! Periods along the axes: the length after which the rows, or the columns, repeat.
 
-use super::{HeightField, level};
-use rayon::prelude::*;
+use super::mean;
+use crate::surface::HeightField;
 use rustfft::{FftPlanner, num_complex::Complex};
 use std::f64::consts::TAU;
 
-/// The numbers of `surface info`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Statistics {
-    /// Samples along `x` and `y`.
-    pub samples: [usize; 2],
-    /// Sample spacing along `x` and `y` \[µm\].
-    pub pixel_size: [f64; 2],
-    /// Side lengths of the patch \[µm\].
-    pub patch_size: [f64; 2],
-    /// Lowest and highest height \[µm\].
-    pub range: (f64, f64),
-    /// Mean height \[µm\].
-    pub mean: f64,
-    /// Root mean square deviation from the mean \[µm\].
-    pub roughness: f64,
-    /// How many different heights occur.
-    pub levels: usize,
-    /// The largest spatial frequency along `x` and `y` that the sampling carries, 1/(2 dx) \[1/µm\].
-    pub largest_frequency: [f64; 2],
-    /// The length after which the heights repeat along `x` and `y` \[µm\]; `None` where nothing clearly repeats.
-    pub period: [Option<f64>; 2],
-    /// Share of the samples that lie beyond three standard deviations: 0.0027 for normally distributed heights, far
-    /// more where there is dust.
-    pub outliers: f64,
-}
-
-/// Standard deviations from the mean beyond which a sample counts as an outlier.
-const OUTLIER: f64 = 3.0;
-
-impl Statistics {
-    /// Measures `field`.
-    pub fn of(field: &HeightField) -> Self {
-        let count = field.heights().len() as f64;
-        let mean = level::mean(field);
-        let variance = field.heights().iter().map(|h| (h - mean).powi(2)).sum::<f64>() / count;
-        let roughness = variance.sqrt();
-        let beyond = field.heights().iter().filter(|h| (*h - mean).abs() > OUTLIER * roughness).count();
-        let [dx, dy] = field.pixel_size();
-        Self {
-            samples: [field.columns(), field.rows()],
-            pixel_size: [dx, dy],
-            patch_size: field.patch_size(),
-            range: field.range(),
-            mean,
-            roughness,
-            levels: distinct(field.heights()),
-            largest_frequency: [0.5 / dx, 0.5 / dy],
-            period: periods(field, mean),
-            outliers: beyond as f64 / count,
-        }
-    }
-}
-
-fn distinct(heights: &[f64]) -> usize {
-    /// Heights that are copied at once: those of an image are few different ones, a copy of all of them may be gigabytes.
-    const AT_ONCE: usize = 1 << 20;
-    let sorted = |mut some: Vec<f64>| {
-        some.par_sort_unstable_by(f64::total_cmp);
-        some.dedup_by(|a, b| *a == *b); // 0 and −0 are one height
-        some.shrink_to_fit(); // or each keeps the room of what it was
-        some
-    };
-    let parts: Vec<Vec<f64>> = heights.par_chunks(AT_ONCE).map(|part| sorted(part.to_vec())).collect();
-    sorted(parts.concat()).len()
-}
-
-fn periods(field: &HeightField, mean: f64) -> [Option<f64>; 2] {
+/// The length after which the heights repeat along `x` and `y` \[µm\]; `None` where nothing clearly repeats.
+pub fn line_periods(field: &HeightField) -> [Option<f64>; 2] {
+    let mean = mean(field);
     let (columns, rows) = (field.columns(), field.rows());
     let [width, height] = field.patch_size();
     let along_x = line_spectrum(columns, rows, |line, i| field.row(line)[i] - mean);
@@ -148,35 +84,14 @@ fn dominant_cycles(spectrum: &[f64], noise: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn field(columns: usize, rows: usize, h: impl Fn(f64, f64) -> f64) -> HeightField {
-        let pixel = [0.1, 0.05];
-        let at = |i: usize| h((i % columns) as f64 * pixel[0], (i / columns) as f64 * pixel[1]);
-        HeightField::new(columns, rows, pixel, (0..columns * rows).map(at).collect()).unwrap()
-    }
-
-    #[test]
-    fn a_sinusoid_has_its_closed_form_numbers() {
-        let s = Statistics::of(&field(200, 40, |x, _| 3.0 + 0.2 * (TAU * x / 2.0).sin()));
-        assert!((s.mean - 3.0).abs() < 1e-12);
-        assert!((s.roughness - 0.2 / 2_f64.sqrt()).abs() < 1e-12);
-        assert!((s.range.1 - 3.2).abs() < 1e-12 && (s.range.0 - 2.8).abs() < 1e-12);
-        assert_eq!(s.samples, [200, 40]);
-        assert!((s.patch_size[0] - 20.0).abs() < 1e-12 && (s.patch_size[1] - 2.0).abs() < 1e-12);
-        assert!(
-            (s.largest_frequency[0] - 5.0).abs() < 1e-12 && (s.largest_frequency[1] - 10.0).abs() < 1e-12
-        );
-        assert!((s.period[0].unwrap() - 2.0).abs() < 1e-9, "{:?}", s.period);
-        assert_eq!(s.period[1], None);
-        assert_eq!(s.outliers, 0.0);
-    }
+    use crate::surface::statistics::tests::field;
 
     #[test]
     fn a_period_is_found_under_tilt_and_large_waves() {
         let ridges =
             |x: f64, y: f64| 0.1 * (TAU * y / 0.7).sin() + 0.5 * x + 0.4 * y + (x * 0.3 + y * 0.2).sin();
-        let s = Statistics::of(&field(150, 400, ridges));
-        assert!((s.period[1].unwrap() - 0.7).abs() < 0.01, "{:?}", s.period);
+        let period = line_periods(&field(150, 400, ridges));
+        assert!((period[1].unwrap() - 0.7).abs() < 0.01, "{period:?}");
     }
 
     #[test]
@@ -189,17 +104,8 @@ mod tests {
             }
             (z >> 40) as f64
         };
-        assert_eq!(Statistics::of(&field(256, 128, noise)).period, [None, None]);
-        let flat = Statistics::of(&field(64, 64, |_, _| 0.3));
-        assert_eq!((flat.period, flat.levels, flat.outliers), ([None, None], 1, 0.0));
-        assert_eq!(Statistics::of(&field(1, 1, |_, _| 1.0)).period, [None, None]);
-    }
-
-    #[test]
-    fn levels_and_outliers_are_counted() {
-        let steps = Statistics::of(&field(100, 10, |x, _| (x / 2.5).floor()));
-        assert_eq!(steps.levels, 4);
-        let dusty = Statistics::of(&field(100, 10, |x, y| if x == 0.0 && y == 0.0 { 9.0 } else { 0.0 }));
-        assert_eq!(dusty.outliers, 1e-3);
+        assert_eq!(line_periods(&field(256, 128, noise)), [None, None]);
+        assert_eq!(line_periods(&field(64, 64, |_, _| 0.3)), [None, None]);
+        assert_eq!(line_periods(&field(1, 1, |_, _| 1.0)), [None, None]);
     }
 }

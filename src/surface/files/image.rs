@@ -1,18 +1,19 @@
-//! Height images: grey PNG and TIFF files, read and written.
+//! Height images: grey PNG and TIFF files of 8 and 16 bits, read and written.
 //!
-//! Black is height 0, the format's largest code is the full height, row 0 is the top. What a file is, its content says
-//! and not its name. Nothing is decoded before its size is known and found to fit.
+//! Black is height 0, the format's largest code is the full height, row 0 is the top. Nothing is decoded before its size is
+//! known and found to fit.
 
-use super::{HeightField, MAX_SIDE};
+use super::super::{HeightField, MAX_SIDE};
+use super::scan::{Channel, Quantity, Scan};
 use crate::error::{Error, Result};
 use crate::{memory, output};
-use image::error::{ImageError, LimitErrorKind, UnsupportedErrorKind};
-use image::{
-    ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageFormat, ImageReader, Limits, codecs,
-};
-use std::fs::{self, File};
-use std::io::{BufRead, BufReader, Seek};
+use image::error::{ImageError, LimitErrorKind};
+use image::{ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageFormat, Limits, codecs};
+use std::io::Cursor;
 use std::path::Path;
+
+/// How a PNG begins.
+pub const PNG_MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// The largest code of a 16-bit image.
 const LARGEST_CODE: f64 = u16::MAX as f64;
@@ -23,39 +24,28 @@ const DECODER_ROOM: u64 = 64 << 20;
 /// What to do about a file whose pixels are no plain grey codes.
 const EXPORT_GREY: &str = "export it as 8- or 16-bit grey PNG or TIFF";
 
-/// Reads the height image `path`: 8- or 16-bit PNG or TIFF, grey or with equal colour channels; alpha is ignored. Codes
-/// 0 … 255 or 0 … 65535 become heights 0 … `full_height` \[µm\]; samples lie `pixel_size` \[µm\] apart. Of a file with
-/// several pages the first one counts.
+/// The image in `bytes`, an 8- or 16-bit PNG or TIFF, grey or with equal colour channels; alpha is ignored. Of a file with
+/// several pages the first one counts. The orientation that the file asks for is applied.
 ///
 /// # Errors
-/// A file that is missing, not regular, damaged, of another format or pixel type, coloured, larger than [`MAX_SIDE`] on a
-/// side or than the memory; a `pixel_size` or `full_height` that is not a length.
-pub fn read(path: &Path, pixel_size: [f64; 2], full_height: f64) -> Result<HeightField> {
-    let read = || from_reader(open(path)?, pixel_size, full_height);
-    read().map_err(|e| e.at(path.display()))
-}
-
-/// Reads a height image as [`read`] does, from what is in memory or in a file that is open.
-///
-/// # Errors
-/// As [`read`]; no error names a place.
-pub fn from_reader(
-    reader: impl BufRead + Seek,
-    pixel_size: [f64; 2],
-    full_height: f64,
-) -> Result<HeightField> {
-    if !full_height.is_finite() || full_height < 0.0 {
-        return Err(Error::usage(
-            format!("the full height {full_height} um cannot be"),
-            "give what the largest grey code means, as in --height 434.7nm",
-        ));
-    }
-    let image = decode(reader)?;
-    let (columns, rows) = (image.width() as usize, image.height() as usize);
+/// A file that is damaged, of another format or pixel type, coloured, larger than [`MAX_SIDE`] on a side or than the memory.
+pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
+    let (format, image) = decode(bytes)?;
+    let size = [image.width() as usize, image.height() as usize];
+    let largest = match image.color() {
+        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => f64::from(u8::MAX),
+        _ => LARGEST_CODE,
+    };
     let codes = grey_codes(&image)?;
-    drop(image);
-    let heights = codes.into_iter().map(|share| share * full_height).collect();
-    HeightField::new(columns, rows, pixel_size, heights)
+    let channel = Channel {
+        name: "grey".to_owned(),
+        unit: String::new(),
+        size,
+        spacing: [None, None],
+        quantity: Quantity::Code { largest },
+        decode: Box::new(move || Ok(codes)),
+    };
+    Ok(Scan::single(if format == ImageFormat::Png { "PNG" } else { "TIFF" }, channel))
 }
 
 /// Writes `field` as a 16-bit grey image, PNG or TIFF by the extension of `path`, and returns the full height \[µm\]:
@@ -103,38 +93,18 @@ fn format_by_extension(path: &Path) -> Result<ImageFormat> {
 }
 
 /// The decoded picture, after everything that can be checked before decoding.
-fn decode(reader: impl BufRead + Seek) -> Result<DynamicImage> {
-    let guessed = ImageReader::new(reader)
-        .with_guessed_format()
-        .map_err(|e| Error::failed(format!("cannot read: {e}"), "check the file"))?;
-    let format = guessed.format();
-    let reader = guessed.into_inner();
-    match format {
-        Some(ImageFormat::Png) => {
-            let limits = limits(DECODER_ROOM);
-            decode_with(codecs::png::PngDecoder::with_limits(reader, limits).map_err(|e| explain(&e))?)
-        }
-        Some(ImageFormat::Tiff) => {
-            decode_with(codecs::tiff::TiffDecoder::new(reader).map_err(|e| explain(&e))?)
-        }
-        _ => Err(Error::failed("is neither a PNG nor a TIFF image", EXPORT_GREY)),
+fn decode(bytes: &[u8]) -> Result<(ImageFormat, DynamicImage)> {
+    let reader = Cursor::new(bytes);
+    if super::tiff::is_tiff(bytes) {
+        let decoder = codecs::tiff::TiffDecoder::new(reader).map_err(|e| explain(&e))?;
+        return Ok((ImageFormat::Tiff, decode_with(decoder)?));
     }
-}
-
-/// Opens a regular file that is not empty. Asked before opening, since opening a pipe waits for its other end.
-fn open(path: &Path) -> Result<impl BufRead + Seek + use<>> {
-    let cannot = |e: std::io::Error| Error::failed(format!("cannot open: {e}"), "check the path");
-    let there = fs::metadata(path).map_err(cannot)?;
-    if there.is_dir() {
-        return Err(Error::failed("is a folder", "name a PNG or TIFF file in it"));
+    if !bytes.starts_with(PNG_MAGIC) {
+        return Err(Error::failed("is neither a PNG nor a TIFF image", EXPORT_GREY));
     }
-    if !there.is_file() {
-        return Err(Error::failed("is not a regular file", "save the image to a file first"));
-    }
-    if there.len() == 0 {
-        return Err(Error::failed("is empty", "save the image again"));
-    }
-    File::open(path).map(BufReader::new).map_err(cannot)
+    let decoder =
+        codecs::png::PngDecoder::with_limits(reader, limits(DECODER_ROOM)).map_err(|e| explain(&e))?;
+    Ok((ImageFormat::Png, decode_with(decoder)?))
 }
 
 fn decode_with(mut decoder: impl ImageDecoder) -> Result<DynamicImage> {
@@ -143,7 +113,7 @@ fn decode_with(mut decoder: impl ImageDecoder) -> Result<DynamicImage> {
         return Err(too_large(&format!("{columns} x {rows} pixels")));
     }
     if matches!(decoder.color_type(), ColorType::Rgb32F | ColorType::Rgba32F) {
-        return Err(float_samples());
+        return Err(float_colours());
     }
     if matches!(decoder.original_color_type(), ExtendedColorType::Cmyk8 | ExtendedColorType::Cmyk16) {
         return Err(Error::failed("holds printing colours (CMYK), not heights", EXPORT_GREY));
@@ -151,9 +121,12 @@ fn decode_with(mut decoder: impl ImageDecoder) -> Result<DynamicImage> {
     let decoded = decoder.total_bytes();
     let heights = u64::from(columns) * u64::from(rows) * size_of::<f64>() as u64;
     memory::ensure_room(decoded.saturating_add(heights), &format!("an image of {columns} x {rows} pixels"))?;
+    let orientation = decoder.orientation().map_err(|e| explain(&e))?;
     // Decoders count the picture's buffer too, and once more where they convert it.
     decoder.set_limits(limits(decoded.saturating_mul(2) + DECODER_ROOM)).map_err(|e| explain(&e))?;
-    DynamicImage::from_decoder(decoder).map_err(|e| explain(&e))
+    let mut image = DynamicImage::from_decoder(decoder).map_err(|e| explain(&e))?;
+    image.apply_orientation(orientation);
+    Ok(image)
 }
 
 fn limits(bytes: u64) -> Limits {
@@ -175,7 +148,7 @@ fn grey_codes(image: &DynamicImage) -> Result<Vec<f64>> {
         DynamicImage::ImageLumaA16(p) => shares(p, 2, 1, p.width()),
         DynamicImage::ImageRgb16(p) => shares(p, 3, 3, p.width()),
         DynamicImage::ImageRgba16(p) => shares(p, 4, 3, p.width()),
-        _ => Err(float_samples()),
+        _ => Err(float_colours()),
     }
 }
 
@@ -215,11 +188,8 @@ impl Code for u16 {
     const LARGEST: f64 = LARGEST_CODE;
 }
 
-fn float_samples() -> Error {
-    Error::failed(
-        "holds 32-bit samples, which have no largest code for the full height",
-        "export it as 16-bit grey PNG or TIFF",
-    )
+fn float_colours() -> Error {
+    Error::failed("holds colours in 32-bit floats, which are no heights", "export the heights as one channel")
 }
 
 fn too_large(what: &str) -> Error {
@@ -228,12 +198,7 @@ fn too_large(what: &str) -> Error {
 
 /// A decoder's message in the words of this program.
 fn explain(cause: &ImageError) -> Error {
-    /// What the TIFF decoder calls a grey image of 32 bits a sample.
-    const GREY_32: ExtendedColorType = ExtendedColorType::Unknown(32);
     match cause {
-        ImageError::Unsupported(e) if matches!(e.kind(), UnsupportedErrorKind::Color(c) if c == GREY_32) => {
-            float_samples()
-        }
         ImageError::Unsupported(_) => Error::failed(format!("cannot be used: {cause}"), EXPORT_GREY),
         ImageError::Limits(e) if matches!(e.kind(), LimitErrorKind::DimensionError) => {
             too_large("its pixels")
@@ -249,5 +214,5 @@ fn explain(cause: &ImageError) -> Error {
 }
 
 #[cfg(test)]
-#[path = "image_file_tests.rs"]
+#[path = "image_tests.rs"]
 mod tests;

@@ -1,0 +1,90 @@
+//! The options that name a height field and say what is done to it before use.
+
+use super::preparation::PreparationOptions;
+use super::seed;
+use crate::cli::say;
+use crate::error::{Error, Result};
+use crate::scene::Scene;
+use crate::surface::files::Topography;
+use crate::surface::synth::Kind;
+use crate::surface::{HeightField, Source};
+use crate::units;
+use clap::Args;
+use std::ffi::{OsStr, OsString};
+
+/// The height field.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Surface")]
+pub struct SurfaceOptions {
+    /// Height field: a microscope's file (.gsf .gwy .spm .ibw .sur .x3p .sdf .npy .txt .csv .xyz), a TIFF or PNG, or flat, sinusoid,
+    /// blaze, bumps, elaphe, xenopeltis
+    #[arg(long, value_name = "FILE|BUILTIN")]
+    pub surface: Option<OsString>,
+    /// Distance between samples, as in 97.66nm or 80nmx90nm, instead of the file's
+    #[arg(long, value_name = "LENGTH", value_parser = units::length_pair, allow_hyphen_values = true)]
+    pub pixel_size: Option<[f64; 2]>,
+    /// Height that an image's largest code stands for, as in 434.7nm; full height of a built-in, or of a file instead of its own
+    #[arg(long, value_name = "LENGTH", value_parser = units::length, allow_hyphen_values = true)]
+    pub height: Option<f64>,
+    /// Channel of a file that has several, by name or number [default: the first height]
+    #[arg(long, value_name = "NAME")]
+    pub channel: Option<String>,
+    /// Which one of the many skins of one kind, and where in a pixel `--samples` look
+    #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1")]
+    pub seed: u64,
+    #[command(flatten)]
+    preparation: PreparationOptions,
+}
+
+impl SurfaceOptions {
+    /// The file that the options name, if it is one and not a built-in.
+    pub fn files<'a>(&'a self, positional: Option<&'a OsStr>) -> Option<&'a OsStr> {
+        let built_in = |name: &OsStr| name.to_str().and_then(Kind::from_name).is_some();
+        positional.or(self.surface.as_deref()).filter(|name| !built_in(name))
+    }
+
+    /// The height field that the options name, or `scene`'s, or `fallback`, prepared.
+    pub fn load(
+        &self,
+        positional: Option<&OsStr>,
+        scene: Option<&Scene>,
+        fallback: &str,
+    ) -> Result<HeightField> {
+        let source = self.source(positional, scene, fallback)?;
+        source.prepare(self.read(&source)?.into_field()?)
+    }
+
+    /// The heights of `source` as they are; tells what a user should know about them.
+    pub fn read(&self, source: &Source) -> Result<Topography> {
+        let scan = source.read()?;
+        for warning in scan.origin().into_iter().flat_map(|origin| &origin.warnings) {
+            say(&format_args!("{}: {warning}", source.name.display()));
+        }
+        Ok(scan)
+    }
+
+    /// What [`SurfaceOptions::load`] loads.
+    pub fn source(
+        &self,
+        positional: Option<&OsStr>,
+        scene: Option<&Scene>,
+        fallback: &str,
+    ) -> Result<Source> {
+        if positional.is_some() && self.surface.is_some() {
+            return Err(Error::usage(
+                "the surface is given twice",
+                "give it as an argument or by --surface, not both",
+            ));
+        }
+        let own = positional.or(self.surface.as_deref());
+        let name = own.or(scene.map(|s| s.surface.as_os_str())).unwrap_or(OsStr::new(fallback));
+        // A scene's units and steps belong to the scene's surface.
+        let of_scene = scene.filter(|_| own.is_none());
+        let pixel_size = self.pixel_size.or(of_scene.and_then(|s| s.pixel_size));
+        let height = self.height.or(of_scene.and_then(|s| s.full_height));
+        let steps_of_scene = || of_scene.map(|s| s.prepare.clone()).unwrap_or_default();
+        let prepare = self.preparation.steps().unwrap_or_else(steps_of_scene);
+        let channel = self.channel.clone();
+        Ok(Source { name: name.to_owned(), pixel_size, height, channel, prepare, seed: self.seed })
+    }
+}

@@ -1,0 +1,47 @@
+//! `diffract surface convert`: one format to another, without a change of heights.
+
+use super::super::options::SurfaceOptions;
+use super::super::write;
+use super::report;
+use crate::error::Result;
+use crate::files::Files;
+use crate::surface::files::Topography;
+use crate::surface::files::write::{Format, write as write_surface};
+use clap::Args;
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+/// Arguments of `surface convert`.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:
+  diffract surface convert scan.spm -o scan.gsf      heights are in metres in every format
+Samples that were not measured stay so (NaN). .gsf and .tif hold 32-bit floats, .npy, .txt and .x3p every digit.")]
+pub struct Convert {
+    /// Height field: a file or a built-in name
+    surface_name: Option<OsString>,
+    /// Where it goes: .gsf, .npy, .tif, .txt or .x3p
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    #[command(flatten)]
+    surface: SurfaceOptions,
+}
+
+/// Reads, and writes what was read; steps are done first, on heights whose gaps are filled.
+pub fn run(arguments: &Convert) -> Result<()> {
+    let path = &arguments.output;
+    let format = Format::of(path)?;
+    let name = arguments.surface_name.as_deref();
+    Files::new().reads(arguments.surface.files(name)).writes([path]).check()?;
+    let source = arguments.surface.source(name, None, "elaphe")?;
+    let mut scan = arguments.surface.read(&source)?;
+    if !source.prepare.is_empty() {
+        scan = Topography::of(source.prepare(scan.into_field()?)?);
+    }
+    write_surface(path, format, &scan)?;
+    let hint = if format.has_scale() {
+        String::new()
+    } else {
+        format!("; read it with {}", report::spacing_option(&scan))
+    };
+    write::stdout(&format!("{}: {}{hint}\n", path.display(), report::size(&scan)))
+}

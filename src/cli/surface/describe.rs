@@ -1,0 +1,138 @@
+//! The numbers of a height field, for reading by eye.
+
+use crate::error::Result;
+use crate::expansion::HeightScale;
+use crate::expansion::taylor::{F32_ROUNDOFF, terms_for, thesis_bound};
+use crate::optics::coherence::Beyond;
+use crate::optics::sampling;
+use crate::optics::spectrum::SHORTEST;
+use crate::optics::validity::Validity;
+use crate::precompute::layers::largest_z;
+use crate::setup;
+use crate::surface::prepare;
+use crate::surface::statistics::{Period, notes};
+use crate::surface::{HeightField, Source, Statistics};
+
+/// A name and what stands behind it.
+type Line = (&'static str, String);
+
+/// `field`, which `source` gave, line by line.
+pub fn text(source: &Source, field: &HeightField, statistics: &Statistics) -> Result<String> {
+    let mut lines = grid(source, field, statistics);
+    lines.extend(distributions(statistics));
+    lines.extend(spectrum(statistics));
+    lines.extend(optics(field, statistics));
+    lines.extend(notes(field, statistics)?.into_iter().map(|note| ("note", note)));
+    Ok(lines.iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect())
+}
+
+fn nm(um: f64) -> String {
+    format!("{:.1} nm", um * 1e3)
+}
+
+fn pair([x, y]: [f64; 2], unit: &str, factor: f64) -> String {
+    format!("{:.4} x {:.4} {unit}", x * factor, y * factor)
+}
+
+fn grid(source: &Source, field: &HeightField, statistics: &Statistics) -> Vec<Line> {
+    let tiling = &statistics.tiling;
+    let [x, y] = tiling.ratio;
+    let seams =
+        format!("{} (steps across the seams {x:.2}, {y:.2} of the nearest inside)", tiling.verdict.words());
+    vec![
+        ("samples", format!("{} x {}", field.columns(), field.rows())),
+        ("spacing", pair(field.pixel_size(), "nm", 1e3)),
+        ("patch", pair(field.patch_size(), "um", 1.0)),
+        ("prepared by", prepare::describe(&source.prepare)),
+        ("tiles", seams),
+        ("beyond the patch", beyond(field).to_owned()),
+    ]
+}
+
+/// What `--beyond` is for `field` unless it is given, and why.
+fn beyond(field: &HeightField) -> &'static str {
+    match setup::beyond_of(field) {
+        Beyond::Copies => "copies by default, because copies join",
+        Beyond::Alike => "alike by default, because copies do not join",
+    }
+}
+
+fn distributions(statistics: &Statistics) -> Vec<Line> {
+    let (h, s) = (&statistics.heights, &statistics.slopes);
+    let [low, high] = h.range;
+    let step = h.quantisation.map_or(String::new(), |step| format!(", multiples of {:.3} nm", step * 1e3));
+    vec![
+        ("height range", format!("{} ({} to {})", nm(high - low), nm(low), nm(high))),
+        ("mean, RMS roughness", format!("{}, {}", nm(h.mean), nm(h.sq))),
+        ("Sa, Sq", format!("{:.2} nm, {:.2} nm", h.sa * 1e3, h.sq * 1e3)),
+        ("Ssk, Sku", format!("{:.3}, {:.3}", h.ssk, h.sku)),
+        ("distinct heights", format!("{}{step}", h.levels)),
+        ("beyond 3 sigma", format!("{:.2} %", h.outliers * 100.0)),
+        ("Sdq", format!("{:.4} ({:.2} deg)", s.sdq, s.sdq.atan().to_degrees())),
+        ("slope angles", format!("95 % below {:.1} deg, steepest {:.1} deg", s.angle_95, s.angle_max)),
+    ]
+}
+
+fn spectrum(statistics: &Statistics) -> Vec<Line> {
+    let period = |p: Option<f64>| p.map_or("none found".to_owned(), |p| format!("{p:.3} um"));
+    let texture = &statistics.texture;
+    let sal = texture.sal.map_or("beyond a quarter of the patch".to_owned(), |sal| format!("{sal:.4} um"));
+    let std =
+        texture.std.map_or("none".to_owned(), |std| format!("{std:.2} deg from +x, across the grooves"));
+    let mut lines = vec![("Sal", sal), ("Std", std)];
+    if statistics.periods.is_empty() {
+        lines.push(("dominant period", "none stands out".to_owned()));
+    }
+    lines.extend(statistics.periods.iter().map(|p| ("dominant period", dominant(p))));
+    let [along_x, along_y] = statistics.line_periods;
+    let fine = format!(
+        "{:.2} % of the variance in structure finer than 4 samples",
+        100.0 * statistics.undersampled_share
+    );
+    lines.extend([
+        ("period along x, y", format!("{}, {}", period(along_x), period(along_y))),
+        ("holds frequencies to", pair(statistics.largest_frequency, "1/um", 1.0)),
+        ("finest structure", fine),
+        ("noise floor", format!("{:.2} nm RMS at most", statistics.noise * 1e3)),
+    ]);
+    lines
+}
+
+fn dominant(period: &Period) -> String {
+    let spread = |spread: Option<f64>, unit: &str, factor: f64, digits: usize| {
+        spread.map_or(String::new(), |s| format!(" ± {:.digits$} {unit}", s * factor))
+    };
+    format!(
+        "{:.4} um{} at {:.2} deg{} from +x, amplitude {}",
+        period.length,
+        spread(period.length_spread, "um", 1.0, 4),
+        period.direction,
+        spread(period.direction_spread, "deg", 1.0, 2),
+        nm(period.amplitude)
+    )
+}
+
+fn optics(field: &HeightField, statistics: &Statistics) -> Vec<Line> {
+    let held = sampling::limit(field.pixel_size(), SHORTEST).map_or("all".to_owned(), |limit| {
+        format!("|{}| up to {:.2}; all need {} between samples", limit.axis, limit.largest, nm(limit.needed))
+    });
+    let half_range = HeightScale::of(field).half_range;
+    let x = largest_z(SHORTEST) * half_range;
+    let mut lines = vec![
+        ("scalar theory", Validity::of(statistics).line()),
+        ("directions held at 380 nm", held),
+        ("largest phase k|w|a", format!("{x:.2}")),
+    ];
+    for tolerance in [1e-1, 1e-2, 1e-3, 1e-4] {
+        let bound = match terms_for(x, tolerance, F32_ROUNDOFF) {
+            Ok(terms) => {
+                let thesis = (1..=4096).find(|&n| thesis_bound(2.0 * x, n - 1) <= tolerance);
+                let thesis = thesis.map_or("more than 4096".to_owned(), |n| n.to_string());
+                format!("{terms} terms (tight bound, centred; the thesis' bound asks for {thesis})")
+            }
+            Err(_) => "not in 32-bit floats".to_owned(),
+        };
+        lines.push(("taylor", format!("sup error {tolerance:.0e}: {bound}")));
+    }
+    lines
+}

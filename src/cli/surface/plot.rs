@@ -1,0 +1,314 @@
+//! One page about a height field: the heights, a profile, the spectrum, and how heights and slopes are distributed.
+
+use crate::error::Result;
+use crate::figure::{Axis, ColorMap, ColorScale, Figure, Mark, Panel, Raster, Scale, palette};
+use crate::optics::spectrum::{LONGEST, SHORTEST};
+use crate::optics::validity::Validity;
+use crate::surface::prepare;
+use crate::surface::statistics::slopes::gradients;
+use crate::surface::statistics::spectrum::{Spectrum, analysed_part};
+use crate::surface::{HeightField, Source, Statistics};
+
+/// The longest side of a picture in the page \[pixels\]; more would not be seen.
+const MOST_PIXELS: usize = 600;
+/// Bins of the histograms.
+const BINS: usize = 120;
+/// Panels \[px\].
+const PANEL: [f64; 2] = [600.0, 470.0];
+
+/// The page of `field`, which `source` gave.
+pub fn figure(source: &Source, field: &HeightField, statistics: &Statistics) -> Result<Figure> {
+    let spectrum = Spectrum::windowed(&analysed_part(field))?;
+    let name = std::path::Path::new(&source.name)
+        .file_name()
+        .map_or(source.name.to_string_lossy().into_owned(), |n| n.to_string_lossy().into_owned());
+    Ok(Figure::new(format!("{name}: heights, spectrum and distributions"))
+        .panel_size(PANEL[0], PANEL[1])
+        .row(vec![heights(field, statistics), power(&spectrum)])
+        .row(vec![profile(field), radial(&spectrum, statistics)])
+        .row(vec![height_histogram(field, statistics), slope_histogram(field, statistics)])
+        .caption(caption(source, field, statistics)))
+}
+
+fn caption(source: &Source, field: &HeightField, statistics: &Statistics) -> String {
+    let [width, height] = field.patch_size();
+    let h = &statistics.heights;
+    format!(
+        "{} × {} samples over {width:.2} µm × {height:.2} µm. Prepared by: {}. Sq {:.1} nm, Sa {:.1} nm, Ssk {:.2}, Sku {:.2}, Sdq {:.3}. Tiles: {}.\n\
+         Scalar theory: {}.",
+        field.columns(),
+        field.rows(),
+        prepare::describe(&source.prepare),
+        h.sq * 1e3,
+        h.sa * 1e3,
+        h.ssk,
+        h.sku,
+        statistics.slopes.sdq,
+        statistics.tiling.verdict.words(),
+        Validity::of(statistics).line()
+    )
+}
+
+/// The heights in false colour, from the lower to the upper end of almost all of them, so that dust does not take the colours.
+fn heights(field: &HeightField, statistics: &Statistics) -> Panel {
+    let [width, height] = field.patch_size();
+    let (size, values) = reduced([field.columns(), field.rows()], |c, r| field.row(r)[c] * 1e3);
+    let (low, high) = core(&values);
+    let scale = ColorScale { axis: Axis::linear("height [nm]", low, high), map: ColorMap::Viridis };
+    let bar = scale_bar(width);
+    let mut panel = Panel::new(
+        Axis::linear("x [µm]", -width / 2.0, width / 2.0),
+        Axis::linear("y [µm]", -height / 2.0, height / 2.0),
+    )
+    .to_scale()
+    .over(Raster::values(size[0], &values, scale))
+    .titled("Heights")
+    .with_scale_bar(bar, format!("{bar} µm"));
+    if let Some(period) = statistics.periods.first() {
+        let (sin, cos) = period.direction.to_radians().sin_cos();
+        let reach = 0.12 * width.min(height);
+        let at = [0.5 * width - 1.6 * reach, 0.5 * height - 1.6 * reach];
+        let arrow =
+            vec![[at[0] - reach * cos, at[1] - reach * sin], [at[0] + reach * cos, at[1] + reach * sin]];
+        panel = panel.named(
+            format!("wave vector of the strongest period, {:.3} µm", period.length),
+            Mark::Line { points: arrow, color: palette::VERMILION, width: 2.4, dashed: false },
+        );
+    }
+    panel
+}
+
+/// The power spectrum over both halves, with the circles of the orders that light from straight above sends to the horizon.
+fn power(spectrum: &Spectrum) -> Panel {
+    let [columns, rows] = spectrum.samples;
+    let largest = [0, 1].map(|axis| spectrum.samples[axis] as f64 / 2.0 / spectrum.patch[axis]);
+    // What light can see: |f| ≤ 2/λ, with room around.
+    let side = largest[0].min(largest[1]).min(2.2 / SHORTEST);
+    let cells = [0, 1].map(|axis| (2.0 * side * spectrum.patch[axis]).round().max(1.0) as usize);
+    let density = |c: usize, r: usize| {
+        let place = |n: usize, cells: usize| n as isize - (cells / 2) as isize;
+        let (i, j) = (place(c, cells[0]), place(r, cells[1])); // rows grow down as the transform's places do
+        let inside = 2 * i.unsigned_abs() <= columns && 2 * j.unsigned_abs() <= rows;
+        let power = if inside { spectrum.value(i, j).norm_sqr() } else { 0.0 };
+        power * spectrum.patch[0] * spectrum.patch[1] * 1e6 // nm² µm²
+    };
+    let (size, values) = reduced(cells, density);
+    /// Decades below the peak that are shown.
+    const DECADES: f64 = 7.0;
+    let scale = ColorScale::decades("power density [nm² µm²]", DECADES, &values);
+    let axis = |name: &str| Axis::linear(format!("{name} [1/µm]"), -side, side);
+    let circle = |radius: f64| -> Vec<[f64; 2]> {
+        (0..=180)
+            .map(|n| (f64::from(n) * 2.0).to_radians())
+            .map(|a| [radius * a.cos(), radius * a.sin()])
+            .collect()
+    };
+    let visible = |wavelength: f64, color| Mark::Line {
+        points: circle(1.0 / wavelength),
+        color,
+        width: 1.6,
+        dashed: true,
+    };
+    Panel::new(axis("f_x"), axis("f_y"))
+        .to_scale()
+        .over(Raster::values(size[0], &values, scale))
+        .titled("Power spectrum")
+        .named("seen at normal incidence: within 1/λ at 380 nm", visible(SHORTEST, palette::SKY))
+        .named("at 780 nm", visible(LONGEST, palette::VERMILION))
+}
+
+/// Two profiles through the middle.
+fn profile(field: &HeightField) -> Panel {
+    let (columns, rows) = (field.columns(), field.rows());
+    let along_x: Vec<[f64; 2]> =
+        field.row(rows / 2).iter().enumerate().map(|(c, h)| [field.x(c), h * 1e3]).collect();
+    let along_y: Vec<[f64; 2]> =
+        (0..rows).rev().map(|r| [field.y(r), field.row(r)[columns / 2] * 1e3]).collect();
+    let all = || along_x.iter().chain(&along_y);
+    let x = Axis::fit("position [µm]", Scale::Linear, all().map(|p| p[0]));
+    let y = Axis::fit("height [nm]", Scale::Linear, all().map(|p| p[1]));
+    Panel::new(x, y)
+        .titled("Profiles through the middle")
+        .named("along x", thin(along_x, palette::BLUE))
+        .named("along y", thin(along_y, palette::VERMILION))
+}
+
+fn thin(points: Vec<[f64; 2]>, color: palette::Color) -> Mark {
+    Mark::Line { points, color, width: 1.3, dashed: false }
+}
+
+/// The spectrum averaged over directions, the band that light sees, and the noise.
+fn radial(spectrum: &Spectrum, statistics: &Statistics) -> Panel {
+    let rings: Vec<[f64; 2]> = spectrum.radial().iter().map(|[f, s]| [*f, s * 1e6]).collect();
+    let x = Axis::fit("|f| [1/µm]", Scale::Log, rings.iter().map(|p| p[0]));
+    let noise = {
+        let [columns, rows] = spectrum.samples;
+        let power = statistics.noise.powi(2) / (columns * rows) as f64;
+        power * spectrum.patch[0] * spectrum.patch[1] * 1e6
+    };
+    let y = Axis::fit("power density [nm² µm²]", Scale::Log, rings.iter().map(|p| p[1].max(1e-12)));
+    let (low, high) = (y.low, y.high);
+    let upright = |f: f64| vec![[f, low], [f, high]];
+    let mut panel = Panel::new(x, y)
+        .titled("Spectrum averaged over directions")
+        .named(
+            "light sees up to 2/λ",
+            Mark::Band {
+                points: vec![[rings.first().map_or(0.1, |p| p[0]), low, high], [2.0 / SHORTEST, low, high]],
+                color: palette::SKY,
+            },
+        )
+        .named("power", thin(rings, palette::BLUE));
+    if noise > low {
+        panel =
+            panel.named("noise at most", Mark::dashed(vec![[1e-9, noise], [1e9, noise]], palette::ORANGE));
+    }
+    for (n, period) in statistics.periods.iter().enumerate() {
+        let mark = Mark::Line {
+            points: upright(1.0 / period.length),
+            color: palette::VERMILION,
+            width: 1.2,
+            dashed: n > 0,
+        };
+        panel = if n == 0 {
+            panel.named(format!("period {:.3} µm", period.length), mark)
+        } else {
+            panel.mark(mark)
+        };
+    }
+    panel
+}
+
+fn height_histogram(field: &HeightField, statistics: &Statistics) -> Panel {
+    let h = &statistics.heights;
+    let [low, high] = h.range.map(|h| h * 1e3);
+    // Bins of whole codes, where there are codes: others would hold now one of them, now two.
+    let step = h.quantisation.map_or(0.0, |step| step * 1e3);
+    let width = if step > 0.0 {
+        ((high - low) / BINS as f64 / step).ceil().max(1.0) * step
+    } else {
+        (high - low) / BINS as f64
+    };
+    let bars = histogram(field.heights().iter().map(|h| h * 1e3), low - step / 2.0, width, high);
+    let most = bars.iter().map(|b| b[2]).fold(0.0, f64::max);
+    let (mean, sigma) = (h.mean * 1e3, h.sq * 1e3);
+    let normal =
+        |x: f64| (-0.5 * ((x - mean) / sigma).powi(2)).exp() / (sigma * std::f64::consts::TAU.sqrt());
+    let curve: Vec<[f64; 2]> =
+        (0..=200).map(|i| low + (high - low) * f64::from(i) / 200.0).map(|x| [x, normal(x)]).collect();
+    Panel::new(
+        Axis::fit("height [nm]", Scale::Linear, [low, high]),
+        Axis::linear("probability density [1/nm]", 0.0, 1.08 * most),
+    )
+    .titled("Distribution of heights")
+    .named("heights", Mark::Band { points: bars, color: palette::BLUE })
+    .named("normal distribution of the same Sq", Mark::dashed(curve, palette::VERMILION))
+}
+
+fn slope_histogram(field: &HeightField, statistics: &Statistics) -> Panel {
+    let angles: Vec<f64> = gradients(field).iter().map(|g| g.atan().to_degrees()).collect();
+    // A few steep facets would press all others into the first bins.
+    let last = (1.6 * statistics.slopes.angle_95).min(statistics.slopes.angle_max).max(1e-3);
+    let bars = histogram(angles.into_iter(), 0.0, last / BINS as f64, last);
+    let most = bars.iter().map(|b| b[2]).fold(0.0, f64::max);
+    let (upright, rms) = (|x: f64| vec![[x, 0.0], [x, most]], statistics.slopes.sdq.atan().to_degrees());
+    Panel::new(
+        Axis::linear("slope angle [°]", 0.0, last),
+        Axis::linear("probability density [1/°]", 0.0, 1.08 * most),
+    )
+    .titled("Distribution of slopes")
+    .named("slopes", Mark::Band { points: bars, color: palette::GREEN })
+    .named(format!("RMS gradient Sdq, {rms:.1}°"), Mark::line(upright(rms), palette::VERMILION))
+    .named(
+        format!("95 % below {:.1}°", statistics.slopes.angle_95),
+        Mark::dashed(upright(statistics.slopes.angle_95), palette::ORANGE),
+    )
+}
+
+/// The density of `values` in bins of `width` from `low` to `high`, as the outline of a band: x, 0, density.
+fn histogram(values: impl Iterator<Item = f64>, low: f64, width: f64, high: f64) -> Vec<[f64; 3]> {
+    let width = if width > 0.0 { width } else { 1.0 };
+    let bins = (((high - low) / width).ceil() as usize).clamp(1, 4 * BINS);
+    let mut counts = vec![0.0; bins];
+    let mut all = 0.0;
+    for value in values {
+        all += 1.0;
+        if let Some(count) = counts.get_mut(((value - low) / width) as usize) {
+            *count += 1.0;
+        }
+    }
+    let density = |count: &f64| count / (f64::max(all, 1.0) * width);
+    let steps = counts
+        .iter()
+        .enumerate()
+        .flat_map(|(i, count)| [i, i + 1].map(|edge| [low + edge as f64 * width, 0.0, density(count)]));
+    steps.collect()
+}
+
+/// `values` averaged down until no side is longer than [`MOST_PIXELS`].
+fn reduced(size: [usize; 2], value: impl Fn(usize, usize) -> f64) -> ([usize; 2], Vec<f64>) {
+    let factor = size[0].max(size[1]).div_ceil(MOST_PIXELS);
+    let [columns, rows] = size.map(|n| (n / factor).max(1));
+    let mean = |i: usize| {
+        let (c0, r0) = (i % columns * factor, i / columns * factor);
+        let cells = (r0..(r0 + factor).min(size[1]))
+            .flat_map(|r| (c0..(c0 + factor).min(size[0])).map(move |c| (c, r)));
+        let (sum, count) = cells.fold((0.0, 0.0), |(sum, count), (c, r)| (sum + value(c, r), count + 1.0));
+        sum / count
+    };
+    ([columns, rows], (0..columns * rows).map(mean).collect())
+}
+
+/// The range of all values but the half percent at each end.
+fn core(values: &[f64]) -> (f64, f64) {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let cut = sorted.len() / 200;
+    (sorted[cut], sorted[sorted.len() - 1 - cut])
+}
+
+/// A round length of about a quarter of `width`.
+fn scale_bar(width: f64) -> f64 {
+    let power = 10f64.powf((width / 4.0).log10().floor());
+    let digit = [5.0, 2.0, 1.0].into_iter().find(|d| d * power <= width / 4.0).unwrap_or(1.0);
+    let length = digit * power;
+    if power < 1.0 { (length * 1e6).round() / 1e6 } else { length }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::synth::Kind;
+
+    #[test]
+    fn the_page_of_every_built_in_surface_has_all_panels_and_no_number_that_is_none() {
+        for kind in Kind::ALL {
+            let source = Source::built_in(kind);
+            let field = source.load().unwrap();
+            let svg = figure(&source, &field, &Statistics::of(&field).unwrap()).unwrap().svg().unwrap();
+            for word in [
+                "Heights",
+                "Power spectrum",
+                "Profiles",
+                "averaged over directions",
+                "of heights",
+                "of slopes",
+            ] {
+                assert!(svg.contains(word), "{kind:?}: {word}");
+            }
+            // Pictures are letters, too.
+            let words: String =
+                svg.split("base64,").map(|part| part.split_once('"').map_or(part, |p| p.1)).collect();
+            assert!(!words.contains("NaN") && !words.contains("inf"), "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn scale_bars_are_round_and_a_histogram_integrates_to_one() {
+        assert_eq!([65.0, 20.0, 2.0, 0.9, 900.0].map(scale_bar), [10.0, 5.0, 0.5, 0.2, 200.0]);
+        let bars = histogram([0.1, 0.2, 0.6, 0.9].into_iter(), 0.0, 0.25, 1.0);
+        let area: f64 = bars.chunks(2).map(|b| (b[1][0] - b[0][0]) * b[0][2]).sum();
+        assert!((area - 1.0).abs() < 1e-12, "{bars:?}");
+        assert_eq!(bars[0], [0.0, 0.0, 2.0]);
+    }
+}

@@ -1,0 +1,137 @@
+//! What is in a file: its channels for people, everything as JSON.
+
+use crate::error::{Error, Result};
+use crate::setup;
+use crate::surface::files::plausible::in_words;
+use crate::surface::files::{Origin, Summary, Topography, choose};
+use crate::surface::prepare::Step;
+use crate::surface::statistics::notes;
+use crate::surface::{HeightField, Source, Statistics};
+use serde::Serialize;
+
+/// A channel of the file.
+#[derive(Serialize)]
+struct Channel {
+    name: String,
+    unit: String,
+    samples: [usize; 2],
+    chosen: bool,
+}
+
+/// What `surface info --json` prints.
+#[derive(Serialize)]
+pub struct Report {
+    format: Option<&'static str>,
+    samples: [usize; 2],
+    spacing_m: [f64; 2],
+    height_range_m: [f64; 2],
+    mean_m: f64,
+    rms_m: f64,
+    invalid: usize,
+    quantisation_m: Option<f64>,
+    channels: Vec<Channel>,
+    warnings: Vec<String>,
+    prepare: Vec<String>,
+    beyond: Option<&'static str>,
+    notes: Vec<String>,
+    statistics: Option<Statistics>,
+}
+
+impl Report {
+    /// The numbers of `scan`, of which `invalid` samples were not measured in the file.
+    pub fn of(scan: &Topography, origin: Option<&Origin>, invalid: usize) -> Self {
+        let Summary { range, mean, rms } = scan.summary();
+        Self {
+            format: origin.map(|o| o.format),
+            samples: scan.size(),
+            spacing_m: scan.spacing(),
+            height_range_m: range,
+            mean_m: mean,
+            rms_m: rms,
+            invalid,
+            quantisation_m: origin.and_then(|o| o.quantisation),
+            channels: origin.map(channels).unwrap_or_default(),
+            warnings: origin.map(|o| o.warnings.clone()).unwrap_or_default(),
+            prepare: Vec::new(),
+            beyond: None,
+            notes: Vec::new(),
+            statistics: None,
+        }
+    }
+
+    /// With the steps of `source`, the `statistics` of `field` that they gave, and what `--beyond` is for it unless it is given.
+    ///
+    /// # Errors
+    /// Heights so large that their sums are not finite numbers.
+    pub fn with_statistics(
+        self,
+        source: &Source,
+        field: &HeightField,
+        statistics: Statistics,
+    ) -> Result<Self> {
+        Ok(Self {
+            prepare: source.prepare.iter().map(Step::to_string).collect(),
+            beyond: Some(setup::beyond_of(field).name()),
+            notes: notes(field, &statistics)?,
+            statistics: Some(statistics),
+            ..self
+        })
+    }
+
+    /// Says why there are no statistics.
+    pub fn without_statistics(mut self, reason: &Error) -> Self {
+        self.warnings.push(format!("no statistics: {reason}"));
+        self
+    }
+
+    /// The report as indented JSON.
+    ///
+    /// # Errors
+    /// Never, for numbers that are finite.
+    pub fn json(&self) -> Result<String> {
+        let json = serde_json::to_string_pretty(self);
+        json.map(|json| json + "\n")
+            .map_err(|e| Error::failed(format!("the report is no JSON ({e})"), "report this"))
+    }
+}
+
+fn channels(origin: &Origin) -> Vec<Channel> {
+    let channel = |(i, c): (usize, &crate::surface::files::ChannelInfo)| Channel {
+        name: c.name.clone(),
+        unit: c.unit.clone(),
+        samples: c.size,
+        chosen: i == origin.chosen,
+    };
+    origin.channels.iter().enumerate().map(channel).collect()
+}
+
+/// The format, the channels with a mark at the chosen one, what was not measured, and the steps of an 8-bit image.
+pub fn lines(scan: &Topography) -> Vec<(&'static str, String)> {
+    let Some(origin) = scan.origin() else { return Vec::new() };
+    let mut lines = vec![("format", origin.format.to_owned())];
+    for (i, c) in origin.channels.iter().enumerate() {
+        let mark = if i == origin.chosen { " *" } else { "" };
+        let name = if i == 0 { "channels" } else { "" };
+        lines.push((name, format!("{} {} ({}){mark}", i + 1, c.name, choose::unit(&c.unit))));
+    }
+    if scan.missing() > 0 {
+        lines.push(("not measured", format!("{} samples", scan.missing())));
+    }
+    if let Some(step) = origin.quantisation {
+        lines.push(("quantisation", format!("8 bits: steps of {:.3} nm", step * 1e9)));
+    }
+    lines
+}
+
+/// The options that read what a file of `scan` cannot carry.
+pub fn spacing_option(scan: &Topography) -> String {
+    let [dx, dy] = scan.spacing().map(|d| d * 1e9);
+    if dx == dy { format!("--pixel-size {dx}nm") } else { format!("--pixel-size {dx}nmx{dy}nm") }
+}
+
+/// The size of `scan`, for people.
+pub fn size(scan: &Topography) -> String {
+    let [columns, rows] = scan.size();
+    let [dx, dy] = scan.spacing().map(in_words);
+    format!("{columns} x {rows} samples, {dx} x {dy} apart")
+}

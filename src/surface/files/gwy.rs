@@ -1,0 +1,180 @@
+//! Gwyddion's own files (.gwy): a tree of named and typed components, of which some are data fields.
+//!
+//! Format: <http://gwyddion.net/documentation/user-guide-en/gwyfile-format.html>. All numbers are little-endian. A data field
+//! stands at `/N/data` with its title at `/N/data/title`; rows run from the top; units are base SI. A mask at `/N/mask` marks
+//! samples for Gwyddion's tools and does not make them invalid.
+
+use super::bytes::{Cursor, Number, Order, damaged, decode_text};
+use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
+use super::units;
+use crate::error::{Error, Result};
+use std::collections::BTreeMap;
+
+/// How a file of Gwyddion 2 begins.
+pub const MAGIC: &[u8] = b"GWYP";
+/// How a file of Gwyddion 1 begins.
+pub const OLD_MAGIC: &[u8] = b"GWYO";
+
+/// The file in `bytes`.
+///
+/// # Errors
+/// A file of Gwyddion 1, one without data fields, one whose sizes contradict each other.
+pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
+    if bytes.starts_with(OLD_MAGIC) {
+        return Err(Error::failed("is of Gwyddion 1 (GWYO)", "open it with Gwyddion 2 and save it again"));
+    }
+    let mut cursor = Cursor::new(bytes, Order::Little).at(MAGIC.len());
+    let container = object(&mut cursor)?;
+    let mut fields = BTreeMap::new();
+    let mut titles = BTreeMap::new();
+    components(container.body, |key, value| {
+        let mut parts = key.split('/');
+        let (root, number) = (parts.next(), parts.next().and_then(|n| n.parse::<u32>().ok()));
+        match (root, number, parts.next(), parts.next(), value) {
+            (Some(""), Some(n), Some("data"), None, Value::Object(object))
+                if object.name == "GwyDataField" =>
+            {
+                fields.insert(n, object.body);
+            }
+            (Some(""), Some(n), Some("data"), Some("title"), Value::Text(title)) => {
+                titles.insert(n, decode_text(title));
+            }
+            _ => {}
+        }
+    })?;
+    if fields.is_empty() {
+        return Err(Error::failed("holds no data field", "choose a file with an image in it"));
+    }
+    let channels = fields.into_iter().map(|(n, body)| {
+        let name = titles.remove(&n).unwrap_or_else(|| format!("/{n}/data"));
+        field(body, name)
+    });
+    Ok(Scan { format: "Gwyddion", channels: channels.collect::<Result<_>>()? })
+}
+
+/// The data field in `body`.
+fn field(body: &[u8], name: String) -> Result<Channel<'_>> {
+    let mut counts = [None; 2];
+    let mut sides = [None; 2];
+    let mut unit_names = [String::new(), String::new()];
+    let mut data = None;
+    components(body, |key, value| match (key, value) {
+        ("xres", Value::Int(n)) => counts[0] = u64::try_from(n).ok(),
+        ("yres", Value::Int(n)) => counts[1] = u64::try_from(n).ok(),
+        ("xreal", Value::Double(x)) => sides[0] = Some(x),
+        ("yreal", Value::Double(x)) => sides[1] = Some(x),
+        ("si_unit_xy", Value::Object(unit)) => unit_names[0] = unit_name(&unit),
+        ("si_unit_z", Value::Object(unit)) => unit_names[1] = unit_name(&unit),
+        ("data", Value::Doubles(bytes)) => data = Some(bytes),
+        _ => {}
+    })?;
+    let (Some(columns), Some(rows), Some(data)) = (counts[0], counts[1], data) else {
+        return Err(damaged(format!("the data field `{name}` has no size or no data")));
+    };
+    let size = size(columns, rows)?;
+    let [lateral, unit] = unit_names;
+    let metres = units::length(&lateral);
+    let height = units::length(&unit);
+    let side = |i: usize| spacing(sides[i]? * metres?, size[i]);
+    let mut block = Block::plain(data, Number::F64, Order::Little);
+    block.scale[0] = height.unwrap_or(1.0);
+    Ok(Channel {
+        name,
+        unit,
+        size,
+        spacing: [side(0), side(1)],
+        quantity: if height.is_some() { Quantity::Height } else { Quantity::Other },
+        decode: block.decode(size)?,
+    })
+}
+
+/// The text of a `GwySIUnit`.
+fn unit_name(unit: &Object) -> String {
+    let mut name = String::new();
+    // A unit that is damaged is none.
+    let _ = components(unit.body, |key, value| {
+        if let ("unitstr", Value::Text(text)) = (key, value) {
+            name = decode_text(text);
+        }
+    });
+    name
+}
+
+/// An object: its type and the bytes of its components.
+struct Object<'a> {
+    name: String,
+    body: &'a [u8],
+}
+
+fn object<'a>(cursor: &mut Cursor<'a>) -> Result<Object<'a>> {
+    let name = decode_text(string(cursor)?);
+    let length = cursor.u32()? as usize;
+    Ok(Object { name, body: cursor.take(length)? })
+}
+
+/// The value of a component, as far as it is of use here.
+enum Value<'a> {
+    Int(i64),
+    Double(f64),
+    Text(&'a [u8]),
+    Doubles(&'a [u8]),
+    Object(Object<'a>),
+    Unused,
+}
+
+/// Calls `each` with the name and value of every component in `body`.
+fn components<'a>(body: &'a [u8], mut each: impl FnMut(&str, Value<'a>)) -> Result<()> {
+    let mut cursor = Cursor::new(body, Order::Little);
+    while cursor.left() > 0 {
+        let key = decode_text(string(&mut cursor)?);
+        let kind = cursor.u8()?;
+        let value = value(&mut cursor, kind)?;
+        each(&key, value);
+    }
+    Ok(())
+}
+
+fn value<'a>(cursor: &mut Cursor<'a>, kind: u8) -> Result<Value<'a>> {
+    let many = |cursor: &mut Cursor<'a>, width: usize| {
+        let count = cursor.u32()? as usize;
+        cursor.take(count.saturating_mul(width))
+    };
+    Ok(match kind {
+        b'b' | b'c' => cursor.u8().map(|_| Value::Unused)?,
+        b'i' => Value::Int(i64::from(cursor.i32()?)),
+        b'q' => cursor.take(8).map(|_| Value::Unused)?,
+        b'd' => Value::Double(cursor.f64()?),
+        b's' => Value::Text(string(cursor)?),
+        b'o' => Value::Object(object(cursor)?),
+        b'C' => many(cursor, 1).map(|_| Value::Unused)?,
+        b'I' => many(cursor, 4).map(|_| Value::Unused)?,
+        b'Q' => many(cursor, 8).map(|_| Value::Unused)?,
+        b'D' => Value::Doubles(many(cursor, 8)?),
+        b'S' => {
+            for _ in 0..cursor.u32()? {
+                string(cursor)?;
+            }
+            Value::Unused
+        }
+        b'O' => {
+            for _ in 0..cursor.u32()? {
+                object(cursor)?;
+            }
+            Value::Unused
+        }
+        _ => return Err(damaged(format!("a component has the unknown type {kind:#x}"))),
+    })
+}
+
+/// The bytes up to the next NUL, which is skipped.
+fn string<'a>(cursor: &mut Cursor<'a>) -> Result<&'a [u8]> {
+    let rest = cursor.clone().take(cursor.left())?;
+    let end = rest.iter().position(|b| *b == 0).ok_or_else(super::bytes::cut_short)?;
+    let text = cursor.take(end)?;
+    cursor.take(1)?;
+    Ok(text)
+}
+
+#[cfg(test)]
+#[path = "gwy_tests.rs"]
+mod tests;

@@ -1,0 +1,97 @@
+//! Samples that were not measured.
+
+use crate::error::{Error, Result};
+
+/// The largest share of a scan that is filled: beyond it most heights would be made up.
+const MOST: f64 = 0.5;
+
+/// How [`fill`] works, for messages.
+pub const METHOD: &str =
+    "each is filled with the mean of its measured neighbours, from the rim of a gap inwards";
+
+/// Fills the `missing` NaN of `samples`, rows of `columns`: every one that has neighbours that are known, of the eight
+/// around it, becomes their mean; those count as known in the next round, until all are. Filled samples stay within the
+/// range of the measured ones.
+///
+/// # Errors
+/// More than half of the samples are missing.
+pub fn fill(samples: &mut [f64], columns: usize, missing: usize) -> Result<()> {
+    let count = samples.len();
+    if missing as f64 > MOST * count as f64 {
+        return Err(Error::failed(
+            format!("{missing} of {count} samples were not measured, more than half"),
+            "cut out the measured part with the instrument's software",
+        ));
+    }
+    let mut open: Vec<usize> = (0..count).filter(|&i| samples[i].is_nan()).collect();
+    while !open.is_empty() {
+        let mut known = Vec::new();
+        open.retain(|&i| match mean_around(samples, columns, i) {
+            Some(mean) => {
+                known.push((i, mean));
+                false
+            }
+            None => true,
+        });
+        if known.is_empty() {
+            return Err(Error::failed("no sample of it was measured", "choose another channel or file"));
+        }
+        for (i, mean) in known {
+            samples[i] = mean;
+        }
+    }
+    Ok(())
+}
+
+/// The mean of the known ones of the eight neighbours.
+fn mean_around(samples: &[f64], columns: usize, i: usize) -> Option<f64> {
+    let (row, column) = (i / columns, i % columns);
+    let last = samples.len() / columns - 1;
+    let mut sum = 0.0;
+    let mut count = 0;
+    for r in row.saturating_sub(1)..=(row + 1).min(last) {
+        for c in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
+            let neighbour = samples[r * columns + c];
+            if !neighbour.is_nan() {
+                sum += neighbour;
+                count += 1;
+            }
+        }
+    }
+    (count > 0).then(|| sum / f64::from(count))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const N: f64 = f64::NAN;
+
+    #[test]
+    fn gaps_are_filled_from_their_rims_and_never_with_zero() {
+        let mut one = [1.0, 2.0, 3.0, 4.0, N, 6.0, 7.0, 8.0, 9.0];
+        fill(&mut one, 3, 1).unwrap();
+        assert_eq!(one[4], 5.0, "the mean of the eight around it");
+        let mut line = [5.0, N, N, 5.5, 6.0, 6.5, 7.0];
+        fill(&mut line, 7, 2).unwrap();
+        assert_eq!(line[1..3], [5.0, 5.5], "a row of its own is one line of neighbours");
+        let mut corner = [N, N, 4.0, N, N, 4.0, 4.0, 4.0, 4.0];
+        fill(&mut corner, 3, 4).unwrap();
+        assert_eq!(corner, [4.0; 9]);
+    }
+
+    #[test]
+    fn filled_samples_stay_within_the_measured_range() {
+        let mut samples: Vec<f64> = (0..400).map(|i| f64::from(i * 37 % 101) - 50.0).collect();
+        let gaps: Vec<usize> = (0..400).filter(|i| i % 20 > 5 && i % 20 < 14).collect();
+        gaps.iter().for_each(|&i| samples[i] = N);
+        fill(&mut samples, 20, gaps.len()).unwrap();
+        assert!(samples.iter().all(|h| (-50.0..=50.0).contains(h)));
+    }
+
+    #[test]
+    fn more_than_half_is_refused() {
+        assert!(fill(&mut [N, N, 1.0], 3, 2).unwrap_err().to_string().contains("2 of 3"));
+        assert!(fill(&mut [N, 1.0], 2, 1).is_ok());
+    }
+}

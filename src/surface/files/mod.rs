@@ -1,0 +1,209 @@
+//! Files of microscopes and of programs for surfaces: read into heights, and written.
+//!
+//! One module for each format turns bytes into a [`Scan`]: the channels with their sizes, units and distances. What is shared is
+//! here: a format is recognised by its content and then by its name, a channel is chosen, options and sidecars give the scales
+//! that are missing, and what was not measured is known. [`Topography`] is the result. `docs/SCANS.md` has the table of formats.
+
+pub mod bytes;
+pub mod choose;
+pub mod digital_surf;
+pub mod gsf;
+pub mod gwy;
+pub mod igor;
+pub mod image;
+pub mod invalid;
+pub mod nanoscope;
+pub mod npy;
+pub mod park;
+pub mod plausible;
+pub mod scan;
+pub mod sdf;
+pub mod sidecar;
+pub mod table;
+#[cfg(test)]
+mod testing;
+pub mod text;
+pub mod tiff;
+pub mod topography;
+pub mod units;
+pub mod write;
+pub mod x3p;
+pub mod xyz;
+
+use crate::error::{Error, Result};
+use crate::{input, memory};
+use scan::{Quantity, Scan};
+use sidecar::Sidecar;
+use std::io::Read;
+use std::path::Path;
+pub use topography::{ChannelInfo, Origin, Spacing, Summary, Topography};
+
+/// The largest file that is read \[bytes\]: several channels of the largest field in double precision.
+pub const MAX_FILE: u64 = 8 << 30;
+
+/// What files can be given, for messages.
+pub const KNOWN: &str =
+    "a .gsf, .gwy, .spm, .ibw, .sur, .x3p, .sdf, .npy, .txt, .csv, .xyz, .tif or .png file";
+
+/// Micrometres of a metre.
+const UM: f64 = 1e6;
+
+/// What a user says about a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wish<'a> {
+    /// Distance of samples \[µm\], instead of the file's.
+    pub pixel_size: Option<[f64; 2]>,
+    /// What the largest code of an image stands for; of heights with a scale of their own, what their range becomes \[µm\].
+    pub height: Option<f64>,
+    /// The channel by name, or by number from 1.
+    pub channel: Option<&'a str>,
+}
+
+/// Reads the file `path`.
+///
+/// # Errors
+/// A file that is missing, not regular, too large, of no known format or damaged; a channel that is not there; no scale in the
+/// file, beside it or in `wish`.
+pub fn read(path: &Path, wish: &Wish) -> Result<Topography> {
+    let bytes = load(path)?;
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    let read = || assemble(recognise(&bytes, &extension)?, wish, || Sidecar::beside(path));
+    read().map_err(|e| e.at(path.display()))
+}
+
+/// Reads a file that is in memory; `extension` is that of its name, in lower case.
+///
+/// # Errors
+/// As [`read`].
+pub fn from_bytes(bytes: &[u8], extension: &str, wish: &Wish) -> Result<Topography> {
+    assemble(recognise(bytes, extension)?, wish, || Ok(Sidecar::default()))
+}
+
+/// All of a file.
+fn load(path: &Path) -> Result<Vec<u8>> {
+    let file = input::open(path, KNOWN, MAX_FILE)?;
+    let at = |e: Error| e.at(path.display());
+    let length = file.metadata().map_or(0, |m| m.len());
+    if length == 0 {
+        return Err(at(Error::failed("is empty", "save the file again")));
+    }
+    memory::ensure_room(length, "the file").map_err(at)?;
+    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
+    // The file may grow while it is read: the limit holds for what is read, too.
+    file.take(MAX_FILE)
+        .read_to_end(&mut bytes)
+        .map_err(|e| at(Error::failed(format!("cannot be read: {e}"), "check the disk")))?;
+    Ok(bytes)
+}
+
+/// What `bytes` hold, by how they begin, and by the `extension` of the file's name where they do not say.
+///
+/// # Errors
+/// No known format; whatever its reader says.
+pub fn recognise<'a>(bytes: &'a [u8], extension: &str) -> Result<Scan<'a>> {
+    let begins = |magic: &[u8]| bytes.starts_with(magic);
+    if begins(gsf::MAGIC) {
+        return gsf::read(bytes);
+    }
+    if begins(gwy::MAGIC) || begins(gwy::OLD_MAGIC) {
+        return gwy::read(bytes);
+    }
+    if nanoscope::MAGICS.iter().any(|magic| begins(magic)) || begins(nanoscope::FORCE_MAGIC) {
+        return nanoscope::read(bytes);
+    }
+    if begins(digital_surf::MAGIC) || begins(digital_surf::COMPRESSED_MAGIC) {
+        return digital_surf::read(bytes);
+    }
+    if begins(x3p::MAGIC) {
+        return x3p::read(bytes);
+    }
+    if sdf::TEXT_MAGICS.iter().any(|magic| begins(magic)) {
+        return sdf::read_text(bytes);
+    }
+    if sdf::BINARY_MAGICS.iter().any(|magic| begins(magic)) {
+        return sdf::read_binary(bytes);
+    }
+    if begins(npy::MAGIC) {
+        return npy::read(bytes);
+    }
+    if tiff::is_tiff(bytes) {
+        return tiff::read(bytes);
+    }
+    if begins(image::PNG_MAGIC) || matches!(extension, "png" | "tif" | "tiff") {
+        return image::read(bytes);
+    }
+    if igor::recognise(bytes).is_some() || extension == "ibw" {
+        return igor::read(bytes);
+    }
+    // Text has no mark, and no NUL.
+    if bytes.contains(&0) {
+        return Err(Error::failed("is of no known format", format!("give {KNOWN}")));
+    }
+    if extension == "xyz" { xyz::read(bytes) } else { text::read(bytes) }
+}
+
+/// The heights of the chosen channel of `scan`, with the scales that `wish` or the sidecar give.
+fn assemble(mut scan: Scan, wish: &Wish, sidecar: impl FnOnce() -> Result<Sidecar>) -> Result<Topography> {
+    if let Some(height) = wish.height.filter(|h| !h.is_finite() || *h < 0.0) {
+        return Err(Error::usage(
+            format!("the full height {height} um cannot be"),
+            "give what the largest grey code means, as in --height 434.7nm",
+        ));
+    }
+    let chosen = choose::choose(&scan, wish.channel)?;
+    let info = |c: &scan::Channel| ChannelInfo { name: c.name.clone(), unit: c.unit.clone(), size: c.size };
+    let channels: Vec<ChannelInfo> = scan.channels.iter().map(info).collect();
+    let channel = scan.channels.swap_remove(chosen);
+    let lacks_scale = channel.quantity != Quantity::Height && wish.height.is_none();
+    let lacks_distance = channel.spacing.contains(&None) && wish.pixel_size.is_none();
+    let beside = if lacks_scale || lacks_distance { sidecar()? } else { Sidecar::default() };
+    let (size, quantity) = (channel.size, channel.quantity);
+    let spacing = match (wish.pixel_size.or(beside.pixel_size), channel.spacing) {
+        (Some(um), _) => Spacing::Micrometres(um),
+        (None, [Some(x), Some(y)]) => Spacing::Metres([x, y]),
+        // A line has no distance of lines: it is as wide as its samples.
+        (None, [Some(x), None]) if size[1] == 1 => Spacing::Metres([x, x]),
+        (None, [None, Some(y)]) if size[0] == 1 => Spacing::Metres([y, y]),
+        _ => return Err(missing("distance of samples", "--pixel-size", "97.66nm")),
+    };
+    let height = wish.height.or(beside.height);
+    if quantity == Quantity::Other && height.is_none() {
+        let unit = choose::unit(&channels[chosen].unit);
+        return Err(Error::usage(
+            format!("the channel `{}` is in {unit}, which is no length", channels[chosen].name),
+            "name another with --channel, or add --height, as in --height 434.7nm",
+        ));
+    }
+    let needed = || missing("scale of heights", "--height", "434.7nm");
+    let coded = matches!(quantity, Quantity::Code { .. });
+    let code_height = if coded { height.ok_or_else(needed)? } else { 0.0 };
+    let samples = channel.samples()?;
+    let unit = match (quantity, height) {
+        (Quantity::Code { .. }, _) => code_height,
+        (_, Some(height)) => range_becomes(height, &samples),
+        (_, None) => UM,
+    };
+    let quantisation = match quantity {
+        Quantity::Code { largest } if largest <= f64::from(u8::MAX) => Some(unit / largest / UM),
+        _ => None,
+    };
+    let origin = Origin { format: scan.format, channels, chosen, quantisation, warnings: Vec::new() };
+    let mut topography = Topography::new(size, spacing, samples, unit, Some(origin))?;
+    topography.warn();
+    Ok(topography)
+}
+
+/// What 1 is \[µm\], so that the measured `samples` span `height` \[µm\]. Equal samples stay as they are.
+fn range_becomes(height: f64, samples: &[f64]) -> f64 {
+    let low = samples.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let factor = height / (high - low);
+    if factor.is_finite() { factor } else { UM }
+}
+
+fn missing(what: &str, option: &str, example: &str) -> Error {
+    Error::usage(format!("the file carries no {what}"), format!("add {option}, as in {option} {example}"))
+}
+
+#[cfg(test)]
+mod tests;

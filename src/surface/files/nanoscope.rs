@@ -1,0 +1,164 @@
+//! Nanoscope files of Bruker, Veeco and Digital Instruments (.spm, .000 …): a text header, then blocks of integers.
+//!
+//! The header has sections `\*Name` of lines `\Key: value`. A height is the stored integer times the hard value of
+//! `@2:Z scale`, over 2^(8 · `Bytes/pixel`), times the sensitivity (`@Sens. …`, in nm/V) that the scale names in brackets.
+//! The factor in parentheses (V/LSB) is rounded and not used. The first stored row is the bottom of the surface. Facts after
+//! the manual of Nanoscope 4.x to 10 and Gwyddion's description of the format.
+
+mod header;
+
+use super::bytes::{Number, Order, damaged};
+use super::scan::{Block, Channel, Quantity, Rows, Scan, size, spacing};
+use super::units;
+use crate::error::{Error, Result};
+use header::{Header, Section, Value};
+
+/// How a file of images begins; older ones have a question mark for the backslash.
+pub const MAGICS: [&[u8]; 2] = [b"\\*File list", b"?*File list"];
+/// How a file of force curves begins.
+pub const FORCE_MAGIC: &[u8] = b"\\*Force file list";
+
+/// From this version on samples have four bytes, whatever `Bytes/pixel` says.
+const WIDE_SAMPLES: u32 = 0x0920_0000;
+
+/// The file in `bytes`.
+///
+/// # Errors
+/// A header without images; fewer samples than it promises; force curves.
+pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
+    if bytes.starts_with(FORCE_MAGIC) {
+        return Err(Error::failed("holds force curves and no image", "choose an image file"));
+    }
+    let header = Header::parse(bytes)?;
+    let images = || header.sections.iter().filter(|s| s.is_image());
+    if images().next().is_none() {
+        return Err(Error::failed("holds no image", "choose a file with an image in it"));
+    }
+    let channels = images().map(|image| channel(bytes, &header, image)).collect::<Result<Vec<_>>>()?;
+    Ok(Scan { format: "Nanoscope", channels })
+}
+
+fn channel<'a>(bytes: &'a [u8], header: &Header, image: &Section) -> Result<Channel<'a>> {
+    let (columns, rows) = counts(image)?;
+    let size = size(columns, rows)?;
+    let place = image.count("data offset")?;
+    let length = image.count("data length").unwrap_or(u64::MAX);
+    let declared = image.count("bytes/pixel").unwrap_or(2);
+    let number = sample_type(header.version, declared, length, columns * rows)?;
+    let start = usize::try_from(place).unwrap_or(usize::MAX);
+    let data = bytes.get(start..).ok_or_else(super::bytes::cut_short)?;
+    let scale = scale(header, image, declared)?;
+    let mut block = Block::plain(data, number, Order::Little);
+    block.scale[0] = scale.factor;
+    block.rows = Rows::BottomFirst;
+    Ok(Channel {
+        name: image.name(),
+        unit: scale.unit,
+        size,
+        spacing: spacings(header, image, size),
+        quantity: if scale.is_length { Quantity::Height } else { Quantity::Other },
+        decode: block.decode(size)?,
+    })
+}
+
+/// Samples of a line and lines; Nanoscope E writes both behind `Samps/line`.
+fn counts(image: &Section) -> Result<(u64, u64)> {
+    let columns = image.count("samps/line")?;
+    let second = || image.text("samps/line")?.split_whitespace().nth(1)?.parse().ok();
+    let rows = image.count("number of lines").ok().or_else(second);
+    Ok((columns, rows.ok_or_else(|| damaged("`Number of lines` is missing"))?))
+}
+
+fn sample_type(version: Option<u32>, declared: u64, length: u64, count: u64) -> Result<Number> {
+    let wide = version.is_some_and(|v| v >= WIDE_SAMPLES) && length >= count.saturating_mul(4);
+    match if wide { 4 } else { declared } {
+        1 => Ok(Number::I8),
+        2 => Ok(Number::I16),
+        4 => Ok(Number::I32),
+        other => Err(damaged(format!("{other} bytes for a sample are not known"))),
+    }
+}
+
+/// What one step of the stored integers is.
+struct Scale {
+    /// In metres where it is a length, else in units of `unit`.
+    factor: f64,
+    /// The unit, for people.
+    unit: String,
+    is_length: bool,
+}
+
+/// The scale of `image`, by the newest rule that its header follows.
+fn scale(header: &Header, image: &Section, bytes: u64) -> Result<Scale> {
+    let full = 2_f64.powi(8 * bytes as i32);
+    let by_unit = |value: f64, unit: &str| {
+        let metres = units::length(unit);
+        Scale {
+            factor: value * metres.unwrap_or(1.0) / full,
+            unit: unit.to_owned(),
+            is_length: metres.is_some(),
+        }
+    };
+    if let Some(text) = image.numbered("z scale") {
+        let hard = Value::parse(text).ok_or_else(|| damaged("`Z scale` is no number"))?;
+        let Some(name) = &hard.soft_scale else { return Ok(by_unit(hard.number, &hard.unit)) };
+        let Some(soft) = header.lookup(&format!("@{name}")).and_then(Value::parse) else {
+            // A reference that leads nowhere: the numbers are volts at best.
+            return Ok(Scale { factor: hard.number / full, unit: hard.unit, is_length: false });
+        };
+        let (unit, per) = soft.unit.split_once('/').unwrap_or((&soft.unit, ""));
+        let value = hard.number * soft.number;
+        // nm/V times mV are a thousandth of nm.
+        return Ok(match ratio(&hard.unit, per) {
+            Some(ratio) => by_unit(value * ratio, unit),
+            None => {
+                Scale { factor: value / full, unit: format!("{} {}", soft.unit, hard.unit), is_length: false }
+            }
+        });
+    }
+    // Before version 4: a full scale with its unit.
+    if let Some(value) = image.text("z scale").and_then(Value::parse_plain) {
+        return Ok(by_unit(value.number, &value.unit));
+    }
+    /// Files without a version: the unit of `Z magnify image` over the whole range of codes \[m\].
+    const MAGNIFIED: f64 = 1e-7;
+    let magnified = image.text("z magnify image").and_then(Value::parse_plain);
+    let value = magnified.ok_or_else(|| damaged("`Z scale` is missing"))?;
+    Ok(by_unit(value.number * MAGNIFIED, "m"))
+}
+
+/// How many `per` one `hard` is; units that are missing fit anything.
+fn ratio(hard: &str, per: &str) -> Option<f64> {
+    if hard == per || hard.is_empty() || per.is_empty() {
+        return Some(1.0);
+    }
+    ["V", "A", "Arb", "Hz", "m", "\u{b0}", "\u{ba}"]
+        .iter()
+        .find_map(|base| Some(units::prefixed(hard, base)? / units::prefixed(per, base)?))
+}
+
+/// Distances of samples and of lines. `Scan size` has one length or two. Where both axes have the same and the aspect ratio is
+/// not 1:1, it is the length of a line, and pixels are square.
+fn spacings(header: &Header, image: &Section, size: [usize; 2]) -> [Option<f64>; 2] {
+    let text = image.text("scan size").or_else(|| header.lookup("scan size"));
+    let Some([x, y]) = text.and_then(lengths) else { return [None, None] };
+    let aspect = image.text("aspect ratio").or_else(|| header.lookup("aspect ratio"));
+    let square_area = aspect.and_then(|text| text.split_once(':')).is_none_or(|(a, b)| a.trim() == b.trim());
+    let y = if x == y && !square_area { x * size[1] as f64 / size[0] as f64 } else { y };
+    [spacing(x, size[0]), spacing(y, size[1])]
+}
+
+/// One length for both axes or two, and their unit \[m\].
+fn lengths(text: &str) -> Option<[f64; 2]> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let number = |word: &str| word.parse::<f64>().ok();
+    match words[..] {
+        [x, y, unit] => Some([number(x)? * units::length(unit)?, number(y)? * units::length(unit)?]),
+        [both, unit] => Some([number(both)? * units::length(unit)?; 2]),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+#[path = "nanoscope_tests.rs"]
+mod tests;

@@ -1,0 +1,86 @@
+//! Questions about scales that are probably wrong by a factor of a thousand.
+
+/// Distances of samples that microscopes have \[m\]: a tenth of an atom, and more than any optical profiler's.
+const SPACINGS: (f64, f64) = (5e-12, 20e-6);
+/// The largest range of heights that is not asked about \[m\].
+const HIGHEST: f64 = 1e-3;
+/// Ranges of heights over the longer side of the patch that surfaces have: a polished mirror's, and a deep trench's.
+const RELIEFS: (f64, f64) = (1e-7, 3.0);
+
+/// A line about each scale that no surface of a microscope has: `size` samples, `spacing` apart \[m\], heights over a range
+/// of `range` \[m\].
+pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64) -> Vec<String> {
+    let mut questions = Vec::new();
+    if spacing.iter().any(|d| !(SPACINGS.0..=SPACINGS.1).contains(d)) {
+        let [x, y] = spacing.map(in_words);
+        questions.push(format!(
+            "samples lie {x} x {y} apart: is the lateral unit right? (--pixel-size overrides it)"
+        ));
+    }
+    let side = (size[0] as f64 * spacing[0]).max(size[1] as f64 * spacing[1]);
+    let relief = range / side;
+    if range > HIGHEST || range > 0.0 && !(RELIEFS.0..=RELIEFS.1).contains(&relief) {
+        let (range, side) = (in_words(range), in_words(side));
+        questions.push(format!(
+            "heights span {range} over a patch of {side}: is their unit right? (--height overrides it)"
+        ));
+    }
+    questions
+}
+
+/// A length in a unit that suits it.
+pub fn in_words(metres: f64) -> String {
+    let (factor, unit) = match metres.abs() {
+        x if x < 1e-9 => (1e12, "pm"),
+        x if x < 1e-6 => (1e9, "nm"),
+        x if x < 1e-3 => (1e6, "um"),
+        x if x < 1.0 => (1e3, "mm"),
+        _ => (1.0, "m"),
+    };
+    format!("{:.4} {unit}", metres * factor)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scans_of_every_kind_raise_no_question() {
+        for (count, spacing, range) in [
+            (256, 40e-9, 125e-9),
+            (512, 2e-9, 26e-9),
+            (300, 267e-9, 7e-6),
+            (563, 3.5e-6, 1.5e-6),
+            (918, 2.58e-6, 132e-6),
+            (512, 20e-12, 0.2e-9),
+            (7, 1e-6, 50e-9),
+            (1, 90e-9, 100e-9),
+            (512, 97.66e-9, 434.7e-9),
+            (4096, 1e-6, 1e-9),
+        ] {
+            assert_eq!(
+                questions([count, count], [spacing; 2], range),
+                Vec::<String>::new(),
+                "{spacing} {range}"
+            );
+        }
+        assert!(questions([9, 9], [1e-8; 2], 0.0).is_empty(), "a flat field is no question of units");
+    }
+
+    #[test]
+    fn a_factor_of_a_thousand_is_questioned() {
+        for (count, spacing, range) in [
+            (256, 40e-6, 125e-9),
+            (256, 40e-9, 125e-6),
+            (256, 4e-12, 1e-9),
+            (3, 4e-6, 15.0),
+            (512, 97.66e-6, 434.7e-9),
+            (512, 97.66e-9, 434.7e-6),
+            (500, 1e-6, 1e-12),
+        ] {
+            assert!(!questions([count, count], [spacing; 2], range).is_empty(), "{spacing} {range}");
+        }
+        let said = questions([3, 4], [4.1133e-6, 1.4e-6], 15.0).concat();
+        assert!(said.contains("15.0000 m") && said.contains("12.3399 um"), "{said}");
+    }
+}

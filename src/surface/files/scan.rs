@@ -1,0 +1,197 @@
+//! What a file of a microscope holds, before anything is asked of it.
+
+use super::super::MAX_SIDE;
+use super::bytes::{Number, Order, cut_short};
+use crate::error::{Error, Result};
+use crate::memory;
+use std::borrow::Cow;
+
+/// What the samples of a channel are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Quantity {
+    /// Heights \[m\].
+    Height,
+    /// Shares of the largest code of an integer without a scale, 0 … 1 (−1 … 1 where codes are signed).
+    Code {
+        /// The largest code.
+        largest: f64,
+    },
+    /// Another quantity, in a unit of its own.
+    Other,
+}
+
+/// Gives the samples row by row from the top; what is not finite was not measured.
+pub type Decode<'a> = Box<dyn FnOnce() -> Result<Vec<f64>> + 'a>;
+
+/// One image of a file. Samples are decoded when they are asked for.
+pub struct Channel<'a> {
+    /// Name, as the file has it.
+    pub name: String,
+    /// Unit of the samples, as the file has it; empty where it has none.
+    pub unit: String,
+    /// Samples along `x` and `y`.
+    pub size: [usize; 2],
+    /// Distance of neighbouring samples along `x` and `y` \[m\]; `None` where the file does not say.
+    pub spacing: [Option<f64>; 2],
+    /// What the samples are.
+    pub quantity: Quantity,
+    /// The samples.
+    pub decode: Decode<'a>,
+}
+
+impl Channel<'_> {
+    /// The samples: `size[0]` × `size[1]` of them, row by row from the top; NaN where nothing was measured.
+    ///
+    /// # Errors
+    /// No room for them; damage that shows only now.
+    pub fn samples(self) -> Result<Vec<f64>> {
+        let [columns, rows] = self.size;
+        let count = columns * rows; // sides are at most MAX_SIDE
+        memory::ensure_room(count as u64 * 8, &format!("a scan of {columns} x {rows} samples"))?;
+        let mut samples = (self.decode)()?;
+        if samples.len() != count {
+            return Err(cut_short());
+        }
+        samples.iter_mut().filter(|x| !x.is_finite()).for_each(|x| *x = f64::NAN);
+        Ok(samples)
+    }
+}
+
+/// All channels of a file.
+pub struct Scan<'a> {
+    /// The format, for people.
+    pub format: &'static str,
+    /// At least one.
+    pub channels: Vec<Channel<'a>>,
+}
+
+impl<'a> Scan<'a> {
+    /// A file that holds a single image.
+    pub fn single(format: &'static str, channel: Channel<'a>) -> Self {
+        Self { format, channels: vec![channel] }
+    }
+}
+
+/// A size that a height field can have.
+///
+/// # Errors
+/// An empty or oversized grid.
+pub fn size(columns: u64, rows: u64) -> Result<[usize; 2]> {
+    if columns == 0 || rows == 0 {
+        return Err(Error::failed(
+            format!("the scan is empty ({columns} x {rows})"),
+            "choose a file with at least one sample",
+        ));
+    }
+    match (usize::try_from(columns), usize::try_from(rows)) {
+        (Ok(columns), Ok(rows)) if columns <= MAX_SIDE && rows <= MAX_SIDE => Ok([columns, rows]),
+        _ => Err(Error::failed(
+            format!("{columns} x {rows} samples are more than {MAX_SIDE} on a side"),
+            "crop it or average it down",
+        )),
+    }
+}
+
+/// A distance between samples \[m\], where `length` over `count` samples is one; its sign does not matter.
+pub fn spacing(length: f64, count: usize) -> Option<f64> {
+    Some((length / count as f64).abs()).filter(|d| d.is_finite() && *d > 0.0)
+}
+
+/// Which row of a block is the top of the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rows {
+    /// The first.
+    TopFirst,
+    /// The last.
+    BottomFirst,
+}
+
+/// Samples as they stand in a file.
+#[derive(Clone, Debug)]
+pub struct Block<'a> {
+    /// The samples' bytes, x fastest.
+    pub bytes: Cow<'a, [u8]>,
+    /// How a sample is stored.
+    pub number: Number,
+    /// Its bytes' order.
+    pub order: Order,
+    /// What one unit of the stored number is, and what a stored 0 is.
+    pub scale: [f64; 2],
+    /// The stored number of what was not measured.
+    pub missing: Option<f64>,
+    /// Which row is the top.
+    pub rows: Rows,
+}
+
+impl<'a> Block<'a> {
+    /// Floating-point or integer numbers that are the samples themselves.
+    pub fn plain(bytes: &'a [u8], number: Number, order: Order) -> Self {
+        Self { bytes: bytes.into(), number, order, scale: [1.0, 0.0], missing: None, rows: Rows::TopFirst }
+    }
+
+    /// How to get the samples of an image of `size`.
+    ///
+    /// # Errors
+    /// Fewer bytes than `size` needs.
+    pub fn decode(self, size: [usize; 2]) -> Result<Decode<'a>> {
+        let needed = size[0] * size[1] * self.number.bytes();
+        if self.bytes.len() < needed {
+            return Err(cut_short());
+        }
+        Ok(Box::new(move || {
+            let mut samples = self.number.decode(&self.bytes[..needed], self.order);
+            let [factor, zero] = self.scale;
+            for sample in &mut samples {
+                let missing = self.missing == Some(*sample);
+                *sample = if missing { f64::NAN } else { *sample * factor + zero };
+            }
+            if self.rows == Rows::BottomFirst {
+                flip(&mut samples, size[0]);
+            }
+            Ok(samples)
+        }))
+    }
+}
+
+/// Turns rows of `columns` samples upside down.
+pub fn flip(samples: &mut [f64], columns: usize) {
+    let rows = samples.len() / columns;
+    for row in 0..rows / 2 {
+        let (upper, lower) = samples.split_at_mut((rows - 1 - row) * columns);
+        upper[row * columns..(row + 1) * columns].swap_with_slice(&mut lower[..columns]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flipping_turns_rows_and_not_columns() {
+        let mut samples = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        flip(&mut samples, 2);
+        assert_eq!(samples, [5.0, 6.0, 3.0, 4.0, 1.0, 2.0]);
+    }
+
+    #[test]
+    fn a_block_is_scaled_and_what_was_not_measured_is_nan() {
+        let block = Block {
+            scale: [0.5, 1.0],
+            missing: Some(-1.0),
+            rows: Rows::BottomFirst,
+            ..Block::plain(&[2, 0xff, 4, 6], Number::I8, Order::Little)
+        };
+        let samples = block.clone().decode([2, 2]).unwrap()().unwrap();
+        assert_eq!(samples[..3], [3.0, 4.0, 2.0]);
+        assert!(samples[3].is_nan());
+        assert!(block.decode([2, 3]).is_err(), "there are only four bytes");
+    }
+
+    #[test]
+    fn sizes_that_no_height_field_has_are_refused() {
+        assert_eq!(size(3, 2).unwrap(), [3, 2]);
+        assert!(size(0, 2).is_err() && size(2, 16_385).is_err() && size(u64::MAX, 1).is_err());
+        assert_eq!(spacing(-6.0, 3), Some(2.0));
+        assert_eq!((spacing(0.0, 3), spacing(f64::NAN, 3), spacing(f64::INFINITY, 1)), (None, None, None));
+    }
+}

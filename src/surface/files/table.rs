@@ -1,0 +1,199 @@
+//! Lines of numbers, as instruments and spreadsheets write them.
+
+use super::bytes::damaged;
+use crate::error::{Error, Result};
+use crate::memory;
+
+/// Words for a sample that was not measured, in lower case.
+const MISSING: [&str; 6] = ["nan", "bad", "n/a", "null", "---", "--"];
+
+/// Numbers of a table, row by row.
+#[derive(Debug, PartialEq)]
+pub struct Table {
+    /// Numbers of a row.
+    pub columns: usize,
+    /// All numbers; NaN for what was not measured.
+    pub numbers: Vec<f64>,
+    /// Lines before the first row of numbers, without white space around them.
+    pub head: Vec<String>,
+    /// Whether the last of those lines names every column.
+    pub titled: bool,
+}
+
+/// What stands between numbers, and what their decimal point is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Style {
+    /// White space.
+    Blank,
+    /// This character, and perhaps white space around it.
+    Separated(char),
+}
+
+/// Reads rows of equally many numbers. Empty lines and lines that begin with `#`, `%` or `//` are comments; lines in front of
+/// the first number are the head. Numbers stand apart by white space, commas, semicolons or tabs; where something else stands
+/// between them, commas are decimal points.
+///
+/// # Errors
+/// A row of another length, a word that is no number, no row at all; no room.
+pub fn parse(text: &str) -> Result<Table> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut table = Table { columns: 0, numbers: Vec::new(), head: Vec::new(), titled: false };
+    let mut style = None;
+    for (i, line) in text.lines().enumerate() {
+        let line = line.trim_matches(|c: char| c == ' ' || c == '\r');
+        let comment = line.starts_with(['#', '%']) || line.starts_with("//");
+        if line.trim().is_empty() || comment {
+            if style.is_none() && comment {
+                table.head.push(line.to_owned());
+            }
+            continue;
+        }
+        let (separation, comma) = *match &mut style {
+            Some(style) => style,
+            None if !begins_with_a_number(line) => {
+                table.head.push(line.to_owned());
+                continue;
+            }
+            none => {
+                // A number takes a digit and a separator at least.
+                memory::ensure_room(text.len() as u64 / 2 * 8, "the numbers of a text")?;
+                none.insert(style_of(line))
+            }
+        };
+        let before = table.numbers.len();
+        fields(line, separation, |word| {
+            table.numbers.push(number(word, comma).ok_or_else(|| {
+                Error::failed(
+                    format!("line {}: `{}` is no number", i + 1, shortened(word)),
+                    "write one height a field",
+                )
+            })?);
+            Ok(())
+        })?;
+        let found = table.numbers.len() - before;
+        if before == 0 {
+            table.columns = found;
+            table.titled =
+                found > 1 && table.head.last().is_some_and(|line| titles(line, separation) == found);
+        } else if found != table.columns {
+            return Err(Error::failed(
+                format!("line {} has {found} numbers, lines before it have {}", i + 1, table.columns),
+                "write equally many numbers a line",
+            ));
+        }
+    }
+    if table.numbers.is_empty() {
+        return Err(damaged("it holds no numbers"));
+    }
+    Ok(table)
+}
+
+fn begins_with_a_number(line: &str) -> bool {
+    let first = line.trim_start().split([' ', '\t', ',', ';']).next().unwrap_or_default();
+    // A comma in the middle may be a decimal point, and then the part before it is a number, too.
+    number(first, false).is_some()
+}
+
+/// Words of `line` that stand apart as numbers do; 0 for a comment.
+fn titles(line: &str, style: Style) -> usize {
+    let comment = line.starts_with(['#', '%']) || line.starts_with("//");
+    let mut count = 0;
+    let _ = fields(line, style, |_| {
+        count += 1;
+        Ok(())
+    });
+    if comment { 0 } else { count }
+}
+
+/// How `line` is written, the first one of numbers, and whether its commas are decimal points.
+fn style_of(line: &str) -> (Style, bool) {
+    let comma = line.contains(',');
+    if line.contains(';') {
+        return (Style::Separated(';'), comma);
+    }
+    if line.trim().contains('\t') {
+        // Tabs before or after commas, as in "1,\t2": the commas separate.
+        let separates = line.contains(",\t") || line.contains(", ");
+        return if comma && separates {
+            (Style::Separated(','), false)
+        } else {
+            (Style::Separated('\t'), comma)
+        };
+    }
+    let blanks = line.trim().contains(' ');
+    if comma && (!blanks || line.contains(", ") || line.contains(" ,")) {
+        return (Style::Separated(','), false);
+    }
+    (Style::Blank, comma)
+}
+
+/// Calls `each` with the fields of `line`; one separator at its end is no field.
+fn fields(line: &str, style: Style, mut each: impl FnMut(&str) -> Result<()>) -> Result<()> {
+    match style {
+        Style::Blank => line.split_whitespace().try_for_each(each),
+        Style::Separated(separator) => {
+            let line = line.strip_suffix(separator).unwrap_or(line);
+            line.split(separator).try_for_each(|field| each(field.trim()))
+        }
+    }
+}
+
+fn number(word: &str, comma: bool) -> Option<f64> {
+    let plain = word.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'.' | b'-' | b'+' | b'e' | b'E'));
+    if plain && !word.is_empty() {
+        return word.parse().ok();
+    }
+    if comma && word.contains(',') {
+        return number(&word.replace(',', "."), false);
+    }
+    let word = word.trim_start_matches(['-', '+']).to_lowercase();
+    (word.is_empty() || word.starts_with("inf") || MISSING.contains(&word.as_str())).then_some(f64::NAN)
+}
+
+fn shortened(word: &str) -> String {
+    word.chars().take(40).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(text: &str) -> (usize, Vec<f64>) {
+        let table = parse(text).unwrap();
+        (table.columns, table.numbers)
+    }
+
+    #[test]
+    fn numbers_stand_apart_by_anything_common() {
+        let expected = (3, vec![1.5, -2.0, 3e-9, 4.0, 5.0, 6.0]);
+        for text in [
+            "1.5 -2 3e-9\n4 5 6\n",
+            "1.5\t-2\t3e-9\t\r\n4\t5\t6\t\r\n",
+            "1.5,-2,3e-9\n4,5,6",
+            "1.5, -2, 3e-9\n4, 5, 6\n",
+            "1.5;-2;3e-9;\n4;5;6;\n",
+            "1,5;-2,0;3e-9\n4;5;6\n",
+            "1,5 -2 3,0e-9\n4 5 6\n",
+            "1,5\t-2,0\t3e-9\n4\t5\t6\n",
+            "  1.5   -2 3e-9\n\n# half\n4 5 6",
+            "\u{feff}x;y;z\n1,5;-2;3E-9\n4;5;6\n",
+        ] {
+            assert_eq!(rows(text), expected, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn what_was_not_measured_is_nan_and_the_head_is_kept() {
+        let table = parse("# Channel: A\nx,y\n1,nan,3\n,BAD,inf\n").unwrap();
+        assert_eq!((table.columns, &table.head), (3, &vec!["# Channel: A".to_owned(), "x,y".to_owned()]));
+        assert!(!table.titled && parse("a,b\n1,2\n").unwrap().titled);
+        assert_eq!(table.numbers.iter().filter(|x| x.is_nan()).count(), 4);
+    }
+
+    #[test]
+    fn ragged_rows_and_words_are_refused_by_line() {
+        assert!(parse("1 2\n3\n").unwrap_err().to_string().contains("line 2"));
+        assert!(parse("1 2\n\n3 x\n").unwrap_err().to_string().contains("line 3: `x`"));
+        assert!(parse("").is_err() && parse("# only\nwords\n").is_err());
+    }
+}

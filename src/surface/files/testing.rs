@@ -1,0 +1,55 @@
+//! What the tests of all readers share.
+
+use super::scan::{Quantity, Scan};
+use crate::error::Result;
+
+/// Three samples wide, two rows high, and no two alike, so that every flip and every exchange shows. Row by row from the top.
+pub const TOP: [f64; 3] = [1.0, 2.0, 3.0];
+/// The second row.
+pub const BOTTOM: [f64; 3] = [4.0, 5.0, 6.0];
+
+/// The single channel of what `scan` holds: unit, size, distances and samples.
+#[track_caller]
+pub fn only(scan: Result<Scan>) -> (String, Quantity, [usize; 2], [Option<f64>; 2], Vec<f64>) {
+    let mut scan = scan.unwrap();
+    assert_eq!(scan.channels.len(), 1);
+    let channel = scan.channels.remove(0);
+    let (unit, quantity, size, spacing) =
+        (channel.unit.clone(), channel.quantity, channel.size, channel.spacing);
+    (unit, quantity, size, spacing, channel.samples().unwrap())
+}
+
+/// Asserts that `samples` are both rows, each times `unit`.
+#[track_caller]
+pub fn assert_rows(samples: &[f64], unit: f64) {
+    let expected: Vec<f64> = TOP.iter().chain(&BOTTOM).map(|x| x * unit).collect();
+    let close = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-12 * b.abs();
+    assert!(
+        samples.len() == 6 && samples.iter().zip(&expected).all(close),
+        "{samples:?} is not {expected:?}"
+    );
+}
+
+/// Asserts that every shorter part of `bytes` is refused, and that no change of one byte makes `read` panic.
+#[track_caller]
+pub fn assert_robust(bytes: &[u8], read: impl Fn(&[u8]) -> Result<()>) {
+    read(bytes).unwrap();
+    for length in 0..bytes.len() {
+        let e = read(&bytes[..length])
+            .expect_err(&format!("{length} of {} bytes are enough", bytes.len()))
+            .to_string();
+        assert!(e.contains("; "), "{e}");
+    }
+    for i in 0..bytes.len() {
+        for change in [0x01, 0x80, 0xff] {
+            let mut damaged = bytes.to_vec();
+            damaged[i] ^= change;
+            let _ = read(&damaged);
+        }
+    }
+}
+
+/// Reads all samples of all channels.
+pub fn whole(scan: Result<Scan>) -> Result<()> {
+    scan?.channels.into_iter().try_for_each(|channel| channel.samples().map(drop))
+}

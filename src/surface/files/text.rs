@@ -1,0 +1,89 @@
+//! Matrices of heights as text (.txt, .csv): a line for each row, from the top.
+//!
+//! Gwyddion's export begins with four lines of comment: the channel, the width, the height and the unit of the values, with words
+//! in the language of the program. Without them a matrix is in metres and has no lateral scale.
+
+use super::bytes::decode_text;
+use super::scan::{Channel, Quantity, Scan, size, spacing};
+use super::table::{self, Table};
+use super::topography::Topography;
+use super::units;
+use crate::error::{Error, Result};
+use std::io::{self, Write};
+
+/// What the head of Gwyddion's export says.
+struct Head {
+    name: String,
+    /// Width and height of the whole image \[m\].
+    sides: [f64; 2],
+    unit: String,
+}
+
+/// The file in `bytes`.
+///
+/// # Errors
+/// As [`table::parse`]; too many numbers on a side.
+pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
+    let Table { columns, mut numbers, head, titled } = table::parse(&decode_text(bytes))?;
+    if titled {
+        return Err(Error::failed(
+            "is a table with named columns and no matrix",
+            "write a line for each row of heights",
+        ));
+    }
+    let rows = numbers.len() / columns;
+    let size = size(columns as u64, rows as u64)?;
+    let head = gwyddion(&head);
+    let format = if head.is_some() { "Gwyddion text" } else { "text" };
+    let spacing = head.as_ref().map_or([None, None], |h| [0, 1].map(|i| spacing(h.sides[i], size[i])));
+    let (name, unit) = head.map_or_else(|| ("matrix".to_owned(), "m".to_owned()), |h| (h.name, h.unit));
+    let metres = units::length(&unit);
+    let quantity = if metres.is_some() { Quantity::Height } else { Quantity::Other };
+    if let Some(metres) = metres.filter(|m| *m != 1.0) {
+        numbers.iter_mut().for_each(|x| *x *= metres);
+    }
+    let decode = Box::new(move || Ok(numbers));
+    Ok(Scan::single(format, Channel { name, unit, size, spacing, quantity, decode }))
+}
+
+/// The four lines of Gwyddion's export, told by the two lengths.
+fn gwyddion(head: &[String]) -> Option<Head> {
+    let entries: Vec<&str> =
+        head.iter().filter_map(|line| Some(line.strip_prefix('#')?.split_once(':')?.1.trim())).collect();
+    let length = |text: &str| {
+        let (number, unit) = units::number_with_unit(text)?;
+        Some(number * units::length(unit)?)
+    };
+    let found = entries.windows(4).find_map(|lines| match lines {
+        [name, width, height, unit] => Some(((*name).to_owned(), length(width)?, length(height)?, unit)),
+        _ => None,
+    });
+    let (name, width, height, unit) = found?;
+    Some(Head { name, sides: [width, height], unit: (*unit).to_owned() })
+}
+
+/// Writes `scan` as Gwyddion exports it, with every digit that heights in metres have.
+///
+/// # Errors
+/// The file cannot be written to.
+pub fn write(scan: &Topography, file: &mut impl Write) -> io::Result<()> {
+    let [columns, rows] = scan.size();
+    let [width, height] = [(0, columns), (1, rows)].map(|(i, n)| scan.spacing()[i] * n as f64 * 1e6);
+    writeln!(
+        file,
+        "# Channel: Height\n# Width: {width} \u{b5}m\n# Height: {height} \u{b5}m\n# Value units: m"
+    )?;
+    for (i, h) in scan.metres().enumerate() {
+        let end = if (i + 1) % columns == 0 { '\n' } else { '\t' };
+        if h.is_nan() {
+            write!(file, "nan{end}")?;
+        } else {
+            write!(file, "{h:e}{end}")?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[path = "text_tests.rs"]
+mod tests;

@@ -1,0 +1,240 @@
+//! TIFF images of any real numbers, with the distance of samples where their tags give it.
+//!
+//! Unsigned integers of 8 and 16 bits are height images (`image`). Other integers are codes as well; floating-point numbers are
+//! heights in metres. Resolution tags, ImageJ's description and this program's own give the distance of samples. Orientation
+//! tags are applied.
+
+use super::bytes::damaged;
+use super::scan::{Channel, Quantity, Scan, size, spacing};
+use super::topography::Topography;
+use super::{image, park, units};
+use crate::error::{Error, Result};
+use crate::memory;
+use ::tiff::decoder::ifd::Value;
+use ::tiff::decoder::{Decoder, DecodingResult, Limits};
+use ::tiff::encoder::{Rational, TiffEncoder, colortype};
+use ::tiff::tags::{PhotometricInterpretation, ResolutionUnit, Tag};
+use ::tiff::{ColorType, TiffError};
+use std::io::{Cursor, Seek, Write};
+
+/// Samples that lie farther apart than this say how large a picture is printed, not how large the surface is \[m\].
+const COARSEST: f64 = 10e-6;
+
+/// How the description of a TIFF of this program begins.
+const OWN: &str = "heights in metres; distance of samples in metres: ";
+
+/// Whether `bytes` begin like a TIFF, of 32 or 64 bits (BigTIFF), in either byte order.
+pub fn is_tiff(bytes: &[u8]) -> bool {
+    [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| bytes.starts_with(*magic))
+}
+
+/// The file in `bytes`; of several pages the first one counts. Files of Park's microscopes are read by [`park`].
+///
+/// # Errors
+/// A file that is damaged; colours; a size that no height field has.
+pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
+    if let Some(scan) = park::read(bytes)? {
+        return Ok(scan);
+    }
+    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(|e| explain(&e))?;
+    let (columns, rows) = decoder.dimensions().map_err(|e| explain(&e))?;
+    let size = size(u64::from(columns), u64::from(rows))?;
+    let distances = distances(&mut decoder);
+    let orientation = orientation(&mut decoder);
+    let distances = if turned(orientation) { [distances[1], distances[0]] } else { distances };
+    let grey = matches!(decoder.colortype(), Ok(ColorType::Gray(8 | 16 | 32 | 64)));
+    let formats = decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).ok().flatten().unwrap_or_default();
+    let bits = decoder.find_tag_unsigned_vec::<u16>(Tag::BitsPerSample).ok().flatten().unwrap_or_default();
+    /// What SampleFormat calls unsigned integers; the default.
+    const UNSIGNED: u16 = 1;
+    let unsigned = formats.first().is_none_or(|f| *f == UNSIGNED);
+    if !grey || unsigned && bits.first().is_none_or(|b| *b <= 16) {
+        let mut scan = image::read(bytes)?;
+        scan.channels.iter_mut().for_each(|c| c.spacing = distances);
+        return Ok(scan);
+    }
+    let white_is_zero = PhotometricInterpretation::WhiteIsZero.to_u16();
+    if decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).ok().flatten() == Some(white_is_zero)
+    {
+        return Err(Error::failed(
+            "counts from white (WhiteIsZero)",
+            "save it with black as the lowest value",
+        ));
+    }
+    let (samples, largest) = numbers(decoder, size, bytes.len())?;
+    let (samples, size) = oriented(samples, size, orientation);
+    let float = largest.is_infinite();
+    Ok(Scan::single(
+        "TIFF",
+        Channel {
+            name: "grey".to_owned(),
+            unit: if float { "m" } else { "" }.to_owned(),
+            size,
+            spacing: distances,
+            quantity: if float { Quantity::Height } else { Quantity::Code { largest } },
+            decode: Box::new(move || Ok(samples)),
+        },
+    ))
+}
+
+/// The decoder's messages in the words of this program.
+fn explain(cause: &TiffError) -> Error {
+    match cause {
+        TiffError::UnsupportedError(_) => {
+            Error::failed(format!("cannot be used: {cause}"), "export it as grey TIFF without compression")
+        }
+        TiffError::LimitsExceeded => {
+            Error::failed("takes more memory to decode than its pixels explain", "save the image again")
+        }
+        TiffError::IoError(e) => {
+            Error::failed(format!("is cut short or cannot be read: {e}"), "save or copy the image again")
+        }
+        _ => damaged(cause),
+    }
+}
+
+/// All samples, integers as shares of their largest code, which is given, too; infinite for floating-point numbers.
+fn numbers(decoder: Decoder<Cursor<&[u8]>>, size: [usize; 2], length: usize) -> Result<(Vec<f64>, f64)> {
+    /// Bytes of the widest sample.
+    const WIDEST: usize = 8;
+    let [columns, rows] = size;
+    let count = columns * rows;
+    memory::ensure_room((count * 2 * WIDEST) as u64, &format!("an image of {columns} x {rows} pixels"))?;
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = count * WIDEST;
+    limits.intermediate_buffer_size = count * WIDEST + length;
+    limits.ifd_value_size = length;
+    let samples = decoder.with_limits(limits).read_image().map_err(|e| explain(&e))?;
+    let all = |samples: Vec<f64>, largest: f64| {
+        let scaled = |x: f64| if largest.is_finite() { x / largest } else { x };
+        (samples.into_iter().map(scaled).collect::<Vec<f64>>(), largest)
+    };
+    let float = f64::INFINITY;
+    let (samples, largest) = match samples {
+        DecodingResult::U8(s) => all(s.into_iter().map(f64::from).collect(), f64::from(u8::MAX)),
+        DecodingResult::U16(s) => all(s.into_iter().map(f64::from).collect(), f64::from(u16::MAX)),
+        DecodingResult::U32(s) => all(s.into_iter().map(f64::from).collect(), f64::from(u32::MAX)),
+        DecodingResult::U64(s) => all(s.into_iter().map(|x| x as f64).collect(), u64::MAX as f64),
+        DecodingResult::I8(s) => all(s.into_iter().map(f64::from).collect(), f64::from(i8::MAX)),
+        DecodingResult::I16(s) => all(s.into_iter().map(f64::from).collect(), f64::from(i16::MAX)),
+        DecodingResult::I32(s) => all(s.into_iter().map(f64::from).collect(), f64::from(i32::MAX)),
+        DecodingResult::I64(s) => all(s.into_iter().map(|x| x as f64).collect(), i64::MAX as f64),
+        DecodingResult::F16(s) => all(s.into_iter().map(f64::from).collect(), float),
+        DecodingResult::F32(s) => all(s.into_iter().map(f64::from).collect(), float),
+        DecodingResult::F64(s) => all(s, float),
+    };
+    if samples.len() != count {
+        return Err(damaged(format!("it holds {} samples instead of {count}", samples.len())));
+    }
+    Ok((samples, largest))
+}
+
+/// The orientation tag: 1 to 8, 1 where there is none.
+fn orientation(decoder: &mut Decoder<Cursor<&[u8]>>) -> u16 {
+    let tag = decoder.find_tag_unsigned::<u16>(Tag::Orientation).ok().flatten();
+    tag.filter(|o| (1..=8).contains(o)).unwrap_or(1)
+}
+
+/// Whether an orientation exchanges rows and columns.
+fn turned(orientation: u16) -> bool {
+    orientation >= 5
+}
+
+/// Samples and size as `orientation` wants them shown (TIFF 6.0, tag 274: where row 0 and column 0 are).
+fn oriented(samples: Vec<f64>, [columns, rows]: [usize; 2], orientation: u16) -> (Vec<f64>, [usize; 2]) {
+    if orientation == 1 {
+        return (samples, [columns, rows]);
+    }
+    let size = if turned(orientation) { [rows, columns] } else { [columns, rows] };
+    let (last_column, last_row) = (columns - 1, rows - 1);
+    let stored = |row: usize, column: usize| {
+        let (r, c) = match orientation {
+            2 => (row, last_column - column),
+            3 => (last_row - row, last_column - column),
+            4 => (last_row - row, column),
+            5 => (column, row),
+            6 => (last_row - column, row),
+            7 => (last_row - column, last_column - row),
+            _ => (column, last_column - row),
+        };
+        samples[r * columns + c]
+    };
+    let shown = (0..size[1]).flat_map(|row| (0..size[0]).map(move |column| (row, column)));
+    (shown.map(|(row, column)| stored(row, column)).collect(), size)
+}
+
+/// Distances of samples and lines \[m\]: those of this program's description, or of the resolution tags.
+fn distances(decoder: &mut Decoder<Cursor<&[u8]>>) -> [Option<f64>; 2] {
+    let text = decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default();
+    if let Some((x, y)) = text.strip_prefix(OWN).and_then(|rest| rest.trim().split_once(" x ")) {
+        return [x, y].map(|d| spacing(d.parse().ok()?, 1));
+    }
+    let resolution_unit = decoder.find_tag_unsigned::<u16>(Tag::ResolutionUnit).ok().flatten();
+    // ImageJ writes pixels for each of its own units.
+    let image_j = text
+        .starts_with("ImageJ")
+        .then(|| text.lines().find_map(|line| line.strip_prefix("unit=")))
+        .flatten();
+    let (unit, coarsest) = match (image_j.and_then(units::length), resolution_unit) {
+        (Some(unit), _) => (unit, f64::INFINITY),
+        (None, None | Some(2)) => (0.0254, COARSEST),
+        (None, Some(3)) => (0.01, COARSEST),
+        (None, Some(_)) => return [None, None],
+    };
+    [Tag::XResolution, Tag::YResolution].map(|tag| {
+        let resolution = match decoder.find_tag(tag).ok()?? {
+            Value::Rational(n, d) => f64::from(n) / f64::from(d),
+            Value::Float(x) => f64::from(x),
+            Value::Double(x) => x,
+            _ => return None,
+        };
+        spacing(unit / resolution, 1).filter(|d| *d <= coarsest)
+    })
+}
+
+/// Writes `scan` as 32-bit floats in metres, with the distance of samples in the resolution tags and, exactly, in the
+/// description.
+///
+/// # Errors
+/// The file cannot be written to.
+pub fn write(scan: &Topography, file: &mut (impl Write + Seek)) -> Result<()> {
+    let [columns, rows] = scan.size().map(|n| n as u32); // at most MAX_SIDE
+    let [dx, dy] = scan.spacing();
+    let heights: Vec<f32> = scan.metres().map(|h| h as f32).collect();
+    let write = || {
+        let mut encoder = TiffEncoder::new(file)?;
+        let mut image = encoder.new_image::<colortype::Gray32Float>(columns, rows)?;
+        image.resolution_unit(ResolutionUnit::Centimeter);
+        image.x_resolution(rational(0.01 / dx));
+        image.y_resolution(rational(0.01 / dy));
+        image.encoder().write_tag(Tag::ImageDescription, format!("{OWN}{dx:e} x {dy:e}").as_str())?;
+        image.write_data(&heights)
+    };
+    write().map_err(|e: TiffError| Error::failed(format!("cannot write: {e}"), "check the free space"))
+}
+
+/// The best fraction of 32-bit numbers for `x`, by its continued fraction.
+fn rational(x: f64) -> Rational {
+    const LARGEST: f64 = u32::MAX as f64;
+    let (mut before, mut now) = ([0.0, 1.0], [1.0, 0.0]);
+    let x = x.clamp(1.0 / LARGEST, LARGEST);
+    let mut rest = x;
+    loop {
+        let whole = rest.floor();
+        let next = [whole * now[0] + before[0], whole * now[1] + before[1]];
+        if next.iter().any(|n| *n > LARGEST) {
+            break;
+        }
+        (before, now) = (now, next);
+        // Closer than this, what is left is rounding.
+        if (now[0] / now[1] - x).abs() <= f64::EPSILON * x || rest == whole {
+            break;
+        }
+        rest = 1.0 / (rest - whole);
+    }
+    Rational { n: now[0] as u32, d: now[1].max(1.0) as u32 }
+}
+
+#[cfg(test)]
+#[path = "tiff_tests.rs"]
+mod tests;

@@ -1,0 +1,71 @@
+//! Writes heights to a file of the format that its name asks for.
+
+use super::{Topography, gsf, npy, text, tiff, x3p};
+use crate::error::{Error, Result};
+use crate::output;
+use std::path::Path;
+
+/// A format that is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Gwyddion simple field: 32-bit floats with units.
+    Gsf,
+    /// NumPy array of float64 in metres, without a lateral scale.
+    Npy,
+    /// TIFF of 32-bit floats in metres, with resolution tags.
+    Tiff,
+    /// Text as Gwyddion exports it, with every digit.
+    Text,
+    /// X3P with float64 in metres.
+    X3p,
+}
+
+impl Format {
+    /// The format that a file name asks for.
+    ///
+    /// # Errors
+    /// An extension that stands for none.
+    pub fn of(path: &Path) -> Result<Self> {
+        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("gsf") => Ok(Self::Gsf),
+            Some("npy") => Ok(Self::Npy),
+            Some("tif" | "tiff") => Ok(Self::Tiff),
+            Some("txt") => Ok(Self::Text),
+            Some("x3p") => Ok(Self::X3p),
+            _ => Err(Error::usage(
+                format!("{}: the format of the surface is not clear", path.display()),
+                "name it .gsf, .npy, .tif, .txt or .x3p",
+            )),
+        }
+    }
+
+    /// Whether heights keep 24 bits of their 53.
+    pub fn is_single(self) -> bool {
+        matches!(self, Self::Gsf | Self::Tiff)
+    }
+
+    /// Whether files carry the distance of samples.
+    pub fn has_scale(self) -> bool {
+        self != Self::Npy
+    }
+}
+
+/// Writes `scan` to `path`, whole or not at all.
+///
+/// # Errors
+/// Heights that the format cannot hold; a place that cannot be written to.
+pub fn write(path: &Path, format: Format, scan: &Topography) -> Result<()> {
+    if format.is_single() && scan.metres().any(|h| h.abs() > f64::from(f32::MAX)) {
+        return Err(Error::failed("a height is too large for 32-bit floats", "write .npy, .txt or .x3p"));
+    }
+    output::write_atomically(path, |file| {
+        let failed = |e: std::io::Error| output::write_failed(path, &e);
+        match format {
+            Format::Gsf => gsf::write(scan, file).map_err(failed),
+            Format::Npy => npy::write(scan, file).map_err(failed),
+            Format::Tiff => tiff::write(scan, file).map_err(|e| e.at(path.display())),
+            Format::Text => text::write(scan, file).map_err(failed),
+            Format::X3p => x3p::write(scan, file).map_err(failed),
+        }
+    })
+}

@@ -1,0 +1,158 @@
+//! Preparing a height field: levelling, cleaning, cutting, and making its edges meet.
+//!
+//! A [`Step`] is one operation with its settings. Steps are applied in the order in which the user names them, each to the result of the
+//! one before. A step has the same words on the command line (`--level plane`), in scene files (`"level plane"`) and in the record of what
+//! was done, and [`Step::parse`] reads what [`Step`]'s `Display` writes: the record repeats the preparation.
+
+mod crop;
+mod despike;
+mod destripe;
+mod facet;
+mod interpolate;
+mod invert;
+mod level;
+mod polynomial;
+mod resample;
+mod rotate;
+mod rows;
+mod taper;
+mod tile;
+mod words;
+
+pub use crop::Crop;
+pub use level::Level;
+pub use rotate::Rotation;
+pub use tile::Tile;
+pub use words::WORDS;
+
+use super::HeightField;
+use crate::error::Result;
+use crate::memory;
+
+/// One operation on a height field. Lengths are micrometres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// Subtracts an offset, a tilt, a bow, or the offsets of the scan lines.
+    Level(Level),
+    /// Replaces single samples that stand far out of their neighbours.
+    Despike,
+    /// Replaces streaks along rows: runs of samples that differ from the rows above and below.
+    Destripe,
+    /// Keeps a rectangle.
+    Crop(Crop),
+    /// Changes the distance between samples along `x` and `y`.
+    Resample([f64; 2]),
+    /// Turns the surface about its normal.
+    Rotate(Rotation),
+    /// Lets the heights fade to their mean over this length at each edge.
+    Taper(f64),
+    /// Makes the edges meet.
+    Tile(Tile),
+    /// Turns hills into valleys: the mould of the surface.
+    Invert,
+}
+
+impl Step {
+    /// The field after this step.
+    ///
+    /// # Errors
+    /// A rectangle that is not inside the field, a length that the field is too small for, grooves that cannot be found, a result that is
+    /// too large, heights whose sums are not finite numbers.
+    pub fn apply(&self, field: &HeightField) -> Result<HeightField> {
+        /// The result, and what a step holds beside it.
+        const COPIES: u64 = 3;
+        let bytes = COPIES * size_of_val(field.heights()) as u64;
+        memory::ensure_room(bytes, &format!("the step `{self}`"))?;
+        let apply = || match self {
+            Self::Level(level) => field.levelled(*level),
+            Self::Despike => despike::apply(field),
+            Self::Destripe => destripe::apply(field),
+            Self::Crop(crop) => crop.apply(field),
+            Self::Resample(spacing) => resample::apply(field, *spacing),
+            Self::Rotate(rotation) => rotation.apply(field),
+            Self::Taper(length) => taper::apply(field, *length),
+            Self::Tile(tile) => tile.apply(field),
+            Self::Invert => invert::apply(field),
+        };
+        apply().map_err(|e| e.at(format!("--{self}")))
+    }
+
+    /// Whether the step leaves every field as it is.
+    pub fn is_nothing(&self) -> bool {
+        *self == Self::Level(Level::None)
+    }
+}
+
+/// The field after all `steps`, in their order.
+///
+/// # Errors
+/// As [`Step::apply`]; names the step.
+pub fn apply_all(field: HeightField, steps: &[Step]) -> Result<HeightField> {
+    steps.iter().try_fold(field, |field, step| step.apply(&field))
+}
+
+/// The steps in words, as scene files list them: `level plane, crop 40um`; `none` where there are none.
+pub fn describe(steps: &[Step]) -> String {
+    if steps.is_empty() {
+        return "none".to_owned();
+    }
+    steps.iter().map(Step::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// The options of the command line that repeat the steps: `--level plane --crop 40um`.
+pub fn as_options(steps: &[Step]) -> String {
+    steps.iter().map(|step| format!("--{step}")).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    pub(super) fn field(columns: usize, rows: usize, h: impl Fn(f64, f64) -> f64) -> HeightField {
+        let pixel = [0.1, 0.07];
+        let empty = HeightField::new(columns, rows, pixel, vec![0.0; columns * rows]).unwrap();
+        let at = |i: usize| h(empty.x(i % columns), empty.y(i / columns));
+        HeightField::new(columns, rows, pixel, (0..columns * rows).map(at).collect()).unwrap()
+    }
+
+    /// The largest absolute difference of two fields of one grid \[µm\].
+    pub(super) fn difference(a: &HeightField, b: &HeightField) -> f64 {
+        assert_eq!((a.columns(), a.rows()), (b.columns(), b.rows()));
+        a.heights().iter().zip(b.heights()).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()))
+    }
+
+    #[test]
+    fn steps_act_in_their_order() {
+        let slope = field(40, 40, |x, _| x * x);
+        let parse = |all: &[&str]| all.iter().map(|text| Step::parse(text).unwrap()).collect::<Vec<_>>();
+        let [first, second] = [["level mean", "crop 1um"], ["crop 1um", "level mean"]]
+            .map(|steps| apply_all(slope.clone(), &parse(&steps)).unwrap());
+        let mean = |f: &HeightField| f.heights().iter().sum::<f64>() / f.heights().len() as f64;
+        assert!(
+            mean(&second).abs() < 1e-12 && mean(&first) < -0.5,
+            "levelled before, the part has an offset"
+        );
+        assert_eq!(describe(&parse(&["level mean", "crop 1um"])), "level mean, crop 1um");
+        assert_eq!(as_options(&parse(&["level mean", "invert"])), "--level mean --invert");
+        assert_eq!(describe(&[]), "none");
+    }
+
+    #[test]
+    fn every_step_takes_the_smallest_fields_or_says_why_not() {
+        for (columns, rows) in [(1, 1), (1, 7), (7, 1), (2, 2), (3, 3)] {
+            let small = field(columns, rows, |x, y| x + y);
+            for text in words::EXAMPLES {
+                match Step::parse(text).unwrap().apply(&small) {
+                    Ok(field) => assert!(field.heights().iter().all(|h| h.is_finite()), "{text}"),
+                    Err(e) => assert!(e.to_string().contains("; "), "{text}: {e}"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_error_names_its_step() {
+        let e = Step::parse("crop 40um").unwrap().apply(&field(4, 4, |x, _| x)).unwrap_err().to_string();
+        assert!(e.starts_with("--crop 40um: "), "{e}");
+    }
+}
