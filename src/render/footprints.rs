@@ -95,7 +95,7 @@ pub fn least(device: &Arc<Device>, mesh: &Mesh, view: &View, size: [u32; 2], sam
 /// The standard deviation of (u, v) that half of the pixels of `directions` (one entry per light) exceed in the geometric mean of both axes. A
 /// footprint is averaged over its longer axis, which leaves little to resolve along the shorter one: on the snake a level of half the blur takes four times the
 /// room and brings no smaller error.
-fn least_read(directions: &[Directions]) -> f64 {
+pub fn least_read(directions: &[Directions]) -> f64 {
     const BELOW: f64 = 0.5;
     let mut read: Vec<f64> = directions
         .iter()

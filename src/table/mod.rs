@@ -15,7 +15,7 @@ mod specular;
 
 pub use bake::{TableSettings, bake};
 pub use grid::Grid;
-pub use read::TableReader;
+pub use read::{MOST_SIDES, TableReader};
 pub use specular::{BANDS, SPECULAR_SAMPLES, Specular};
 
 use half::f16;
