@@ -6,7 +6,7 @@ use crate::measure::{channel, per_direction};
 use diffract::brdf::mean::{Covariance, Mean, TabulatedMean};
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::spectrum::SHORTEST;
-use diffract::render::evaluator::{Evaluator, Query};
+use diffract::render::evaluator::Evaluator;
 use diffract::render::footprints::least_read;
 use diffract::render::frame::View;
 use diffract::render::picture::{Directions, Painter};
