@@ -18,10 +18,10 @@ pub const MAX_BYTES: u64 = 512 << 20;
 /// What some programs put in front of text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Most corners of one face. Fans suit convex faces, and nobody models convex ones of so many corners.
-const MAX_CORNERS: usize = 4096;
+/// Most corners of one face: a second of work. Fans suit convex faces, and nobody models convex ones of so many corners.
+const MAX_CORNERS: usize = 1 << 17;
 
-/// What a triangle takes while a mesh is built, measured on faces of many corners.
+/// What a triangle takes while a mesh is built: 1.5 GB were taken for a face of 7.8 million corners.
 const BYTES_PER_TRIANGLE: u64 = 200;
 
 /// Reads the mesh in the OBJ file at `path`.

@@ -122,6 +122,9 @@ mod tests {
         }
         for path in ["/grid/size/0", "/grid/size/1", "/grid/levels", "/terms"] {
             for value in [json!(0), json!(1), json!(3), json!(-1), json!(1u64 << 40), json!(u64::MAX)] {
+                if sound.pointer(path) == Some(&value) {
+                    continue;
+                }
                 assert!(!with(path, value.clone()), "{path} {value}");
             }
         }
