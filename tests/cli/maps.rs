@@ -83,24 +83,22 @@ fn agrees(kind: Kind, side: f64, coherence: &str, coherent: Coherence) {
     let subject = Subject::new(kind, side);
     let exact = LIGHTS.map(|light| subject.exact(light, coherent));
     for tolerance in [1e-1, 2e-2, 5e-3] {
-        {
-            let setting = format!("--coherence {coherence} --windows 1x1 --tolerance {tolerance}");
-            for (number, light) in LIGHTS.into_iter().enumerate() {
-                let found = subject.map(light, &setting, SIDE);
-                let mirror = -direction(light[0], light[1]).truncate();
-                let aside: Vec<bool> =
-                    views(SIDE).map(|(_, view)| (view.truncate() - mirror).length() > 0.15).collect();
-                let whole = deviation(&found, &exact[number], |_| true);
-                let colours = deviation(&found, &exact[number], |i| aside[i]);
-                eprintln!(
-                    "{} {coherence} {light:?} at {tolerance:e}: {whole:.2e}, aside {colours:.2e}",
-                    kind.name()
-                );
-                assert!(whole <= tolerance, "under {light:?} at {tolerance}: {whole:e}");
-                assert!(colours <= tolerance, "under {light:?} at {tolerance}, aside: {colours:e}");
-                let other = deviation(&found, &exact[(number + 1) % LIGHTS.len()], |_| true);
-                assert!(other > 0.3, "a map under another light agrees: {other:e}");
-            }
+        let setting = format!("--coherence {coherence} --windows 1x1 --tolerance {tolerance}");
+        for (number, light) in LIGHTS.into_iter().enumerate() {
+            let found = subject.map(light, &setting, SIDE);
+            let mirror = -direction(light[0], light[1]).truncate();
+            let aside: Vec<bool> =
+                views(SIDE).map(|(_, view)| (view.truncate() - mirror).length() > 0.15).collect();
+            let whole = deviation(&found, &exact[number], |_| true);
+            let colours = deviation(&found, &exact[number], |i| aside[i]);
+            eprintln!(
+                "{} {coherence} {light:?} at {tolerance:e}: {whole:.2e}, aside {colours:.2e}",
+                kind.name()
+            );
+            assert!(whole <= tolerance, "under {light:?} at {tolerance}: {whole:e}");
+            assert!(colours <= tolerance, "under {light:?} at {tolerance}, aside: {colours:e}");
+            let other = deviation(&found, &exact[(number + 1) % LIGHTS.len()], |_| true);
+            assert!(other > 0.3, "a map under another light agrees: {other:e}");
         }
     }
 }

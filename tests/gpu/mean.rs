@@ -6,7 +6,7 @@ use crate::measure::{channel, per_direction};
 use diffract::brdf::mean::{Covariance, Mean, TabulatedMean};
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::spectrum::SHORTEST;
-use diffract::render::evaluator::{Evaluator, Query};
+use diffract::render::evaluator::Evaluator;
 use diffract::render::footprints::least_read;
 use diffract::render::frame::View;
 use diffract::render::picture::{Directions, Painter};
@@ -38,8 +38,8 @@ pub fn source(
 ) -> Source {
     let settings =
         setup::Settings { cached: false, least_footprint, ..setup::Settings::new(method, shading.clone()) };
-    let progress = &|_, _, _| Ok(());
-    setup::source(field, &settings, Target::from(device), &mut InUse::default(), progress).unwrap().source
+    let target = Target::from(device);
+    setup::source(field, &settings, target, &mut InUse::default(), &|_, _, _| Ok(())).unwrap().source
 }
 
 fn mean<'a>(field: &'a HeightField, shading: &Shading) -> Mean<'a> {
