@@ -360,7 +360,8 @@ impl<'a> TabulatedMean<'a> {
         /// Counts grow by this factor, so that few sets of weights serve all directions.
         const STEP: f64 = 1.1;
         let uv = pair.uvw().truncate();
-        let along = uv.normalize_or_zero();
+        // Straight at the specular direction every wavelength reads the same place.
+        let along = uv.try_normalize().unwrap_or(DVec2::X);
         let q = 1.0 / LONGEST;
         let spread = Spread::new(Blur::of_coherence(self.mean.sigma), around, q);
         let variance = spread.xx * along.x * along.x

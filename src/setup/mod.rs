@@ -10,7 +10,7 @@ use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::orders::Repeats;
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::{self, Layers, compute_at};
-use crate::render::shading::Shading;
+use crate::render::shading::{Purpose, Shading};
 use crate::render::source::{Grating, Mean, Source, Table};
 use crate::spectra::power::{PowerSettings, PowerSpectra, power_spectra};
 use crate::surface::{HeightField, tiling};
@@ -303,6 +303,16 @@ impl Settings {
         })
     }
 
+    /// Share of the tolerance for reading power spectra between texels. Single directions count relative to their own value, and between bright
+    /// orders that is a small part of what the kernel spreads.
+    fn reading_share(&self) -> f64 {
+        const OF_SINGLE_DIRECTIONS: f64 = 0.02;
+        match self.shading.purpose {
+            Purpose::Directions => OF_SINGLE_DIRECTIONS,
+            Purpose::Picture => 1.0,
+        }
+    }
+
     /// What power spectra are made for.
     fn power_settings(&self, limits: &Candidate) -> Result<PowerSettings> {
         let sigma = self.power_sigma()?;
@@ -312,7 +322,7 @@ impl Settings {
             beyond: self.shading.beyond,
             shortest: self.shortest,
             series_error: budget.expansion,
-            reading_error: budget.interpolation,
+            reading_error: budget.interpolation * self.reading_share(),
             least_footprint: self.least_footprint,
             side_limit: limits.max_side as usize,
             memory_limit: Self::memory_limit(limits),

@@ -99,7 +99,7 @@ impl Image {
         if size[0] > limits.max_side || size[1] > limits.max_side || layers > limits.max_layers {
             return Err(Error::failed(
                 format!(
-                    "the {name} of {} x {} x {layers} is larger than `{}` holds ({} x {} x {})",
+                    "the {name} of {} x {} texels in {layers} layers is larger than `{}` holds ({} x {} in {} layers)",
                     size[0], size[1], limits.name, limits.max_side, limits.max_side, limits.max_layers
                 ),
                 "ask for a smaller --size, a larger --tolerance or a shorter --coherence",

@@ -307,7 +307,7 @@ fn absurd_but_sound_wishes_end_with_advice() {
     let sandbox = sandbox();
     let before = sandbox.content();
     for more in [
-        &["--coherence", "gaussian:100mm"][..],
+        &["--windows", "1x1", "--coherence", "gaussian:100mm"][..],
         &["--height", "1m"],
         &["--tolerance", "1e-6", "--height", "3um"],
         &["--light", "1,1", "--light", "1,1", "--light", "1,1", "--light", "1,1", "--light", "1,1"],
