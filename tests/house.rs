@@ -1,5 +1,7 @@
 //! The structure of `src/`: imports follow the floors of `docs/ARCHITECTURE.md`, and files of one folder form no ring.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on has failed")]
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 

@@ -71,7 +71,7 @@ fn a_surface_that_is_not_there_is_told_before_its_units() {
     let sandbox = Sandbox::new();
     for name in ["nofile.png", "nofile.xyz"] {
         let line = sandbox.run(["surface", "info", name]).refused_somehow(name);
-        assert!(line.contains("cannot open") && !line.contains("--pixel-size"), "{line}");
+        assert!(line.contains("no such file") && !line.contains("--pixel-size"), "{line}");
     }
 }
 

@@ -116,13 +116,16 @@ pub(super) fn upload(device: &Arc<Device>, bound: &mut BoundSource, layers: &Lay
     Ok(())
 }
 
+/// Images and buffers, each with its binding number.
+type Bound = (Vec<(u32, Image)>, Vec<(u32, Buffer)>);
+
 /// The block and the nodes, with their binding numbers.
 pub(super) fn settings(
     device: &Arc<Device>,
     (layers, sigma): (&Layers, f64),
     ior: f64,
     nodes: &Table,
-) -> Result<(Vec<(u32, Image)>, Vec<(u32, Buffer)>)> {
+) -> Result<Bound> {
     let block = uniform(device, "spectra block", &spectra_block(layers, sigma, ior))?;
     let nodes = numbers(device, "nodes", nodes)?;
     Ok((vec![(binding::NODES, nodes)], vec![(binding::BLOCK, block)]))

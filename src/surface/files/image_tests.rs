@@ -240,7 +240,7 @@ fn an_orientation_that_a_png_asks_for_is_applied() {
     let data = chunk(b"IDAT", &stored(&[0, 1, 2, 3, 0, 4, 5, 6]));
     let bytes =
         |rest: &[Vec<u8>]| [&png_header(3, 2, 8, 0)[..], &rest.concat(), &chunk(b"IEND", &[])].concat();
-    let plain = read(&file(&folder, "plain.png", &bytes(&[data.clone()])), PIXEL, 255.0).unwrap();
+    let plain = read(&file(&folder, "plain.png", &bytes(std::slice::from_ref(&data))), PIXEL, 255.0).unwrap();
     assert_eq!((plain.columns(), plain.rows(), plain.heights()[0].round()), (3, 2, 1.0));
     let turned =
         read(&file(&folder, "turned.png", &bytes(&[chunk(b"eXIf", &exif), data])), PIXEL, 255.0).unwrap();
