@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 pub struct ColorTable {
     /// Everything but the numbers of the texels.
     pub header: Header,
-    /// For each level [layer][row][column][power of the place in the piece, 0 … 3], layer = piece · 3 + channel of XYZ, rows in growing v.
+    /// For each level `[layer][row][column][power of the place in the piece, 0 … 3]`, layer = piece · 3 + channel of XYZ, rows in growing v.
     /// Places are those of ω_i + ω_r = −(u, v).
     pub levels: Vec<Vec<f16>>,
 }

@@ -41,7 +41,7 @@ impl FrequencyGrid {
     }
 }
 
-/// The levels: numbers of 16 bits, [layer][row][column][term of the layer's four], rows in growing f_y.
+/// The levels: numbers of 16 bits, `[layer][row][column][term of the layer's four]`, rows in growing f_y.
 pub type Levels = Vec<Vec<f16>>;
 
 /// Blurs the powers on `orders` and samples them on `grid`. `series` holds one real array over the orders for each term. Beside the levels

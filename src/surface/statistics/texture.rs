@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Texture {
     /// Autocorrelation length Sal (4.3.2): the shortest distance, over all directions, at which the autocorrelation has fallen to
-    /// [`THRESHOLD`] \[µm\]; `None` where it does not within a quarter of the field.
+    /// `THRESHOLD` \[µm\]; `None` where it does not within a quarter of the field.
     #[serde(rename = "sal_m", serialize_with = "metres_of_option")]
     pub sal: Option<f64>,
     /// Texture direction Std (4.3.4): where the angular amplitude density of the spectrum is largest, from +x toward +y, 0 … 180
