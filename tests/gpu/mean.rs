@@ -47,7 +47,7 @@ fn mean<'a>(field: &'a HeightField, shading: &Shading) -> Mean<'a> {
     Mean { field, sigma, beyond: shading.beyond, ior: shading.ior }
 }
 
-/// A tenth higher.
+/// Half as high again.
 fn higher(field: &HeightField) -> HeightField {
     let heights = field.heights().iter().map(|h| h * 1.5).collect();
     HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights).unwrap()
