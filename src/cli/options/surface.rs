@@ -57,7 +57,9 @@ impl SurfaceOptions {
     /// The heights of `source` as they are; tells what a user should know about them.
     pub fn read(&self, source: &Source) -> Result<Topography> {
         let scan = source.read()?;
-        for warning in scan.origin().into_iter().flat_map(|origin| &origin.warnings) {
+        // What the user names is not asked about.
+        let asked = |warning: &&String| !(self.height.is_some() && warning.contains("--height overrides it"));
+        for warning in scan.origin().into_iter().flat_map(|origin| &origin.warnings).filter(asked) {
             say(&format_args!("{}: {warning}", source.name.display()));
         }
         Ok(scan)
