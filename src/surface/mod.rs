@@ -3,6 +3,7 @@
 pub mod files;
 mod height_field;
 pub mod prepare;
+mod si;
 pub mod source;
 pub mod statistics;
 pub mod synth;

@@ -4,7 +4,7 @@
 //! a step that the surface does not have, and the step diffracts light along the axes.
 
 use super::HeightField;
-use super::statistics::metres_of_both;
+use super::si::metres_of_both;
 use serde::Serialize;
 
 /// A seam joins where its ratio to the step inside that is nearest to it is at most this, and at least the inverse. The seam of a periodic

@@ -92,10 +92,15 @@ fn format_by_extension(path: &Path) -> Result<ImageFormat> {
     }
 }
 
+/// Whether `bytes` begin like a TIFF, of 32 or 64 bits (BigTIFF), in either byte order.
+pub fn is_tiff(bytes: &[u8]) -> bool {
+    [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| bytes.starts_with(*magic))
+}
+
 /// The decoded picture, after everything that can be checked before decoding.
 fn decode(bytes: &[u8]) -> Result<(ImageFormat, DynamicImage)> {
     let reader = Cursor::new(bytes);
-    if super::tiff::is_tiff(bytes) {
+    if is_tiff(bytes) {
         let decoder = codecs::tiff::TiffDecoder::new(reader).map_err(|e| explain(&e))?;
         return Ok((ImageFormat::Tiff, decode_with(decoder)?));
     }

@@ -126,7 +126,7 @@ pub fn recognise<'a>(bytes: &'a [u8], extension: &str) -> Result<Scan<'a>> {
     if begins(npy::MAGIC) {
         return npy::read(bytes);
     }
-    if tiff::is_tiff(bytes) {
+    if image::is_tiff(bytes) {
         return tiff::read(bytes);
     }
     if begins(image::PNG_MAGIC) || matches!(extension, "png" | "tif" | "tiff") {

@@ -23,11 +23,6 @@ const COARSEST: f64 = 10e-6;
 /// How the description of a TIFF of this program begins.
 const OWN: &str = "heights in metres; distance of samples in metres: ";
 
-/// Whether `bytes` begin like a TIFF, of 32 or 64 bits (BigTIFF), in either byte order.
-pub fn is_tiff(bytes: &[u8]) -> bool {
-    [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| bytes.starts_with(*magic))
-}
-
 /// The file in `bytes`; of several pages the first one counts. Files of Park's microscopes are read by [`park`].
 ///
 /// # Errors

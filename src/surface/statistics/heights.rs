@@ -1,7 +1,7 @@
 //! The distribution of heights.
 
-use super::{metres, metres_of_both, metres_of_option};
 use crate::surface::HeightField;
+use crate::surface::si::{metres, metres_of_both, metres_of_option};
 use rayon::prelude::*;
 use serde::Serialize;
 

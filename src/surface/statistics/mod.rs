@@ -20,9 +20,10 @@ pub use slopes::Slopes;
 pub use texture::Texture;
 
 use super::HeightField;
+use super::si::{metres, metres_of_both, metres_of_some, per_metre_of_both};
 use super::tiling::{Tiling, tiles};
 use crate::error::Result;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use spectrum::Spectrum;
 
 /// The numbers of `surface info`. Serialised, lengths are metres and angles degrees.
@@ -78,38 +79,6 @@ impl Statistics {
             tiling: tiles(field),
         })
     }
-}
-
-/// Metres in a micrometre.
-const METRES: f64 = 1e-6;
-
-fn metres<S: Serializer>(um: &f64, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-    (um * METRES).serialize(serializer)
-}
-
-fn metres_of_option<S: Serializer>(um: &Option<f64>, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-    um.map(|um| um * METRES).serialize(serializer)
-}
-
-pub(super) fn metres_of_both<S: Serializer>(
-    um: &[f64; 2],
-    serializer: S,
-) -> std::result::Result<S::Ok, S::Error> {
-    um.map(|um| um * METRES).serialize(serializer)
-}
-
-fn per_metre_of_both<S: Serializer>(
-    per_um: &[f64; 2],
-    serializer: S,
-) -> std::result::Result<S::Ok, S::Error> {
-    per_um.map(|per_um| per_um / METRES).serialize(serializer)
-}
-
-fn metres_of_some<S: Serializer>(
-    um: &[Option<f64>; 2],
-    serializer: S,
-) -> std::result::Result<S::Ok, S::Error> {
-    um.map(|um| um.map(|um| um * METRES)).serialize(serializer)
 }
 
 #[cfg(test)]

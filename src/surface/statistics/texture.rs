@@ -1,8 +1,8 @@
 //! How heights at a distance are related: autocorrelation length and texture direction.
 
-use super::metres_of_option;
 use super::spectrum::{Spectrum, half_transform};
 use crate::error::Result;
+use crate::surface::si::metres_of_option;
 use crate::surface::{HeightField, Level};
 use rayon::prelude::*;
 use rustfft::{FftPlanner, num_complex::Complex};
