@@ -22,6 +22,50 @@ Ellipse ellipse_of(vec3 c) {
     return Ellipse(axis, mean + spread, max(mean - spread, 0.0));
 }
 
+// The constants of src/optics/footprint.rs.
+layout(constant_id = 20) const float TAP_SPACING = 2.0;
+layout(constant_id = 21) const float TAP_REACH = 2.0;
+layout(constant_id = 22) const float MOST_SIDES = 1.0;
+layout(constant_id = 23) const float FEWEST_SIDES = 1.0;
+layout(constant_id = 24) const float ROUND = 0.0;
+
+// Places in a footprint, whose sum stands for the average over it: `Taps` of src/optics/footprint.rs.
+struct Taps {
+    float first; // steps from the middle of the footprint to the first tap of a row
+    float last;  // just beyond the last one
+    vec2 step;   // from one tap to the next
+    float fall;  // the weight of a tap n steps from the middle is exp(-fall n^2)
+    vec2 aside;  // from the middle of the footprint to the row; a second one is opposite
+    int rows;
+};
+
+// For a footprint of which the variance `own` is left to the shorter axis, where a tap averages over the variance `read`, and all is blurred by
+// the variance `blur` already.
+Taps taps_of(Footprint footprint, Ellipse ellipse, float own, float read, float blur) {
+    float left = sqrt(max(ellipse.longer - read, 0.0));
+    float tap = sqrt(read + blur);
+    bool is_long = left > ROUND * tap;
+    float needed = is_long ? ceil(TAP_REACH * left / (TAP_SPACING * tap)) : 0.0;
+    float sides = clamp(ceil(needed / footprint.samples), min(needed, FEWEST_SIDES), MOST_SIDES);
+    float step = TAP_REACH / max(sides, 1.0);
+    Taps taps;
+    taps.first = is_long ? footprint.tap_offsets.x - sides : 0.0;
+    taps.last = taps.first + 2.0 * sides + 0.5;
+    taps.step = ellipse.axis * (step * left);
+    taps.fall = 0.5 * step * step;
+    float rest = sqrt(max(own - read, 0.0));
+    bool wide = rest > ROUND * tap;
+    taps.rows = wide && footprint.samples == 1.0 ? 2 : 1;
+    taps.aside = wide ? vec2(-ellipse.axis.y, ellipse.axis.x) * (rest * footprint.tap_offsets.y) : vec2(0.0);
+    return taps;
+}
+
+// The least variance that a tap has to average over, so that MOST_SIDES suffice.
+float least_own(Ellipse ellipse, float blur) {
+    const float PART = TAP_REACH / (TAP_SPACING * MOST_SIDES);
+    return max(ellipse.longer * (PART * PART) - blur, 0.0);
+}
+
 // The level, with a fraction, whose variance is `ratio` times that of the finest, where each level has four times the one before. A linear
 // mixture of two levels has the mean of their variances.
 float level_of_ratio(float ratio) {

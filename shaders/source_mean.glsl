@@ -19,6 +19,7 @@ layout(set = 1, binding = 0, std140) uniform Mean {
     float last_level;
     float rays;              // |(u, v)| of a comb's bin per unit of |(u, v)| over the blur at `middle`
     float middle;            // squared wavenumber in the middle of the spectrum [1/um^2]
+    float blur;              // least variance of u that the finest level averages over: of blue light
 } source;
 
 layout(set = 1, binding = 1) uniform sampler2DArray powers;
@@ -80,11 +81,6 @@ float fluctuation(vec2 f, float z, float level) {
     return max(sum, 0.0);
 }
 
-// The level at wavenumber q whose blur is that of coherence and of a variance of (u, v).
-float level_at(float q2, float variance) {
-    return min(level_of_ratio(source.orders + q2 * variance / source.finest), source.last_level);
-}
-
 bool held(vec2 f) {
     return all(lessThanEqual(abs(f), source.band));
 }
@@ -107,39 +103,46 @@ float mean_power(Pair pair, vec2 toward, float q, float level) {
 
 const bool SOURCE_READS_FOOTPRINT = true;
 
-// Node j of a comb reads the footprint at a place of its own along the longer axis, and at one of the two levels around its own: with the
-// tens of nodes of a colour that is the sum over both. Multiples of irrational numbers spread evenly however many there are.
-const vec2 SPREAD = vec2(0.754877666, 0.569840291); // powers of 1 / 1.3247 (Roberts 2018, the sequence R2)
-
-// The standard normal distribution's quantile, good to 5e-4 (Abramowitz & Stegun 26.2.23).
-float normal_quantile(float p) {
-    float tail = min(p, 1.0 - p);
-    float t = sqrt(-2.0 * log(max(tail, 1e-6)));
-    float x = t - (2.515517 + t * (0.802853 + t * 0.010328)) / (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
-    return p < 0.5 ? -x : x;
-}
-
-// Standard deviations of the longer axis that count as the path of a ray.
-const float LONGER_REACH = 2.0;
-
 vec3 source_xyz(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
     Ellipse ellipse = ellipse_of(c);
-    float left = sqrt(max(ellipse.longer - ellipse.shorter, 0.0));
-    // The blur along the ray sets how many wavelengths resolve it, and they have to resolve what the longer axis covers, too.
-    float blur = source.finest * source.orders + source.middle * ellipse.shorter;
-    float uv = max(pair.uv, LONGER_REACH * left) * source.rays * inversesqrt(blur);
-    ivec2 comb = combs[min(int(uv * (0.5 * float(UV_BINS))), UV_BINS - 1)];
+    float own = max(ellipse.shorter, least_own(ellipse, source.blur));
+    // What the level of a wavelength in the middle averages over.
+    float middle = min(floor(level_of_ratio(source.orders + source.middle * own / source.finest)), source.last_level);
+    float read = clamp((exp2(2.0 * middle) - source.orders) * source.finest / source.middle, 0.0, own);
+    Taps taps = taps_of(footprint, ellipse, own, read, source.blur);
+    // What the level of a wavelength lacks of the shorter axis is made up for by reading on both sides of the longer one in turn.
+    vec2 across = vec2(-ellipse.axis.y, ellipse.axis.x) * footprint.tap_offsets.y;
+    // The blur along the ray sets how many wavelengths resolve it.
+    float rays = source.rays * inversesqrt(source.finest * source.orders + source.middle * own);
     vec3 sum = vec3(0.0);
-    vec2 place = vec2(0.5);
+    float norm = 0.0;
+    float n = taps.first;
+    do {
+        vec2 toward = pair.toward + n * taps.step;
+        ivec2 comb = combs[min(int(length(toward) * rays * (0.5 * float(UV_BINS))), UV_BINS - 1)];
+        vec3 colour = vec3(0.0);
+        for (int j = 0; j < comb.y; ++j) {
+            vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
+            float q = node.w;
+            float ratio = source.orders + q * q * own / source.finest;
+            float level = min(floor(level_of_ratio(ratio)), source.last_level);
+            float rest = sqrt(max(ratio - exp2(2.0 * level), 0.0) * source.finest) / q;
+            colour += node.rgb * mean_power(pair, toward + rest * across, q, level);
+            across = -across;
+        }
+        float weight = exp(-taps.fall * n * n);
+        sum += weight * colour;
+        norm += weight;
+        n += 1.0;
+        across = (comb.y & 1) == 0 ? -across : across; // so that a wavelength has both sides
+    } while (n < taps.last);
+    sum /= norm;
+    // The specular order in closed form over the whole footprint.
+    ivec2 comb = combs[min(int(pair.uv * rays * (0.5 * float(UV_BINS))), UV_BINS - 1)];
     for (int j = 0; j < comb.y; ++j) {
         vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
-        float q = node.w;
-        vec2 toward = pair.toward + ellipse.axis * (left * normal_quantile(place.x));
-        float level = level_at(q * q, ellipse.shorter);
-        level = floor(level + place.y);
-        sum += node.rgb * (mean_power(pair, toward, q, level) + specular_power(pair, q, c));
-        place = fract(place + SPREAD);
+        sum += node.rgb * specular_power(pair, node.w, c);
     }
     return sum * (pair.factor / (4.0 * PI));
 }

@@ -14,7 +14,7 @@ const float LARGEST_W = 2.0;
 layout(set = 1, binding = 0, std140) uniform Table {
     float normal_reflectance; // R0 of Schlick
     float texture_per_uv;     // texture coordinate per unit of u
-    float spacing;            // of the finest level's texels in u
+    float coherence;          // variance of u that coherence averages over
     float unit;               // what a stored 1 stands for [1/sr]
     float finest;             // variance of u that the finest level averages over
     float per_growth;         // 1 over the variance by which levels grow
@@ -22,11 +22,6 @@ layout(set = 1, binding = 0, std140) uniform Table {
     float last_level;
     vec4 variances[BANDS / 4]; // of u in each band of the specular order
 } source;
-
-// The constants of src/table/read.rs.
-const float TAP_SPACING = 2.2; // standard deviations of a level's average between two taps
-const float TAP_REACH = 2.5;   // standard deviations of the longer axis that taps reach
-const float MOST_SIDES = 8.0;  // taps on either side
 
 struct Piece {
     float layer;
@@ -68,28 +63,26 @@ const bool SOURCE_READS_FOOTPRINT = true;
 vec3 source_xyz(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
     Ellipse ellipse = ellipse_of(c);
-    // A level stands for the shorter axis, or for what the taps along the longer one can bridge.
-    float bridged = ellipse.longer * ((TAP_REACH / (TAP_SPACING * MOST_SIDES)) * (TAP_REACH / (TAP_SPACING * MOST_SIDES)));
-    float own = max(max(ellipse.shorter, source.finest), bridged);
-    float left = sqrt(max(ellipse.longer - own, 0.0));
-    float level = min(level_of_ratio((own - source.finest) * source.per_growth + 1.0), source.last_level);
-    float tap = max(sqrt(own), 0.5 * source.spacing);
-    float sides = min(ceil(left * (TAP_REACH / TAP_SPACING) / tap), MOST_SIDES);
-    float distance = TAP_REACH * left / max(sides, 1.0);
-    float fall = 0.5 * distance * distance / max(left * left, 1e-30);
+    // A level stands for the shorter axis, as far as it averages over no more, and taps for the rest.
+    float own = max(max(ellipse.shorter, source.finest), least_own(ellipse, source.coherence));
+    float level = min(floor(level_of_ratio((own - source.finest) * source.per_growth + 1.0)), source.last_level);
+    float read = source.finest + (exp2(2.0 * level) - 1.0) / source.per_growth;
+    Taps taps = taps_of(footprint, ellipse, own, read, source.coherence);
     Piece piece = piece_of(pair.w);
-    vec2 step = ellipse.axis * (distance * source.texture_per_uv);
-    vec2 place = pair.toward * source.texture_per_uv + 0.5 - sides * step;
+    vec2 step = taps.step * source.texture_per_uv;
+    vec2 middle = (pair.toward + taps.aside) * source.texture_per_uv + 0.5;
     vec3 sum = vec3(0.0);
     float norm = 0.0;
-    float k = -sides;
-    do {
-        float weight = exp(-fall * k * k);
-        sum += weight * read_table(piece, place, level);
-        norm += weight;
-        place += step;
-        k += 1.0;
-    } while (k <= sides);
+    for (int row = 0; row < taps.rows; ++row) {
+        float n = taps.first;
+        do {
+            float weight = exp(-taps.fall * n * n);
+            sum += weight * read_table(piece, middle + n * step, level);
+            norm += weight;
+            n += 1.0;
+        } while (n < taps.last);
+        middle -= 2.0 * source.texture_per_uv * taps.aside;
+    }
     vec3 diffracted = sum * (source.unit / norm);
     return (diffracted + specular_xyz(pair, c)) * (pair.factor / (4.0 * PI));
 }

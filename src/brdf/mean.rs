@@ -5,6 +5,7 @@ use super::{Brdf, without_cosine};
 use crate::error::Result;
 use crate::memory;
 use crate::optics::brdf::{cosine_weighted, schlick};
+use crate::optics::footprint::Covariance;
 use crate::optics::geometry::Pair;
 use crate::optics::quadrature::{Nodes, SPAN};
 use crate::optics::spectrum::{Illuminant, LONGEST};
@@ -28,39 +29,6 @@ const ALIAS_LEVEL: f64 = 1e-9;
 
 /// Called with what is done and of how much; an error from it ends the work.
 pub type Progress<'a> = &'a dyn Fn(usize, usize) -> Result<()>;
-
-/// What is averaged over the directions of a pixel: the covariance of (u, v), dimensionless.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Covariance {
-    /// Of u.
-    pub uu: f64,
-    /// Of u with v.
-    pub uv: f64,
-    /// Of v.
-    pub vv: f64,
-}
-
-impl Covariance {
-    /// Of the footprint with the columns `dx`, `dy` of ∂(u, v)/∂(pixel) under a Gaussian pixel filter of standard deviation
-    /// `sigma` \[pixels\].
-    pub fn of_footprint(dx: DVec2, dy: DVec2, sigma: f64) -> Self {
-        let s = sigma * sigma;
-        Self {
-            uu: s * (dx.x * dx.x + dy.x * dy.x),
-            uv: s * (dx.x * dx.y + dy.x * dy.y),
-            vv: s * (dx.y * dx.y + dy.y * dy.y),
-        }
-    }
-}
-
-impl Covariance {
-    /// Variances along the longer and the shorter axis.
-    pub fn axes(&self) -> [f64; 2] {
-        let (mean, difference) = (0.5 * (self.uu + self.vv), 0.5 * (self.uu - self.vv));
-        let spread = difference.hypot(self.uv);
-        [mean + spread, (mean - spread).max(0.0)]
-    }
-}
 
 /// A normal distribution over frequencies.
 struct Spread {

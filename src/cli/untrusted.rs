@@ -16,7 +16,7 @@ use crate::surface::files::{self, scan::Scan, sidecar::Sidecar};
 use crate::table::{ColorTable, TableReader};
 use crate::units;
 use crate::vk::selection::DeviceChoice;
-use glam::DVec2;
+use glam::{DVec2, Vec4};
 use std::ffi::OsString;
 use std::io::Cursor;
 use std::path::Path;
@@ -139,7 +139,7 @@ fn spectra(bytes: &[u8]) -> Result<()> {
         assert!(count > 0 && texels.len() == count, "power spectra that do not fit their numbers");
     }
     let reader = power::read::Reader::new(&spectra);
-    let mut coefficients = vec![[0f32; 4]; spectra.header.terms / 4];
+    let mut coefficients = vec![Vec4::ZERO; spectra.header.terms / 4];
     for f in [DVec2::ZERO, DVec2::splat(1e3), DVec2::splat(-1e9)] {
         reader.read(f, reader.level(1.0), &mut coefficients);
     }
@@ -156,7 +156,7 @@ fn colours(bytes: &[u8]) -> Result<()> {
         assert!(count > 0 && texels.len() == count, "a table that does not fit its numbers");
     }
     let reader = TableReader::new(&table);
-    let level = table.header.grid.level(1e-2);
+    let level = table.header.grid.level(1e-2) as usize;
     for place in [DVec2::ZERO, DVec2::splat(2.0), DVec2::splat(-1e9)] {
         reader.at(place, 2.0, level);
     }

@@ -92,19 +92,15 @@ pub fn least(device: &Arc<Device>, mesh: &Mesh, view: &View, size: [u32; 2], sam
     Ok((2.0 * least.log2()).floor().exp2().sqrt())
 }
 
-/// The standard deviation of (u, v) that half of the pixels of `directions` (one entry per light) exceed in the geometric mean of both axes. A
-/// footprint is averaged over its longer axis, which leaves little to resolve along the shorter one: on the snake a level of half the blur takes four times the
-/// room and brings no smaller error.
+/// The standard deviation of (u, v) along the shorter axis of its footprint that nine of ten pixels of `directions` (one entry per light) exceed.
+/// Finer levels are not needed along the longer axis.
 pub fn least_read(directions: &[Directions]) -> f64 {
-    const BELOW: f64 = 0.5;
+    const BELOW: f64 = 0.1;
     let mut read: Vec<f64> = directions
         .iter()
         .flat_map(|seen| {
             let shaded = |i: &usize| seen.light[*i][2] > 0.0 && seen.view[*i][2] > 0.0;
-            (0..seen.view.len()).filter(shaded).map(|i| {
-                let [longer, shorter] = seen.covariance(i).axes();
-                (longer * shorter).powf(0.25)
-            })
+            (0..seen.view.len()).filter(shaded).map(|i| seen.covariance(i).axes()[1].sqrt())
         })
         .collect();
     read.sort_by(f64::total_cmp);
@@ -152,6 +148,7 @@ fn pixel_areas(view: &View, size: [u32; 2], depth: &[f32], to_view: &[[f32; 4]])
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::optics::footprint::Share;
 
     #[test]
     fn semi_axes_are_singular_values() {
@@ -174,6 +171,7 @@ mod tests {
             view: vec![up, up, up, [0.0; 4]],
             footprints: vec![[2.0, 0.0, 0.0, 1.0], [4.0, 0.0, 0.0, 3.0], [9.0; 4], [0.0; 4]],
             filter: 0.5,
+            share: Share::ALL,
         };
         let all = Distribution::of(&[seen]);
         assert_eq!((all.count(), all.minor(0.0), all.minor(1.0), all.major(1.0)), (2, 1.0, 3.0, 4.0));

@@ -9,8 +9,8 @@ use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
 use super::source::{BoundSource, Source};
 use super::target::{self, Geometry, GeometrySettings, Target};
-use crate::brdf::mean::Covariance;
 use crate::error::{Error, Result};
+use crate::optics::footprint::{Covariance, Share};
 use crate::scene::{MAX_LIGHTS, Mesh};
 use crate::vk::access::Access;
 use crate::vk::commands::{Commands, FAR, Recorder};
@@ -92,6 +92,8 @@ pub struct Directions {
     pub footprints: Vec<[f32; 4]>,
     /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
     pub filter: f64,
+    /// Which of the samples of each pixel they are.
+    pub share: Share,
 }
 
 impl Directions {
@@ -480,6 +482,7 @@ impl Painter {
             view: first.iter().map(|stored| [stored[0], stored[1]]).zip(&covered).map(of).collect(),
             footprints: footprints.into_iter().zip(&covered).map(kept).collect(),
             filter: sample.footprint,
+            share: sample.share(),
         })
     }
 

@@ -6,6 +6,7 @@
 //! variances of two independent Gaussian blurs add, so that both together are the whole filter.
 
 use super::frame_set::SampleBlock;
+use crate::optics::footprint::Share;
 use crate::random::Random;
 use std::f64::consts::TAU;
 
@@ -79,6 +80,11 @@ impl Sample {
         [self.point(2 * pair), self.point(2 * pair + 1)]
     }
 
+    /// Which of the samples of its pixel it is.
+    pub fn share(&self) -> Share {
+        Share { index: self.index, count: self.count }
+    }
+
     /// The sample as shaders see it. They have the low bits of the seed.
     pub fn block(&self) -> SampleBlock {
         SampleBlock {
@@ -87,7 +93,7 @@ impl Sample {
             index: self.index,
             count: self.count,
             seed: self.seed as u32,
-            padding: [0; 2],
+            tap_offsets: self.share().offsets().map(|x| x as f32),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Colour tables kept on disk.
 
-use super::bake::MOST_PIECES;
 use super::grid::MOST_LEVELS;
+use super::pieces::MOST_PIECES;
 use super::{BANDS, ColorTable, Header, SPECULAR_SAMPLES};
 use crate::cache::{Format, Kept, Payload, count, positive};
 
@@ -10,7 +10,7 @@ const LARGEST_SIDE: usize = 1 << 16;
 
 impl Kept for ColorTable {
     /// The version changes whenever the table of the same key would change.
-    const FORMAT: Format = Format { name: "colours", version: 6 };
+    const FORMAT: Format = Format { name: "colours", version: 7 };
     type Header = Header;
 
     fn header(&self) -> Header {
@@ -39,11 +39,11 @@ impl Kept for ColorTable {
 /// Whether `header` is such as this program makes: what follows divides by its numbers, counts with them and makes textures of its sizes.
 /// The check sum finds accidents; it does not know who wrote it.
 fn is_sound(header: &Header) -> bool {
-    let Header { grid, pieces, unit, specular, cubic_error } = header;
+    let Header { grid, pieces, unit, specular, coherence_blur, cubic_error } = header;
     (1..=MOST_LEVELS).contains(&grid.levels)
         && (1..=LARGEST_SIDE).contains(&grid.side)
         && grid.side.is_multiple_of(1 << (grid.levels - 1))
-        && positive(&[grid.extent, grid.growth, *unit])
+        && positive(&[grid.extent, grid.growth, *unit, *coherence_blur])
         && [grid.finest, *cubic_error].into_iter().all(|x| x.is_finite() && x >= 0.0)
         && (1..=MOST_PIECES).contains(pieces)
         && specular.variances.len() == BANDS
@@ -70,7 +70,7 @@ mod tests {
             variances: (1..=BANDS).map(|i| 0.1 * i as f64).collect(),
             weights: vec![vec![[0.1, 0.2, 0.3]; SPECULAR_SAMPLES]; BANDS],
         };
-        let header = Header { grid, pieces: 2, unit: 0.3, specular, cubic_error: 1e-3 };
+        let header = Header { grid, pieces: 2, unit: 0.3, specular, coherence_blur: 1e-5, cubic_error: 1e-3 };
         let numbers =
             |side: usize| (0..side * side * 2 * 12).map(|i| f16::from_f32(i as f32 * 0.01)).collect();
         ColorTable { header, levels: vec![numbers(32), numbers(16)] }

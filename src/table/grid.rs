@@ -60,6 +60,11 @@ impl Grid {
         crate::spectra::power::read::level_of_ratio(ratio, self.levels)
     }
 
+    /// The variance of u and of v that `level` averages over.
+    pub fn variance(&self, level: usize) -> f64 {
+        self.finest.powi(2) + self.growth.powi(2) * (4f64.powi(level as i32) - 1.0)
+    }
+
     /// Bytes of all levels with `pieces` cubics of three channels.
     pub fn bytes(&self, pieces: usize) -> usize {
         (0..self.levels).map(|l| self.side_of(l).pow(2)).sum::<usize>() * pieces * 3 * 8

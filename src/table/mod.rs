@@ -10,16 +10,41 @@
 mod bake;
 mod cache;
 mod grid;
+mod pieces;
 mod read;
 mod specular;
+mod sums;
 
-pub use bake::{TableSettings, bake};
+pub use bake::bake;
 pub use grid::Grid;
-pub use read::{MOST_SIDES, TableReader};
+pub use read::TableReader;
 pub use specular::{BANDS, SPECULAR_SAMPLES, Specular};
 
+use crate::optics::spectrum::Illuminant;
 use half::f16;
 use serde::{Deserialize, Serialize};
+
+/// What a table is made for.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct TableSettings {
+    /// The light's spectrum.
+    pub illuminant: Illuminant,
+    /// Number of wavelengths, where the user names it.
+    pub wavelengths: Option<usize>,
+    /// Relative error of the sum over wavelengths.
+    pub quadrature_error: f64,
+    /// Relative error of reading between texels.
+    pub reading_error: f64,
+    /// Relative error of the cubics in |w|.
+    pub cubic_error: f64,
+    /// Least standard deviation of u and of v that is averaged over.
+    pub finest: f64,
+    /// Most texels along a side.
+    pub side_limit: usize,
+    /// Most bytes of all levels. Not part of the key: it decides whether they are made.
+    #[serde(skip)]
+    pub memory_limit: usize,
+}
 
 /// A colour table.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +68,8 @@ pub struct Header {
     pub unit: f64,
     /// The specular order.
     pub specular: Specular,
+    /// Least variance of u and of v that the coherence of the light averages over: of blue light.
+    pub coherence_blur: f64,
     /// Relative error of the cubics, measured.
     pub cubic_error: f64,
 }

@@ -1,8 +1,8 @@
 //! Reads a colour table between its texels and over footprints: the twin of `shaders/source_table.glsl`.
 
 use super::{ColorTable, LARGEST_W, SPECULAR_SAMPLES};
-use crate::brdf::mean::Covariance;
 use crate::optics::brdf::schlick;
+use crate::optics::footprint::{Covariance, Share, Taps};
 use crate::optics::geometry::Pair;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -12,53 +12,22 @@ pub struct TableReader<'a> {
     table: &'a ColorTable,
 }
 
-/// A footprint as the table is read over it: taps along its longer axis, each at a level that stands for the shorter one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Taps {
-    /// Level to read.
-    pub level: f64,
-    /// Taps on either side of the middle.
-    pub sides: usize,
-    /// From one tap to the next.
-    pub step: DVec2,
-    /// The weight of tap k relative to the middle is exp(−`fall`·k²).
-    pub fall: f64,
-}
-
-/// Taps are at most so many standard deviations of the level's average apart: a row of Gaussians so far apart is even to 3.4 %.
-pub const TAP_SPACING: f64 = 2.2;
-/// Most taps on either side. A longer footprint is read at a coarser level.
-pub const MOST_SIDES: usize = 8;
-/// Taps reach so many standard deviations of the longer axis.
-pub const TAP_REACH: f64 = 2.5;
-
 impl<'a> TableReader<'a> {
     /// For `table`.
     pub fn new(table: &'a ColorTable) -> Self {
         Self { table }
     }
 
-    /// How to read over `around`.
-    pub fn taps(&self, around: &Covariance) -> Taps {
-        let grid = &self.table.header.grid;
-        let (half_sum, half_difference) = (0.5 * (around.uu + around.vv), 0.5 * (around.uu - around.vv));
-        let root = half_difference.hypot(around.uv);
-        let (long, short) = (half_sum + root, (half_sum - root).max(0.0));
-        // The level's own standard deviation: of the shorter axis, of the finest level, and of what the taps can bridge.
-        let bridged = long.sqrt() * TAP_REACH / (TAP_SPACING * MOST_SIDES as f64);
-        let own = short.sqrt().max(grid.finest).max(bridged.min(long.sqrt()));
-        let left = (long - own * own).max(0.0).sqrt();
-        let level = grid.level(own * own);
-        // The blur of a tap is at least that of a texel.
-        let tap = own.max(0.5 * grid.spacing(0));
-        let sides = (TAP_REACH * left / (TAP_SPACING * tap)).ceil().min(MOST_SIDES as f64) as usize;
-        if sides == 0 {
-            return Taps { level, sides: 0, step: DVec2::ZERO, fall: 0.0 };
-        }
-        let angle = 0.5 * around.uv.atan2(half_difference);
-        let distance = TAP_REACH * left / sides as f64;
-        let fall = 0.5 * (distance / left).powi(2);
-        Taps { level, sides, step: DVec2::from_angle(angle) * distance, fall }
+    /// The level to read over `around`, and the taps of one of the samples of the pixel: a level stands for the shorter axis, as far as it
+    /// averages over no more, and taps for the rest.
+    pub fn taps(&self, around: &Covariance, share: Share) -> (usize, Taps) {
+        let header = &self.table.header;
+        let [_, shorter] = around.axes();
+        let grid = &header.grid;
+        let own = shorter.max(grid.finest.powi(2)).max(Taps::least_own(around, header.coherence_blur));
+        let level = grid.level(own) as usize;
+        let taps = Taps::new(around, [own, grid.variance(level)], header.coherence_blur, share);
+        (level, taps)
     }
 
     /// XYZ of f cos θ_i \[sr⁻¹\] of one pair in a medium of index `ior`, averaged over `around`.
@@ -68,14 +37,9 @@ impl<'a> TableReader<'a> {
         }
         let uvw = pair.uvw();
         let (toward, w) = (-uvw.truncate(), uvw.z.abs());
-        let taps = self.taps(around);
-        let (mut sum, mut norm) = (DVec3::ZERO, 0.0);
-        for k in -(taps.sides as i64)..=taps.sides as i64 {
-            let weight = (-taps.fall * (k * k) as f64).exp();
-            sum += self.at(toward + taps.step * k as f64, w, taps.level) * weight;
-            norm += weight;
-        }
-        let colour = sum / norm + self.specular(toward, w, around);
+        let (level, taps) = self.taps(around, Share::ALL);
+        let sum: DVec3 = taps.each().map(|(place, weight)| self.at(toward + place, w, level) * weight).sum();
+        let colour = sum + self.specular(toward, w, around);
         colour * (schlick(ior, pair.cos_half_angle()) * pair.geometric_factor_times_cos_light() / (w * w))
     }
 
@@ -100,18 +64,7 @@ impl<'a> TableReader<'a> {
     }
 
     /// The table's value at a place, |w| and level.
-    pub fn at(&self, toward: DVec2, w: f64, level: f64) -> DVec3 {
-        let grid = &self.table.header.grid;
-        let lower = (level as usize).min(grid.levels - 1);
-        let share = level - lower as f64;
-        let value = self.at_level(toward, w, lower);
-        if share > 0.0 && lower + 1 < grid.levels {
-            return value.lerp(self.at_level(toward, w, lower + 1), share);
-        }
-        value
-    }
-
-    fn at_level(&self, toward: DVec2, w: f64, level: usize) -> DVec3 {
+    pub fn at(&self, toward: DVec2, w: f64, level: usize) -> DVec3 {
         let header = &self.table.header;
         let (side, pieces) = (header.grid.side_of(level), header.pieces);
         let texels = &self.table.levels[level];

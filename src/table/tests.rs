@@ -1,7 +1,8 @@
 //! Power spectra and colour tables against the f64 mean.
 
 use super::*;
-use crate::brdf::mean::{Covariance, Mean, TabulatedMean};
+use crate::brdf::mean::{Mean, TabulatedMean};
+use crate::optics::footprint::Covariance;
 use crate::optics::geometry::{Pair, direction};
 use crate::optics::spectrum::Illuminant;
 use crate::random::Random;

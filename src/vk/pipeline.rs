@@ -78,7 +78,7 @@ pub struct Drawing<'a> {
 pub struct Constant {
     /// Its `constant_id`.
     pub id: u32,
-    /// Its bits; of a bool, 0 or 1.
+    /// Its bits, also those of a float; of a bool, 0 or 1.
     pub value: u32,
 }
 
@@ -86,6 +86,11 @@ impl Constant {
     /// Constant `id` with `value`.
     pub fn new(id: u32, value: impl Into<u32>) -> Self {
         Self { id, value: value.into() }
+    }
+
+    /// Constant `id`, a float.
+    pub fn float(id: u32, value: f32) -> Self {
+        Self { id, value: value.to_bits() }
     }
 }
 

@@ -21,13 +21,13 @@ impl Sampler {
         Self::new(device, name, &filtering(address))
     }
 
-    /// Trilinear; coordinates are clamped to the edge.
+    /// Linear within the nearest level; coordinates are clamped to the edge.
     ///
     /// # Errors
     /// Where the device refuses.
-    pub fn trilinear(device: &Arc<Device>, name: &str) -> Result<Self> {
+    pub fn levels(device: &Arc<Device>, name: &str) -> Result<Self> {
         let info = filtering(vk::SamplerAddressMode::CLAMP_TO_EDGE)
-            .mipmap_mode(vk::SamplerMipmapMode::LINEAR)
+            .mipmap_mode(vk::SamplerMipmapMode::NEAREST)
             .max_lod(vk::LOD_CLAMP_NONE);
         Self::new(device, name, &info)
     }

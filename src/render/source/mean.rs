@@ -3,9 +3,10 @@
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
 use super::spectra::numbers;
-use super::{Extent, Summary, stages};
+use super::{Extent, Summary, stages, taps_constants};
 use crate::error::Result;
 use crate::optics::brdf::schlick;
+use crate::optics::footprint::Taps;
 use crate::precompute::kernel::Kernel;
 use crate::render::picture::Directions;
 use crate::render::shading::Shading;
@@ -13,6 +14,7 @@ use crate::render::tables::Combs;
 use crate::render::upload;
 use crate::spectra::power::PowerSpectra;
 use crate::spectra::power::chebyshev::polynomials;
+use crate::spectra::power::read::level_of_ratio;
 use crate::vk::buffer::Buffer;
 use crate::vk::device::Device;
 use crate::vk::image::{Description, Image};
@@ -20,6 +22,7 @@ use crate::vk::pipeline::Constant;
 use crate::vk::sampler::Sampler;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
+use glam::DVec2;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -52,8 +55,8 @@ const MIDDLE: f64 = 0.55;
 /// Samples of the specular order's power over z: between two, the phase of the farthest heights of 1 µm turns by a thirtieth of a radian.
 const SPECULAR_SAMPLES: usize = 1024;
 
-/// Standard deviations of a footprint's longer axis that count as the path of a ray; `LONGER_REACH` of the shader.
-const LONGER_REACH: f64 = 2.0;
+/// Where blue light weighs most \[µm\]: coherence blurs it least.
+const BLUE: f64 = 0.45;
 
 /// The `Mean` block (std140).
 #[repr(C)]
@@ -83,8 +86,8 @@ pub struct MeanBlock {
     pub rays: f32,
     /// Squared wavenumber in the middle of the spectrum \[µm⁻²\].
     pub middle: f32,
-    /// std140 rounds a block up to 16 bytes.
-    pub padding: f32,
+    /// Least variance of u that the finest level averages over: of blue light.
+    pub blur: f32,
 }
 
 impl Mean {
@@ -93,8 +96,9 @@ impl Mean {
         const LAYERS: u32 = 11;
         let header = &self.spectra.header;
         let layers = header.terms.div_ceil(4) as u32;
-        let constants =
-            vec![Constant::new(CUBIC, header.grid.kernel == Kernel::Cubic), Constant::new(LAYERS, layers)];
+        let mut constants = taps_constants();
+        constants.push(Constant::new(CUBIC, header.grid.kernel == Kernel::Cubic));
+        constants.push(Constant::new(LAYERS, layers));
         let mut bound = BoundSource::new(device, "mean set", &KINDS, stages!("mean"), constants)?;
         bound.reads_footprints = true;
         let description = Description {
@@ -109,7 +113,7 @@ impl Mean {
         let levels: Vec<&[u8]> =
             self.spectra.levels.iter().map(|level| bytemuck::cast_slice(level)).collect();
         upload::levels(device, &image, layers, &levels)?;
-        bound.data(binding::POWERS, image, Sampler::trilinear(device, "power spectra sampler")?);
+        bound.data(binding::POWERS, image, Sampler::levels(device, "power spectra sampler")?);
         let specular = self.specular();
         let format = vk::Format::R32G32B32A32_SFLOAT;
         let size = [specular.len(), 1];
@@ -140,7 +144,7 @@ impl Mean {
             last_level: (header.grid.levels - 1) as f32,
             rays: finest.sqrt() as f32,
             middle: MIDDLE.powi(-2) as f32,
-            padding: 0.0,
+            blur: (BLUE * BLUE * finest) as f32,
         };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let bins = Buffer::with_data(device, "combs", storage, bytemuck::cast_slice(&combs.bins))?;
@@ -204,12 +208,21 @@ impl Mean {
         for (index, seen) in directions.iter().enumerate() {
             for i in (0..seen.view.len()).filter(|&i| seen.view[i][3] != 0.0) {
                 cost.covered += usize::from(index == 0);
-                let [longer, shorter] = seen.covariance(i).axes();
-                let left = (longer - shorter).max(0.0).sqrt();
-                let toward = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
-                let uv = toward(0).hypot(toward(1)).max(LONGER_REACH * left);
-                let blur = orders + shorter / MIDDLE.powi(2);
-                let nodes = combs.nodes_at(uv * (finest / blur).sqrt()).len();
+                let around = seen.covariance(i);
+                let [_, shorter] = around.axes();
+                let coherence = BLUE * BLUE * finest;
+                let own = shorter.max(Taps::least_own(&around, coherence));
+                let level =
+                    level_of_ratio((orders + own / MIDDLE.powi(2)) / finest, header.grid.levels).floor();
+                let read = MIDDLE.powi(2) * (finest * 4f64.powf(level) - orders);
+                let row = Taps::new(&around, [own, read.clamp(0.0, own)], coherence, seen.share);
+                let taps = Taps { rows: 1, ..row };
+                let direction = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
+                let toward = DVec2::new(direction(0), direction(1));
+                let rays = (finest / (orders + own / MIDDLE.powi(2))).sqrt();
+                let of_tap =
+                    |(place, _): (DVec2, f64)| combs.nodes_at((toward + place).length() * rays).len();
+                let nodes: usize = taps.each().map(of_tap).sum();
                 cost.wavelengths += nodes;
                 cost.samples += nodes * per_wavelength;
             }

@@ -26,8 +26,10 @@ use super::picture::Directions;
 use super::shading::Shading;
 use crate::error::Result;
 use crate::expansion::Basis;
+use crate::optics::footprint;
 use crate::precompute::Layers;
 use crate::vk::device::Device;
+use crate::vk::pipeline::Constant;
 use cost::Cost;
 use std::sync::Arc;
 
@@ -46,6 +48,19 @@ pub enum Source {
     Thesis(Thesis),
     /// Baseline: the classical shader of a grating of one period.
     ClassicalGrating(ClassicalGrating),
+}
+
+/// The constants of `shaders/footprint.glsl`.
+fn taps_constants() -> Vec<Constant> {
+    const FIRST: u32 = 20;
+    let values = [
+        footprint::SPACING,
+        footprint::REACH,
+        footprint::MOST_SIDES as f64,
+        footprint::FEWEST_SIDES as f64,
+        footprint::ROUND,
+    ];
+    (FIRST..).zip(values).map(|(id, value)| Constant::float(id, value as f32)).collect()
 }
 
 /// The texture that holds a source's data.

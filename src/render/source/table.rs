@@ -3,7 +3,7 @@
 
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
-use super::{Extent, Summary, stages};
+use super::{Extent, Summary, stages, taps_constants};
 use crate::error::Result;
 use crate::optics::brdf::schlick;
 use crate::render::picture::Directions;
@@ -41,8 +41,8 @@ pub struct TableBlock {
     pub normal_reflectance: f32,
     /// Texture coordinate per unit of u.
     pub texture_per_uv: f32,
-    /// Distance of the finest level's texels in u.
-    pub spacing: f32,
+    /// Variance of u that coherence averages over.
+    pub coherence: f32,
     /// What a stored 1 stands for \[sr⁻¹\].
     pub unit: f32,
     /// Variance of u that the finest level averages over.
@@ -59,7 +59,7 @@ pub struct TableBlock {
 
 impl Table {
     pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
-        let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), Vec::new())?;
+        let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), taps_constants())?;
         bound.spectral = false;
         bound.reads_footprints = true;
         let header = &self.table.header;
@@ -76,7 +76,7 @@ impl Table {
         let image = Image::with_levels(device, &description, header.grid.levels as u32)?;
         let levels: Vec<&[u8]> = self.table.levels.iter().map(|level| bytemuck::cast_slice(level)).collect();
         upload::levels(device, &image, layers, &levels)?;
-        bound.data(binding::COLOURS, image, Sampler::trilinear(device, "colour table sampler")?);
+        bound.data(binding::COLOURS, image, Sampler::levels(device, "colour table sampler")?);
         let weights: Vec<[f32; 4]> =
             header.specular.weights.iter().flatten().map(|&[x, y, z]| [x, y, z, 0.0]).collect();
         let format = vk::Format::R32G32B32A32_SFLOAT;
@@ -96,7 +96,7 @@ impl Table {
         let block = TableBlock {
             normal_reflectance: schlick(shading.ior, 1.0) as f32,
             texture_per_uv: (0.5 / grid.extent) as f32,
-            spacing: grid.spacing(0) as f32,
+            coherence: header.coherence_blur as f32,
             unit: header.unit as f32,
             finest: grid.finest.powi(2) as f32,
             per_growth: grid.growth.powi(-2) as f32,
@@ -119,7 +119,7 @@ impl Table {
             basis: None,
             terms: 4 * pieces,
             layers: 3 * pieces,
-            kernel: "linear, between levels".to_owned(),
+            kernel: "linear".to_owned(),
         }
     }
 
@@ -132,7 +132,7 @@ impl Table {
                 cost.covered += usize::from(index == 0);
                 let around = seen.covariance(i);
                 // X, Y and Z.
-                cost.samples += 3 * (2 * reader.taps(&around).sides + 1);
+                cost.samples += 3 * reader.taps(&around, seen.share).1.count();
             }
         }
         cost

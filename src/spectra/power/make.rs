@@ -133,11 +133,11 @@ pub fn power_spectra(
     }
 }
 
-/// Terms to begin with: e^{iz(h − h′)} turns by z_max H over the range, half of it to either side.
+/// Terms to begin with: e^{iz(h − h′)} turns by z_max H over the range, half of it to either side. The audit asks for more.
 fn first_terms(field: &HeightField, z_max: f64) -> usize {
     let (low, high) = field.range();
     let turns = 0.5 * z_max * (high - low);
-    ((turns + 3.0).ceil() as usize).next_multiple_of(PER_TEXEL).clamp(FEWEST_TERMS, MOST_TERMS)
+    (turns.ceil() as usize).next_multiple_of(PER_TEXEL).clamp(FEWEST_TERMS, MOST_TERMS)
 }
 
 /// The grid on which reading errs by no more than `settings` allow, or the finest that the limits allow, and its error.
@@ -345,11 +345,12 @@ mod tests {
         for i in 0..200 {
             let f = DVec2::from_angle(2.4 * f64::from(i)) * (0.2 + 0.02 * f64::from(i));
             let z = 4.0 + 0.1 * f64::from(i);
-            let mut terms = vec![[0.0; PER_TEXEL]; reader.header.terms / PER_TEXEL];
+            let mut terms = vec![glam::Vec4::ZERO; reader.header.terms / PER_TEXEL];
             reader.read(f, 0.0, &mut terms);
             let mut t = vec![0.0; reader.header.terms];
             polynomials(2.0 * z / reader.header.z_max - 1.0, &mut t);
-            let value: f64 = terms.iter().flatten().zip(&t).map(|(a, t)| f64::from(*a) * t).sum();
+            let value: f64 =
+                terms.iter().flat_map(|a| a.to_array()).zip(&t).map(|(a, t)| f64::from(a) * t).sum();
             let exact = mean(f, z);
             error += (value * reader.header.unit * z * z - exact).powi(2);
             energy += exact * exact;

@@ -2,14 +2,14 @@
 
 use super::make::{Header, PowerSpectra};
 use super::texture::{PER_TEXEL, interleaved};
-use glam::DVec2;
+use glam::{DVec2, Vec4};
 
 /// Power spectra in the layout that a processor reads fast.
 pub struct Reader {
     /// What the numbers mean.
     pub header: Header,
     // [level][row][column][layer][term of the layer]
-    levels: Vec<Vec<[f32; PER_TEXEL]>>,
+    levels: Vec<Vec<Vec4>>,
 }
 
 impl Reader {
@@ -17,7 +17,8 @@ impl Reader {
     pub fn new(spectra: &PowerSpectra) -> Self {
         let grid = &spectra.header.grid;
         let level = |(l, values): (usize, &Vec<half::f16>)| {
-            interleaved(values, grid.size_of(l).into_iter().product())
+            let texels = interleaved(values, grid.size_of(l).into_iter().product());
+            texels.into_iter().map(Vec4::from).collect()
         };
         Self {
             header: spectra.header.clone(),
@@ -39,42 +40,89 @@ impl Reader {
     }
 
     /// The Chebyshev coefficients at the frequency `f` \[µm⁻¹\] and `level`, in units of the header's `unit`.
-    pub fn read(&self, f: DVec2, level: f64, coefficients: &mut [[f32; PER_TEXEL]]) {
-        coefficients.fill([0.0; PER_TEXEL]);
-        let lower = (level.floor() as usize).min(self.levels.len() - 1);
-        let share = level - lower as f64;
-        self.add(f, lower, (1.0 - share) as f32, coefficients);
-        if share > 0.0 && lower + 1 < self.levels.len() {
-            self.add(f, lower + 1, share as f32, coefficients);
+    pub fn read(&self, f: DVec2, level: f64, coefficients: &mut [Vec4]) {
+        let square = Square { first: f, step: 0.0, side: 1 };
+        let lower = level.floor();
+        let share = (level - lower) as f32;
+        let mut rows = Vec::new();
+        self.read_square(&square, lower as usize, &mut rows, coefficients);
+        if share > 0.0 {
+            let mut above = coefficients.to_vec();
+            self.read_square(&square, lower as usize + 1, &mut rows, &mut above);
+            coefficients.iter_mut().zip(above).for_each(|(o, above)| *o = o.lerp(above, share));
         }
     }
 
-    fn add(&self, f: DVec2, level: usize, share: f32, coefficients: &mut [[f32; PER_TEXEL]]) {
-        let grid = &self.header.grid;
-        let [columns, rows] = grid.size_of(level);
-        let place = (f / DVec2::from_array(grid.range) + 0.5) * DVec2::new(columns as f64, rows as f64) - 0.5;
-        let corner = place.floor();
-        let (wx, wy) = (grid.kernel.weights(place.x - corner.x), grid.kernel.weights(place.y - corner.y));
-        let clamp =
-            |i: f64, offset: usize, n: usize| (i as i64 + offset as i64 - 1).clamp(0, n as i64 - 1) as usize;
-        let columns_at: [usize; 4] = std::array::from_fn(|i| clamp(corner.x, i, columns));
-        let wx = wx.map(|w| w as f32 * share);
-        let layers = coefficients.len();
-        let values = &self.levels[level];
-        for (j, wy) in wy.into_iter().enumerate().filter(|(_, w)| *w != 0.0) {
-            let row = clamp(corner.y, j, rows) * columns;
-            for (column, wx) in columns_at.iter().zip(wx).filter(|(_, w)| *w != 0.0) {
-                let weight = wx * wy as f32;
-                let texel = &values[(row + column) * layers..][..layers];
-                for (sums, values) in coefficients.iter_mut().zip(texel) {
-                    for k in 0..PER_TEXEL {
-                        sums[k] += weight * values[k];
-                    }
+    /// The Chebyshev coefficients at every frequency of `square` and whole `level`, in units of the header's `unit`: `[row][column][layer]`.
+    /// Frequencies that the samples of the surface do not hold are 0. `rows` is working room.
+    pub fn read_square(&self, square: &Square, level: usize, rows: &mut Vec<Vec4>, out: &mut [Vec4]) {
+        let level = level.min(self.levels.len() - 1);
+        let [columns_held, rows_held] = self.header.grid.size_of(level);
+        let clamp = |i: i64, held: usize| i.clamp(0, held as i64 - 1) as usize;
+        let layers = self.header.terms / PER_TEXEL;
+        let width = square.side * layers;
+        // Along f_x first, for all texel rows that any frequency reads.
+        let columns: [([usize; 4], [f32; 4]); MOST_SIDE] = std::array::from_fn(|i| {
+            let (first, weights) = self.place(square, level, 0, i);
+            (std::array::from_fn(|t| clamp(first + t as i64, columns_held) * layers), weights)
+        });
+        let (first_row, last_row) =
+            (self.place(square, level, 1, 0).0, self.place(square, level, 1, square.side - 1).0 + 3);
+        rows.clear();
+        rows.resize((last_row - first_row + 1) as usize * width, Vec4::ZERO);
+        for (row, out) in (first_row..=last_row).zip(rows.chunks_exact_mut(width)) {
+            let row =
+                &self.levels[level][clamp(row, rows_held) * columns_held * layers..][..columns_held * layers];
+            for ((texels, weights), out) in columns.iter().zip(out.chunks_exact_mut(layers)) {
+                for (layer, out) in out.iter_mut().enumerate() {
+                    let [a, b, c, d] = texels;
+                    *out = weighed([row[a + layer], row[b + layer], row[c + layer], row[d + layer]], weights);
                 }
             }
         }
+        for (j, out) in out.chunks_exact_mut(width).enumerate() {
+            let (first, weights) = self.place(square, level, 1, j);
+            let four = &rows[(first - first_row) as usize * width..][..4 * width];
+            let (a, rest) = four.split_at(width);
+            let (b, rest) = rest.split_at(width);
+            let (c, d) = rest.split_at(width);
+            for ((((out, a), b), c), d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+                *out = weighed([*a, *b, *c, *d], &weights);
+            }
+        }
+    }
+
+    /// The first of the four texels around frequency number `i` of `square` along `axis`, and their weights.
+    fn place(&self, square: &Square, level: usize, axis: usize, i: usize) -> (i64, [f32; 4]) {
+        let grid = &self.header.grid;
+        let f = square.first[axis] + square.step * i as f64;
+        let place = (f / grid.range[axis] + 0.5) * grid.size_of(level)[axis] as f64 - 0.5;
+        let corner = place.floor();
+        let held = f64::from(f.abs() <= self.header.band[axis]);
+        (corner as i64 - 1, grid.kernel.weights(place - corner).map(|w| (w * held) as f32))
     }
 }
+
+/// Σ weight·texel.
+#[inline]
+fn weighed(texels: [Vec4; 4], weights: &[f32; 4]) -> Vec4 {
+    let [a, b, c, d] = texels;
+    a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3]
+}
+
+/// A square of frequencies.
+#[derive(Clone, Copy, Debug)]
+pub struct Square {
+    /// The one with the least f_x and f_y \[µm⁻¹\].
+    pub first: DVec2,
+    /// From one to the next along either axis \[µm⁻¹\].
+    pub step: f64,
+    /// How many along a side, at most [`MOST_SIDE`].
+    pub side: usize,
+}
+
+/// Most frequencies along the side of a [`Square`].
+pub const MOST_SIDE: usize = 16;
 
 /// The level of `levels` whose variance is `ratio` times that of the finest, where each has four times the one before.
 pub fn level_of_ratio(ratio: f64, levels: usize) -> f64 {

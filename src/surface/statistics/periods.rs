@@ -276,7 +276,8 @@ mod tests {
         for columns in [110, 119, 131, 160, 200] {
             // Unlike a sinusoid a sawtooth has harmonics whose side lobes shift the peak.
             let blaze = field(columns, 40, |x, _| 0.24 * (x / 2.5).fract());
-            let [first, ..] = periods(&blaze)[..] else { panic!("no period of {columns} columns") };
+            let found = periods(&blaze);
+            let [first, ..] = &found[..] else { panic!("no period of {columns} columns") };
             let spread = first.length_spread.unwrap();
             assert!((first.length - 2.5).abs() <= 2.0 * spread, "{columns} columns: {first:?}");
             assert!(spread < 0.02 * 2.5, "{columns} columns: {first:?}");

@@ -1,0 +1,220 @@
+//! Sums the spectrum over squares of texels of a colour table.
+//!
+//! For each wavelength the coefficients in z are read for all texels of a square, along f_x and then along f_y, and multiplied by the
+//! polynomials at all |w|: a matrix product in which neighbouring texels share what they read.
+
+use super::{LARGEST_W, TableSettings};
+use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
+use crate::spectra::power::chebyshev::{coefficients_from_values, nodes, polynomials};
+use crate::spectra::power::read::{Reader, Square};
+use crate::spectra::power::texture::PER_TEXEL;
+use glam::{DVec2, Vec4};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Coefficients of a cubic.
+pub const CUBIC: usize = 4;
+/// A wavelength in the middle of the visible range \[µm\].
+const MIDDLE: f64 = 0.55;
+
+/// The wavelengths of each direction.
+pub struct Spectrum {
+    combs: Vec<Comb>,
+    rule: Rule,
+    named: bool,
+    variance: f64,
+}
+
+impl Spectrum {
+    /// For the table of `settings`.
+    pub fn new(reader: &Reader, settings: &TableSettings) -> Self {
+        let orders = reader.header.orders_blur.variance;
+        let variance = settings.finest.powi(2);
+        // The response along a ray varies as its blur allows: that of a window of this standard deviation.
+        let blur = 0.5 * (orders[0] + orders[1]) + variance / MIDDLE.powi(2);
+        let sigma = 1.0 / (PI * (8.0 * blur).sqrt());
+        let rule = Rule::gaussian(&settings.illuminant, sigma, settings.quadrature_error);
+        match settings.wavelengths {
+            Some(count) => {
+                let nodes = Nodes::catmull_rom(&settings.illuminant, count);
+                Self { combs: vec![nodes.into()], rule, named: true, variance }
+            }
+            None => {
+                Self { combs: Ladder::new(&settings.illuminant, &rule).levels, rule, named: false, variance }
+            }
+        }
+    }
+
+    /// Number of the comb for |(u, v)| = `uv`.
+    fn comb(&self, uv: f64) -> usize {
+        if self.named {
+            return 0;
+        }
+        let needed = self.rule.count(uv.min(2.0));
+        self.combs.iter().position(|comb| comb.weights.len() >= needed).unwrap_or(self.combs.len() - 1)
+    }
+}
+
+/// A square of texels: places −(u, v).
+#[derive(Clone, Copy, Debug)]
+pub struct Tile {
+    /// The one with the least u and v.
+    pub first: DVec2,
+    /// From one to the next along either axis.
+    pub step: f64,
+    /// How many along a side, at most [`crate::spectra::power::read::MOST_SIDE`].
+    pub side: usize,
+}
+
+impl Tile {
+    /// The largest |(u, v)| in it.
+    fn farthest(&self) -> f64 {
+        let last = self.first + self.step * (self.side - 1) as f64;
+        self.first.abs().max(last.abs()).length()
+    }
+
+    /// The smallest |(u, v)| in it.
+    pub fn nearest(&self) -> f64 {
+        let last = self.first + self.step * (self.side - 1) as f64;
+        DVec2::ZERO.clamp(self.first, last).length()
+    }
+}
+
+/// Values of |w| that the products take at once.
+const LANES: usize = 4;
+
+/// Sums over the spectrum at given |w|.
+pub struct Sums<'a> {
+    reader: &'a Reader,
+    spectrum: &'a Spectrum,
+    // Number of |w|, and the same rounded up to LANES.
+    count: usize,
+    padded: usize,
+    // For each comb, node by node: [w / LANES][term][w % LANES], q² z² times the Chebyshev polynomials at z = 2πq|w|.
+    polynomials: Vec<Vec<Vec4>>,
+    to_cubic: [[f32; CUBIC]; CUBIC],
+}
+
+/// Working arrays of a thread.
+#[derive(Default)]
+pub struct Scratch {
+    rows: Vec<Vec4>,
+    terms: Vec<Vec4>,
+    /// `[texel][channel][w]`, w padded to [`LANES`].
+    sums: Vec<Vec4>,
+}
+
+impl<'a> Sums<'a> {
+    /// At the four Chebyshev nodes of each of `pieces`.
+    pub fn new(reader: &'a Reader, spectrum: &'a Spectrum, pieces: usize) -> Self {
+        let length = LARGEST_W / pieces as f64;
+        let w =
+            (0..pieces).flat_map(|p| nodes(CUBIC, length).into_iter().map(move |x| p as f64 * length + x));
+        Self::at(reader, spectrum, w.collect())
+    }
+
+    /// At the given |w|.
+    pub fn at(reader: &'a Reader, spectrum: &'a Spectrum, w: Vec<f64>) -> Self {
+        let (terms, z_max) = (reader.header.terms, reader.header.z_max);
+        let (count, padded) = (w.len(), w.len().next_multiple_of(LANES));
+        let of_comb = |comb: &Comb| {
+            let mut values = vec![0f32; comb.weights.len() * terms * padded];
+            let mut t = vec![0.0; terms];
+            for (q, node) in comb.wavenumbers.iter().zip(values.chunks_exact_mut(terms * padded)) {
+                for (i, w) in w.iter().enumerate() {
+                    let factor = (q * 2.0 * PI * q * w).powi(2) * reader.header.unit;
+                    polynomials((4.0 * PI * q * w / z_max - 1.0).min(1.0), &mut t);
+                    let lane = (i / LANES) * terms * LANES + i % LANES;
+                    for (k, t) in t.iter().enumerate() {
+                        node[lane + k * LANES] = (t * factor) as f32;
+                    }
+                }
+            }
+            values.chunks_exact(LANES).map(Vec4::from_slice).collect()
+        };
+        let polynomials = spectrum.combs.par_iter().map(of_comb).collect();
+        Self { reader, spectrum, count, padded, polynomials, to_cubic: cubic_from_nodes() }
+    }
+
+    /// XYZ at every w for every texel of `tile`, into `scratch`.
+    fn sum(&self, tile: &Tile, scratch: &mut Scratch) {
+        let number = self.spectrum.comb(tile.farthest());
+        let comb = &self.spectrum.combs[number];
+        let (terms, texels, lanes) = (self.reader.header.terms, tile.side * tile.side, self.padded / LANES);
+        scratch.sums.clear();
+        scratch.sums.resize(texels * 3 * lanes, Vec4::ZERO);
+        scratch.terms.resize(texels * terms / PER_TEXEL, Vec4::ZERO);
+        let per_node = terms * lanes;
+        let layers = terms / PER_TEXEL;
+        for (j, (q, weight)) in comb.wavenumbers.iter().zip(&comb.weights).enumerate() {
+            let square = Square { first: tile.first * *q, step: tile.step * q, side: tile.side };
+            let level = self.reader.level(q * q * self.spectrum.variance) + dither(j);
+            self.reader.read_square(&square, level as usize, &mut scratch.rows, &mut scratch.terms);
+            let weight = weight.as_vec3().to_array();
+            let matrix = &self.polynomials[number][j * per_node..(j + 1) * per_node];
+            for (series, sums) in
+                scratch.terms.chunks_exact(layers).zip(scratch.sums.chunks_exact_mut(3 * lanes))
+            {
+                for (lane, factors) in matrix.chunks_exact(terms).enumerate() {
+                    let value = product(series, factors);
+                    for (channel, weight) in weight.iter().enumerate() {
+                        sums[channel * lanes + lane] += value * *weight;
+                    }
+                }
+            }
+        }
+    }
+
+    /// XYZ at every w for one place.
+    pub fn colours(&self, place: DVec2, scratch: &mut Scratch) -> Vec<[f32; 3]> {
+        self.sum(&Tile { first: place, step: 0.0, side: 1 }, scratch);
+        let sums: &[f32] = bytemuck::cast_slice(&scratch.sums);
+        (0..self.count).map(|i| std::array::from_fn(|channel| sums[channel * self.padded + i])).collect()
+    }
+
+    /// The cubics at every texel of `tile`, `out(texel)` being `[piece][channel][power]`.
+    pub fn cubics(&self, tile: &Tile, scratch: &mut Scratch, mut out: impl FnMut(usize, &[f32])) {
+        self.sum(tile, scratch);
+        let sums: &[f32] = bytemuck::cast_slice(&scratch.sums);
+        let mut cubics = vec![0f32; self.count * 3];
+        for (texel, sums) in sums.chunks_exact(3 * self.padded).enumerate() {
+            for (number, cubic) in cubics.chunks_exact_mut(CUBIC).enumerate() {
+                let (piece, channel) = (number / 3, number % 3);
+                let values = &sums[channel * self.padded + piece * CUBIC..][..CUBIC];
+                for (slot, row) in cubic.iter_mut().zip(&self.to_cubic) {
+                    *slot = values.iter().zip(row).map(|(v, m)| v * m).sum();
+                }
+            }
+            out(texel, &cubics);
+        }
+    }
+}
+
+/// max(0, Σ term·factor), at [`LANES`] values of |w|.
+fn product(series: &[Vec4], factors: &[Vec4]) -> Vec4 {
+    let mut sum = Vec4::ZERO;
+    for (terms, factors) in series.iter().zip(factors.chunks_exact(PER_TEXEL)) {
+        sum += factors[0] * terms.x + factors[1] * terms.y + factors[2] * terms.z + factors[3] * terms.w;
+    }
+    sum.max(Vec4::ZERO)
+}
+
+/// Share of a level that node `j` adds before it is rounded down: neighbouring wavelengths then mix two levels as interpolation between
+/// the levels would, for half the reads. Multiples of the golden ratio spread evenly however many there are.
+fn dither(j: usize) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    (0.5 + j as f64 * GOLDEN).fract()
+}
+
+/// Takes values at the four Chebyshev nodes of −1 … 1 to the coefficients of 1, t, t², t³.
+fn cubic_from_nodes() -> [[f32; CUBIC]; CUBIC] {
+    let chebyshev = coefficients_from_values(CUBIC);
+    // T_2 = 2t² − 1 and T_3 = 4t³ − 3t.
+    let row = |f: &dyn Fn(usize) -> f64| std::array::from_fn(|j| f(j) as f32);
+    [
+        row(&|j| chebyshev[0][j] - chebyshev[2][j]),
+        row(&|j| chebyshev[1][j] - 3.0 * chebyshev[3][j]),
+        row(&|j| 2.0 * chebyshev[2][j]),
+        row(&|j| 4.0 * chebyshev[3][j]),
+    ]
+}
