@@ -28,6 +28,7 @@ layout(constant_id = 21) const float TAP_REACH = 2.0;
 layout(constant_id = 22) const float MOST_SIDES = 1.0;
 layout(constant_id = 23) const float FEWEST_SIDES = 1.0;
 layout(constant_id = 24) const float ROUND = 0.0;
+layout(constant_id = 25) const float MOST_SHARED = 1.0;
 
 // Places in a footprint, whose sum stands for the average over it: `Taps` of src/optics/footprint.rs.
 struct Taps {
@@ -46,7 +47,7 @@ Taps taps_of(Footprint footprint, Ellipse ellipse, float own, float read, float 
     float tap = sqrt(read + blur);
     bool is_long = left > ROUND * tap;
     float needed = is_long ? ceil(TAP_REACH * left / (TAP_SPACING * tap)) : 0.0;
-    float sides = clamp(ceil(needed / footprint.samples), min(needed, FEWEST_SIDES), MOST_SIDES);
+    float sides = clamp(ceil(needed / min(footprint.samples, MOST_SHARED)), min(needed, FEWEST_SIDES), MOST_SIDES);
     float step = TAP_REACH / max(sides, 1.0);
     Taps taps;
     taps.first = is_long ? footprint.tap_offsets.x - sides : 0.0;
@@ -70,7 +71,7 @@ float least_own(Ellipse ellipse, float blur) {
 // mixture of two levels has the mean of their variances.
 float level_of_ratio(float ratio) {
     float r = max(ratio, 1.0);
-    float lower = floor(0.5 * log2(r));
+    float lower = max(floor(0.5 * log2(r)), 0.0); // log2(1) may be rounded to less than 0
     return lower + clamp((r * exp2(-2.0 * lower) - 1.0) / 3.0, 0.0, 1.0);
 }
 

@@ -83,7 +83,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
         } while (n < taps.last);
         middle -= 2.0 * source.texture_per_uv * taps.aside;
     }
-    vec3 diffracted = sum * (source.unit / norm);
+    vec3 diffracted = sum * (source.unit * pair.w * pair.w / norm);
     return (diffracted + specular_xyz(pair, c)) * (pair.factor / (4.0 * PI));
 }
 

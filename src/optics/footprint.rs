@@ -38,7 +38,7 @@ impl Covariance {
     }
 }
 
-/// Which of the samples of a pixel is shaded. The taps of all samples together are as close as those of a single one.
+/// Which of the samples of a pixel is shaded. The taps of [`MOST_SHARED`] samples together are as close as those of a single one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Share {
     /// Number of the sample, from 0.
@@ -87,11 +87,13 @@ pub struct Taps {
     pub rows: usize,
 }
 
-/// Taps of all samples together are so many standard deviations of what one of them averages over apart: a row of Gaussians so far apart is
+/// Taps of the samples that share them are together so many standard deviations of what one of them averages over apart: a row of Gaussians so far apart is
 /// even to 3.4 %, and the errors of its crests and troughs cancel over a picture.
 pub const SPACING: f64 = 2.2;
 /// Taps reach so many standard deviations of the longer axis: 0.3 % of the average lies beyond.
 pub const REACH: f64 = 3.0;
+/// So many samples of a pixel share the taps of its footprint. With more of them a bright order between two taps is missed too often.
+pub const MOST_SHARED: u32 = 4;
 /// Most taps on either side of a single sample. A longer footprint is read coarser.
 pub const MOST_SIDES: usize = 32;
 /// Fewest taps on either side of one of several samples, where the footprint needs as many: 1.5 standard deviations apart their weights add
@@ -114,7 +116,8 @@ impl Taps {
         if left > ROUND * tap {
             let needed = (REACH * left / (SPACING * tap)).ceil();
             let fewest = needed.min(FEWEST_SIDES as f64);
-            let sides = (needed / f64::from(share.count)).ceil().clamp(fewest, MOST_SIDES as f64);
+            let sides =
+                (needed / f64::from(share.count.min(MOST_SHARED))).ceil().clamp(fewest, MOST_SIDES as f64);
             let step = REACH / sides;
             taps = Self {
                 sides: sides as usize,

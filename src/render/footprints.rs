@@ -72,8 +72,7 @@ fn quantile(values: &[f64], share: f64) -> f64 {
     values.get((share.clamp(0.0, 1.0) * last as f64).round() as usize).copied().unwrap_or(0.0)
 }
 
-/// The least standard deviation of (u, v) that the finest level of a source has to resolve for a `sample` of `view` with `size` pixels. It is rounded
-/// down to a power of √2, so that views that differ little share a source.
+/// The least standard deviation of (u, v) that the finest level of a source has to resolve for a `sample` of `view` with `size` pixels.
 ///
 /// # Errors
 /// Where the device is lost or has no room.
@@ -85,11 +84,7 @@ pub fn least(device: &Arc<Device>, mesh: &Mesh, view: &View, size: [u32; 2], sam
     painter.ask_for_footprints()?;
     let directions: Vec<_> =
         (0..lights).map(|light| painter.directions_of(view, light, sample)).collect::<Result<_>>()?;
-    let least = least_read(&directions);
-    if least <= 0.0 {
-        return Ok(0.0);
-    }
-    Ok((2.0 * least.log2()).floor().exp2().sqrt())
+    Ok(least_read(&directions))
 }
 
 /// The standard deviation of (u, v) along the shorter axis of its footprint that nine of ten pixels of `directions` (one entry per light) exceed.

@@ -12,7 +12,7 @@ use crate::optics::spectrum::SHORTEST;
 use crate::precompute::{self, Layers, compute_at};
 use crate::render::shading::{Purpose, Shading};
 use crate::render::source::{Grating, Mean, Source, Table};
-use crate::spectra::power::{PowerSettings, PowerSpectra, power_spectra};
+use crate::spectra::power::{Blur, PowerSettings, PowerSpectra, power_spectra};
 use crate::surface::{HeightField, tiling};
 use crate::table::{ColorTable, TableSettings, bake};
 use crate::vk::device::Device;
@@ -313,10 +313,20 @@ impl Settings {
         }
     }
 
+    /// The least standard deviation of (u, v) that is averaged over, as far as it counts beside the blur by coherence: that of light of the middle of
+    /// the spectrum times a power of 2, or 0 below. So all views from near share a source.
+    fn finest(&self) -> f64 {
+        const MIDDLE: f64 = 0.55;
+        let Some(sigma) = self.shading.coherence.sigma() else { return 0.0 };
+        let coherence = MIDDLE * Blur::of_coherence(sigma).variance[0].sqrt();
+        let octave = (self.least_footprint / coherence).log2().floor();
+        if octave >= 0.0 { coherence * octave.exp2() } else { 0.0 }
+    }
+
     /// How much more reading between texels may err where pixels average over footprints: rows of taps average the error along the longer axis.
     /// On the snake relative L2 is 0.006 times the squared ratio of spacing and blur, of 0.046 at single points.
     fn over_footprints(&self) -> f64 {
-        const AVERAGED: f64 = 3.5;
+        const AVERAGED: f64 = 3.9;
         match self.shading.purpose {
             Purpose::Directions => 1.0,
             Purpose::Picture => AVERAGED,
@@ -333,7 +343,7 @@ impl Settings {
             shortest: self.shortest,
             series_error: budget.expansion,
             reading_error: budget.interpolation * self.reading_share(),
-            least_footprint: self.least_footprint,
+            least_footprint: self.finest(),
             side_limit: limits.max_side as usize,
             memory_limit: Self::memory_limit(limits),
         })
@@ -348,7 +358,7 @@ impl Settings {
             quadrature_error: self.shading.quadrature(),
             reading_error: READING_SHARE * self.shading.gain() * self.over_footprints() * tolerance,
             cubic_error: CUBIC_SHARE * tolerance,
-            finest: self.least_footprint,
+            finest: self.finest(),
             side_limit: limits.max_side as usize,
             memory_limit: Self::memory_limit(limits),
         }

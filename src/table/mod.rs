@@ -1,8 +1,8 @@
 //! Colour tables: the mean response summed over the spectrum of one light, so that a picture reads one colour instead of tens of
 //! wavelengths.
 //!
-//! With R the reflectance and G the geometric factor, f cos θ_i = R G cos θ_i/w² · (X(u, v, |w|) + X₀). X is the sum over wavelengths
-//! of q² ⟨|P|²⟩/A without the specular order, a smooth function of |w| that the table holds as cubics over pieces of 0 … 2. X₀ is the same of
+//! With R the reflectance and G the geometric factor, f cos θ_i = R G cos θ_i (X(u, v, |w|) + X₀/w²). X is the sum over wavelengths
+//! of q² ⟨|P|²⟩/(A w²) without the specular order, a smooth function of |w| that the table holds as cubics over pieces of 0 … 2. X₀ is q² ⟨|P|²⟩/A of
 //! the specular order, a Gaussian in (u, v) for each band of wavelengths, which needs no table over (u, v).
 //!
 //! Level l of a table is the average over a Gaussian of (u, v) of standard deviation s_l; see [`Grid`].

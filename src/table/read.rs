@@ -39,7 +39,7 @@ impl<'a> TableReader<'a> {
         let (toward, w) = (-uvw.truncate(), uvw.z.abs());
         let (level, taps) = self.taps(around, Share::ALL);
         let sum: DVec3 = taps.each().map(|(place, weight)| self.at(toward + place, w, level) * weight).sum();
-        let colour = sum + self.specular(toward, w, around);
+        let colour = sum * (w * w) + self.specular(toward, w, around);
         colour * (schlick(ior, pair.cos_half_angle()) * pair.geometric_factor_times_cos_light() / (w * w))
     }
 

@@ -90,7 +90,8 @@ pub struct Sums<'a> {
     // Number of |w|, and the same rounded up to LANES.
     count: usize,
     padded: usize,
-    // For each comb, node by node: [w / LANES][term][w % LANES], q² z² times the Chebyshev polynomials at z = 2πq|w|.
+    // For each comb, node by node: [w / LANES][term][w % LANES], q² z²/w² times the Chebyshev polynomials at
+    // z = 2πq|w|.
     polynomials: Vec<Vec<Vec4>>,
     to_cubic: [[f32; CUBIC]; CUBIC],
 }
@@ -122,7 +123,7 @@ impl<'a> Sums<'a> {
             let mut t = vec![0.0; terms];
             for (q, node) in comb.wavenumbers.iter().zip(values.chunks_exact_mut(terms * padded)) {
                 for (i, w) in w.iter().enumerate() {
-                    let factor = (q * 2.0 * PI * q * w).powi(2) * reader.header.unit;
+                    let factor = (2.0 * PI * q * q).powi(2) * reader.header.unit;
                     polynomials((4.0 * PI * q * w / z_max - 1.0).min(1.0), &mut t);
                     let lane = (i / LANES) * terms * LANES + i % LANES;
                     for (k, t) in t.iter().enumerate() {

@@ -59,6 +59,7 @@ fn taps_constants() -> Vec<Constant> {
         footprint::MOST_SIDES as f64,
         footprint::FEWEST_SIDES as f64,
         footprint::ROUND,
+        footprint::MOST_SHARED.into(),
     ];
     (FIRST..).zip(values).map(|(id, value)| Constant::float(id, value as f32)).collect()
 }

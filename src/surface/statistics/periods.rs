@@ -204,10 +204,10 @@ fn halves(field: &HeightField) -> impl Iterator<Item = Result<HeightField>> + '_
 
 /// The largest relative error of the length of `peak` by the side lobes of its own negative frequency and of the other `peaks`.
 ///
-/// A Hann window's transform at d bins is 1/(πd(d² − 1)) of its peak at the most. Such a share of the amplitude in a neighbouring bin moves
-/// [`refined`] by at most 1.5 times as many bins.
+/// A Hann window's transform at d bins is 1/(πd(d² − 1)) of its peak at the most. A share ε of the amplitude in each of the two
+/// bins that [`refined`] takes the ratio of moves the ratio by up to 2ε, and the peak by up to 1.5 times as many bins.
 fn leaked(spectrum: &Spectrum, peak: &Peak, peaks: &[Peak]) -> f64 {
-    const BINS_PER_SHARE: f64 = 1.5;
+    const BINS_PER_SHARE: f64 = 3.0;
     let bins = |f: [f64; 2]| (f[0] * spectrum.patch[0]).hypot(f[1] * spectrum.patch[1]);
     let [x, y] = peak.frequency;
     let side_lobe = |other: &Peak, sign: f64| {
