@@ -21,11 +21,11 @@ struct Pair {
 struct Footprint {
     vec2 dx; // of (u, v), from a pixel to the one on its right
     vec2 dy; // to the one below
-    vec2 tap_offsets; // where the taps stand: steps along its longer axis, and on which side of it, -1 or 1
+    float tap_offset; // steps from its middle to the middle tap
     float samples;    // of the pixel, which share the taps
 };
 
-const Footprint POINT = Footprint(vec2(0.0), vec2(0.0), vec2(0.0, 1.0), 1.0);
+const Footprint POINT = Footprint(vec2(0.0), vec2(0.0), 0.0, 1.0);
 
 Pair pair_of(vec3 light, vec3 view, float normal_reflectance) {
     Pair pair;

@@ -50,14 +50,14 @@ Taps taps_of(Footprint footprint, Ellipse ellipse, float own, float read, float 
     float sides = clamp(ceil(needed / min(footprint.samples, MOST_SHARED)), min(needed, FEWEST_SIDES), MOST_SIDES);
     float step = TAP_REACH / max(sides, 1.0);
     Taps taps;
-    taps.first = is_long ? footprint.tap_offsets.x - sides : 0.0;
+    taps.first = is_long ? footprint.tap_offset - sides : 0.0;
     taps.last = taps.first + 2.0 * sides + 0.5;
     taps.step = ellipse.axis * (step * left);
     taps.fall = 0.5 * step * step;
     float rest = sqrt(max(own - read, 0.0));
     bool wide = rest > ROUND * tap;
-    taps.rows = wide && footprint.samples == 1.0 ? 2 : 1;
-    taps.aside = wide ? vec2(-ellipse.axis.y, ellipse.axis.x) * (rest * footprint.tap_offsets.y) : vec2(0.0);
+    taps.rows = wide ? 2 : 1;
+    taps.aside = wide ? vec2(-ellipse.axis.y, ellipse.axis.x) * rest : vec2(0.0);
     return taps;
 }
 

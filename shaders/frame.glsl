@@ -10,7 +10,7 @@ struct Sample {
     uint index;                     // number of the sample, from 0
     uint count;                     // samples of the picture
     uint seed;                      // low bits of the sequence's seed
-    vec2 tap_offsets;               // of the taps in a footprint: steps along its longer axis, and on which side of it, -1 or 1
+    float tap_offset;               // steps from the middle of a footprint to its middle tap
 };
 
 layout(set = 0, binding = 0, std140) uniform Frame {

@@ -22,7 +22,7 @@ void main() {
     answers[n++] = frame.base_color;
     answers[n++] = vec4(frame.counts);
     answers[n++] = vec4(frame.at.jitter, frame.at.footprint, float(frame.at.index));
-    answers[n++] = vec4(float(frame.at.count), float(frame.at.seed), frame.at.tap_offsets);
+    answers[n++] = vec4(float(frame.at.count), float(frame.at.seed), frame.at.tap_offset, 0.0);
     answers[n++] = vec4(source.texture_size, source.origin);
     answers[n++] = vec4(source.texels_per_frequency, source.band);
     answers[n++] = vec4(source.sigma, source.normal_reflectance, source.column);

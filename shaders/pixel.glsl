@@ -52,5 +52,5 @@ Footprint footprint_of(int light, ivec2 pixel) {
     default: change = texelFetch(footprints_3, pixel, 0); break;
     }
     change *= frame.at.footprint;
-    return Footprint(change.xy, change.zw, frame.at.tap_offsets, float(frame.at.count));
+    return Footprint(change.xy, change.zw, frame.at.tap_offset, float(frame.at.count));
 }

@@ -112,7 +112,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     float read = clamp((exp2(2.0 * middle) - source.orders) * source.finest / source.middle, 0.0, own);
     Taps taps = taps_of(footprint, ellipse, own, read, source.blur);
     // What the level of a wavelength lacks of the shorter axis is made up for by reading on both sides of the longer one in turn.
-    vec2 across = vec2(-ellipse.axis.y, ellipse.axis.x) * footprint.tap_offsets.y;
+    vec2 across = vec2(-ellipse.axis.y, ellipse.axis.x);
     // The blur along the ray sets how many wavelengths resolve it.
     float rays = source.rays * inversesqrt(source.finest * source.orders + source.middle * own);
     vec3 sum = vec3(0.0);

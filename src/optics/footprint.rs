@@ -57,20 +57,16 @@ impl Share {
     /// The only sample.
     pub const ALL: Self = Self { index: 0, count: 1 };
 
-    /// Where the taps of this sample stand: by how many steps they are moved along the longer axis, −½ … ½, and on which side of it. The golden
-    /// ratio spreads them evenly however many samples there are.
-    pub fn offsets(self) -> [f64; 2] {
+    /// By how many steps the taps of this sample are moved along the longer axis, −½ … ½. The golden ratio spreads them evenly however many samples
+    /// there are.
+    pub fn offset(self) -> f64 {
         const GOLDEN: f64 = 0.618_033_988_749_894_8;
-        if self.count == 1 {
-            return [0.0, 1.0];
-        }
-        let along = (0.5 + f64::from(self.index) * GOLDEN).fract() - 0.5;
-        [along, if self.index.is_multiple_of(2) { 1.0 } else { -1.0 }]
+        if self.count > 1 { (0.5 + f64::from(self.index) * GOLDEN).fract() - 0.5 } else { 0.0 }
     }
 }
 
-/// Places in a footprint, whose sum stands for the average over it: a row along the longer axis, or two, where the rest along the shorter
-/// axis is wide and there is but one sample.
+/// Places in a footprint, whose sum stands for the average over it: a row along the longer axis, or two, where what a tap
+/// averages over is narrower than the shorter axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Taps {
     /// Taps on either side of the middle one.
@@ -110,7 +106,6 @@ impl Taps {
         let axis = around.longer_axis();
         let left = (longer - read).max(0.0).sqrt();
         let tap = (read + blur).sqrt();
-        let [along, side] = share.offsets();
         let mut taps =
             Self { sides: 0, step: DVec2::ZERO, offset: 0.0, fall: 0.0, aside: DVec2::ZERO, rows: 1 };
         if left > ROUND * tap {
@@ -122,18 +117,14 @@ impl Taps {
             taps = Self {
                 sides: sides as usize,
                 step: axis * (step * left),
-                offset: along,
+                offset: share.offset(),
                 fall: 0.5 * step * step,
                 ..taps
             };
         }
         let rest = (own - read).max(0.0).sqrt();
         if rest > ROUND * tap {
-            taps = Self {
-                aside: axis.perp() * (rest * side),
-                rows: if share.count > 1 { 1 } else { 2 },
-                ..taps
-            };
+            taps = Self { aside: axis.perp() * rest, rows: 2, ..taps };
         }
         taps
     }

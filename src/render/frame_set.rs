@@ -48,8 +48,10 @@ pub struct SampleBlock {
     pub count: u32,
     /// Low bits of the sequence's seed.
     pub seed: u32,
-    /// Where the taps in a footprint stand, [`crate::optics::footprint::Share::offsets`].
-    pub tap_offsets: [f32; 2],
+    /// Steps from the middle of a footprint to its middle tap.
+    pub tap_offset: f32,
+    /// std140 rounds a structure up to 16 bytes.
+    pub padding: u32,
 }
 
 /// Images of the directions to lights beyond the first, two lights each.

@@ -93,7 +93,8 @@ impl Sample {
             index: self.index,
             count: self.count,
             seed: self.seed as u32,
-            tap_offsets: self.share().offsets().map(|x| x as f32),
+            tap_offset: self.share().offset() as f32,
+            padding: 0,
         }
     }
 }
