@@ -106,6 +106,13 @@ impl Viewer {
         self.display.click(1, self.find(text), 1);
     }
 
+    /// Presses what is called `text` in the row that is called `label`.
+    #[track_caller]
+    pub fn press_in(&self, label: &str, text: &str) {
+        let at = wait_for(text, || self.row(label).into_iter().find(|word| word.text == text)).at;
+        self.display.click(1, at, 1);
+    }
+
     /// Drags the word number `index` in the row that is called `label` by `pixels` to the right; what it has become.
     #[track_caller]
     pub fn drag(&self, label: &str, index: usize, pixels: i16) -> String {
