@@ -111,7 +111,7 @@ impl Shading {
     fn shares(&self) -> Shares {
         match self.purpose {
             Purpose::Directions => Shares { interpolation: 0.7, expansion: 0.35, quadrature: 0.6 },
-            Purpose::Picture => Shares { interpolation: 0.65, expansion: 0.5, quadrature: 0.48 },
+            Purpose::Picture => Shares { interpolation: 0.7, expansion: 0.4, quadrature: 0.48 },
         }
     }
 }
