@@ -106,6 +106,8 @@ const bool SOURCE_READS_FOOTPRINT = true;
 vec3 source_xyz(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
     Ellipse ellipse = ellipse_of(c);
+    // Samples do not share taps: each node of a tap reads one side of the longer axis alone.
+    footprint.samples = 1.0;
     float own = max(ellipse.shorter, least_own(ellipse, source.blur));
     // What the level of a wavelength in the middle averages over.
     float middle = min(floor(level_of_ratio(source.orders + source.middle * own / source.finest)), source.last_level);

@@ -6,7 +6,7 @@ use super::spectra::numbers;
 use super::{Extent, Summary, stages, taps_constants};
 use crate::error::Result;
 use crate::optics::brdf::schlick;
-use crate::optics::footprint::Taps;
+use crate::optics::footprint::{Share, Taps};
 use crate::precompute::kernel::Kernel;
 use crate::render::picture::Directions;
 use crate::render::shading::Shading;
@@ -215,7 +215,7 @@ impl Mean {
                 let level =
                     level_of_ratio((orders + own / MIDDLE.powi(2)) / finest, header.grid.levels).floor();
                 let read = MIDDLE.powi(2) * (finest * 4f64.powf(level) - orders);
-                let row = Taps::new(&around, [own, read.clamp(0.0, own)], coherence, seen.share);
+                let row = Taps::new(&around, [own, read.clamp(0.0, own)], coherence, Share::ALL);
                 let taps = Taps { rows: 1, ..row };
                 let direction = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
                 let toward = DVec2::new(direction(0), direction(1));
