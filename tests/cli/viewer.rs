@@ -122,7 +122,7 @@ impl Viewer {
         // The last steps of the drag may still be on their way.
         wait_for("another number", || {
             let first = now().filter(|text| *text != before)?;
-            std::thread::sleep(std::time::Duration::from_millis(500));
+            std::thread::sleep(std::time::Duration::from_millis(1500));
             now().filter(|text| *text == first)
         })
     }
