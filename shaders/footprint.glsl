@@ -67,12 +67,10 @@ float least_own(Ellipse ellipse, float blur) {
     return max(ellipse.longer * (PART * PART) - blur, 0.0);
 }
 
-// The level, with a fraction, whose variance is `ratio` times that of the finest, where each level has four times the one before. A linear
-// mixture of two levels has the mean of their variances.
+// The level whose variance is at most `ratio` times that of the finest, where each level has four times the one before. log2(1) may be rounded
+// to less than 0.
 float level_of_ratio(float ratio) {
-    float r = max(ratio, 1.0);
-    float lower = max(floor(0.5 * log2(r)), 0.0); // log2(1) may be rounded to less than 0
-    return lower + clamp((r * exp2(-2.0 * lower) - 1.0) / 3.0, 0.0, 1.0);
+    return max(floor(0.5 * log2(ratio)), 0.0);
 }
 
 // The normal distribution of covariance `c` at `d`.

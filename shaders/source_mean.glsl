@@ -110,7 +110,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     footprint.samples = 1.0;
     float own = max(ellipse.shorter, least_own(ellipse, source.blur));
     // What the level of a wavelength in the middle averages over.
-    float middle = min(floor(level_of_ratio(source.orders + source.middle * own / source.finest)), source.last_level);
+    float middle = min(level_of_ratio(source.orders + source.middle * own / source.finest), source.last_level);
     float read = clamp((exp2(2.0 * middle) - source.orders) * source.finest / source.middle, 0.0, own);
     Taps taps = taps_of(footprint, ellipse, own, read, source.blur);
     // What the level of a wavelength lacks of the shorter axis is made up for by reading on both sides of the longer one in turn.
@@ -128,7 +128,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
             vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
             float q = node.w;
             float ratio = source.orders + q * q * own / source.finest;
-            float level = min(floor(level_of_ratio(ratio)), source.last_level);
+            float level = min(level_of_ratio(ratio), source.last_level);
             float rest = sqrt(max(ratio - exp2(2.0 * level), 0.0) * source.finest) / q;
             colour += node.rgb * mean_power(pair, toward + rest * across, q, level);
             across = -across;

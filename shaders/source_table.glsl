@@ -65,7 +65,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     Ellipse ellipse = ellipse_of(c);
     // A level stands for the shorter axis, as far as it averages over no more, and taps for the rest.
     float own = max(max(ellipse.shorter, source.finest), least_own(ellipse, source.coherence));
-    float level = min(floor(level_of_ratio((own - source.finest) * source.per_growth + 1.0)), source.last_level);
+    float level = min(level_of_ratio((own - source.finest) * source.per_growth + 1.0), source.last_level);
     float read = source.finest + (exp2(2.0 * level) - 1.0) / source.per_growth;
     Taps taps = taps_of(footprint, ellipse, own, read, source.coherence);
     Piece piece = piece_of(pair.w);

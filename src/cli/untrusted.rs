@@ -141,7 +141,8 @@ fn spectra(bytes: &[u8]) -> Result<()> {
     let reader = power::read::Reader::new(&spectra);
     let mut coefficients = vec![Vec4::ZERO; spectra.header.terms / 4];
     for f in [DVec2::ZERO, DVec2::splat(1e3), DVec2::splat(-1e9)] {
-        reader.read(f, reader.level(1.0), &mut coefficients);
+        let level = reader.level(1.0) as usize;
+        reader.read(&power::read::Square::point(f), level, &mut Vec::new(), &mut coefficients);
     }
     Ok(())
 }

@@ -10,6 +10,10 @@ use std::sync::OnceLock;
 pub const SHORTEST: f64 = 0.380;
 /// Longest wavelength of the colour integral \[µm\].
 pub const LONGEST: f64 = 0.780;
+/// A wavelength in the middle of the visible range \[µm\], near the peak of the eye's sensitivity at 555 nm.
+pub const MIDDLE: f64 = 0.55;
+/// Where the blue colour function z̄ of the CIE 1931 observer peaks \[µm\], rounded: coherence blurs directions least there.
+pub const BLUE: f64 = 0.45;
 
 /// A function of wavelength given at increasing wavelengths \[nm\], linear between them and 0 outside.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,7 +8,7 @@ use crate::cache::{Kept, Key, Store};
 use crate::error::{Error, Result};
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::orders::Repeats;
-use crate::optics::spectrum::SHORTEST;
+use crate::optics::spectrum::{MIDDLE, SHORTEST};
 use crate::precompute::{self, Layers, compute_at};
 use crate::render::shading::{Purpose, Shading};
 use crate::render::source::{Grating, Mean, Source, Table};
@@ -316,7 +316,6 @@ impl Settings {
     /// The least standard deviation of (u, v) that is averaged over, as far as it counts beside the blur by coherence: that of light of the middle of
     /// the spectrum times a power of 2, or 0 below. So all views from near share a source.
     fn finest(&self) -> f64 {
-        const MIDDLE: f64 = 0.55;
         let Some(sigma) = self.shading.coherence.sigma() else { return 0.0 };
         let coherence = MIDDLE * Blur::of_coherence(sigma).variance[0].sqrt();
         let octave = (self.least_footprint / coherence).log2().floor();

@@ -3,18 +3,17 @@
 use super::grid::Grid;
 use super::pieces::choose_pieces;
 use super::specular::Specular;
-use super::sums::{CUBIC, Scratch, Spectrum, Sums, Tile};
+use super::sums::{CUBIC, Scratch, Spectrum, Sums};
 use super::{ColorTable, Header, TableSettings};
 use crate::error::{Error, Result};
 use crate::memory;
+use crate::optics::spectrum::BLUE;
 use crate::spectra::power::PowerSpectra;
-use crate::spectra::power::read::{MOST_SIDE, Reader};
+use crate::spectra::power::read::{MOST_SIDE, Reader, Square};
 use glam::DVec2;
 use half::f16;
 use rayon::prelude::*;
 
-/// Where blue light weighs most \[µm\]: coherence blurs it least.
-const BLUE: f64 = 0.45;
 /// Linear interpolation of prefiltered samples a spacing Δ apart of what is blurred by a standard deviation b errs by this times (Δ/b)², relative
 /// L2: 4·√(3/(64·720)) along each axis, from (2πΔf)²/√720 averaged over the blur's spectrum.
 const LINEAR_ERROR: f64 = 0.0323 * std::f64::consts::SQRT_2;
@@ -68,7 +67,7 @@ fn bake_rows(sums: &Sums<'_>, grid: &Grid, first: usize, rows: &mut [f32], width
     let baked: Vec<Vec<f32>> = tiles
         .par_iter()
         .map_init(Scratch::default, |scratch, &column| {
-            let tile = Tile {
+            let tile = Square {
                 first: DVec2::new(grid.at(0, column), grid.at(0, first)),
                 step: grid.spacing(0),
                 side: MOST_SIDE,

@@ -1,9 +1,9 @@
 //! How many cubics hold the colours over |w|.
 
-use super::sums::{CUBIC, Scratch, Spectrum, Sums, Tile};
+use super::sums::{CUBIC, Scratch, Spectrum, Sums};
 use super::{LARGEST_W, TableSettings};
 use crate::error::{Error, Result};
-use crate::spectra::power::read::Reader;
+use crate::spectra::power::read::{Reader, Square};
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -40,8 +40,7 @@ pub fn choose_pieces(reader: &Reader, spectrum: &Spectrum, settings: &TableSetti
             .map_init(
                 || (Scratch::default(), vec![0f32; pieces * 3 * CUBIC]),
                 |(scratch, cubics), (place, truth)| {
-                    let tile = Tile { first: *place, step: 0.0, side: 1 };
-                    sums.cubics(&tile, scratch, |_, found| cubics.copy_from_slice(found));
+                    sums.cubics(&Square::point(*place), scratch, |_, found| cubics.copy_from_slice(found));
                     let largest_w = (4.0 - place.length_squared()).max(0.0).sqrt();
                     let mut parts = (0.0, 0.0);
                     let largest = largest_of(truth);

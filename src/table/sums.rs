@@ -5,6 +5,7 @@
 
 use super::{LARGEST_W, TableSettings};
 use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
+use crate::optics::spectrum::MIDDLE;
 use crate::spectra::power::chebyshev::{coefficients_from_values, nodes, polynomials};
 use crate::spectra::power::read::{Reader, Square};
 use crate::spectra::power::texture::PER_TEXEL;
@@ -14,8 +15,6 @@ use std::f64::consts::PI;
 
 /// Coefficients of a cubic.
 pub const CUBIC: usize = 4;
-/// A wavelength in the middle of the visible range \[µm\].
-const MIDDLE: f64 = 0.55;
 
 /// The wavelengths of each direction.
 pub struct Spectrum {
@@ -52,31 +51,6 @@ impl Spectrum {
         }
         let needed = self.rule.count(uv.min(2.0));
         self.combs.iter().position(|comb| comb.weights.len() >= needed).unwrap_or(self.combs.len() - 1)
-    }
-}
-
-/// A square of texels: places −(u, v).
-#[derive(Clone, Copy, Debug)]
-pub struct Tile {
-    /// The one with the least u and v.
-    pub first: DVec2,
-    /// From one to the next along either axis.
-    pub step: f64,
-    /// How many along a side, at most [`crate::spectra::power::read::MOST_SIDE`].
-    pub side: usize,
-}
-
-impl Tile {
-    /// The largest |(u, v)| in it.
-    fn farthest(&self) -> f64 {
-        let last = self.first + self.step * (self.side - 1) as f64;
-        self.first.abs().max(last.abs()).length()
-    }
-
-    /// The smallest |(u, v)| in it.
-    pub fn nearest(&self) -> f64 {
-        let last = self.first + self.step * (self.side - 1) as f64;
-        DVec2::ZERO.clamp(self.first, last).length()
     }
 }
 
@@ -138,7 +112,7 @@ impl<'a> Sums<'a> {
     }
 
     /// XYZ at every w for every texel of `tile`, into `scratch`.
-    fn sum(&self, tile: &Tile, scratch: &mut Scratch) {
+    fn sum(&self, tile: &Square, scratch: &mut Scratch) {
         let number = self.spectrum.comb(tile.farthest());
         let comb = &self.spectrum.combs[number];
         let (terms, texels, lanes) = (self.reader.header.terms, tile.side * tile.side, self.padded / LANES);
@@ -148,9 +122,9 @@ impl<'a> Sums<'a> {
         let per_node = terms * lanes;
         let layers = terms / PER_TEXEL;
         for (j, (q, weight)) in comb.wavenumbers.iter().zip(&comb.weights).enumerate() {
-            let square = Square { first: tile.first * *q, step: tile.step * q, side: tile.side };
+            let square = tile.scaled(*q);
             let level = self.reader.level(q * q * self.spectrum.variance) + dither(j);
-            self.reader.read_square(&square, level as usize, &mut scratch.rows, &mut scratch.terms);
+            self.reader.read(&square, level as usize, &mut scratch.rows, &mut scratch.terms);
             let weight = weight.as_vec3().to_array();
             let matrix = &self.polynomials[number][j * per_node..(j + 1) * per_node];
             for (series, sums) in
@@ -168,13 +142,13 @@ impl<'a> Sums<'a> {
 
     /// XYZ at every w for one place.
     pub fn colours(&self, place: DVec2, scratch: &mut Scratch) -> Vec<[f32; 3]> {
-        self.sum(&Tile { first: place, step: 0.0, side: 1 }, scratch);
+        self.sum(&Square::point(place), scratch);
         let sums: &[f32] = bytemuck::cast_slice(&scratch.sums);
         (0..self.count).map(|i| std::array::from_fn(|channel| sums[channel * self.padded + i])).collect()
     }
 
     /// The cubics at every texel of `tile`, `out(texel)` being `[piece][channel][power]`.
-    pub fn cubics(&self, tile: &Tile, scratch: &mut Scratch, mut out: impl FnMut(usize, &[f32])) {
+    pub fn cubics(&self, tile: &Square, scratch: &mut Scratch, mut out: impl FnMut(usize, &[f32])) {
         self.sum(tile, scratch);
         let sums: &[f32] = bytemuck::cast_slice(&scratch.sums);
         let mut cubics = vec![0f32; self.count * 3];

@@ -7,6 +7,7 @@ use super::{Extent, Summary, stages, taps_constants};
 use crate::error::Result;
 use crate::optics::brdf::schlick;
 use crate::optics::footprint::{Share, Taps};
+use crate::optics::spectrum::{BLUE, MIDDLE};
 use crate::precompute::kernel::Kernel;
 use crate::render::picture::Directions;
 use crate::render::shading::Shading;
@@ -50,13 +51,8 @@ const KINDS: [Kind; 5] = [
     Kind::STORAGE_BUFFER,
 ];
 
-/// A wavelength in the middle of the visible range \[µm\], where the blur along a ray is taken that sets the number of wavelengths.
-const MIDDLE: f64 = 0.55;
 /// Samples of the specular order's power over z: between two, the phase of the farthest heights of 1 µm turns by a thirtieth of a radian.
 const SPECULAR_SAMPLES: usize = 1024;
-
-/// Where blue light weighs most \[µm\]: coherence blurs it least.
-const BLUE: f64 = 0.45;
 
 /// The `Mean` block (std140).
 #[repr(C)]
@@ -216,7 +212,7 @@ impl Mean {
                     level_of_ratio((orders + own / MIDDLE.powi(2)) / finest, header.grid.levels).floor();
                 let read = MIDDLE.powi(2) * (finest * 4f64.powf(level) - orders);
                 let row = Taps::new(&around, [own, read.clamp(0.0, own)], coherence, Share::ALL);
-                let taps = Taps { rows: 1, ..row };
+                let taps = Taps { rows: 1, aside: DVec2::ZERO, ..row };
                 let direction = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
                 let toward = DVec2::new(direction(0), direction(1));
                 let rays = (finest / (orders + own / MIDDLE.powi(2))).sqrt();

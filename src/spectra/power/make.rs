@@ -271,7 +271,7 @@ fn audit(series: &[Vec<f64>], audited: &[OrderPowers], z_max: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectra::power::read::Reader;
+    use crate::spectra::power::read::{Reader, Square};
     use glam::DVec2;
 
     fn settings(tolerance: f64) -> PowerSettings {
@@ -346,7 +346,7 @@ mod tests {
             let f = DVec2::from_angle(2.4 * f64::from(i)) * (0.2 + 0.02 * f64::from(i));
             let z = 4.0 + 0.1 * f64::from(i);
             let mut terms = vec![glam::Vec4::ZERO; reader.header.terms / PER_TEXEL];
-            reader.read(f, 0.0, &mut terms);
+            reader.read(&Square::point(f), 0, &mut Vec::new(), &mut terms);
             let mut t = vec![0.0; reader.header.terms];
             polynomials(2.0 * z / reader.header.z_max - 1.0, &mut t);
             let value: f64 =

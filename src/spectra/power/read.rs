@@ -26,11 +26,6 @@ impl Reader {
         }
     }
 
-    /// Whether the samples of the surface hold the frequency `f` \[µm⁻¹\].
-    pub fn holds(&self, f: DVec2) -> bool {
-        f.x.abs() <= self.header.band[0] && f.y.abs() <= self.header.band[1]
-    }
-
     /// The level, with a fraction, whose blur is that of the orders and of a spread of variance `variance` \[µm⁻²\] around each frequency: a
     /// linear mixture of two blurs has the mean of their variances.
     pub fn level(&self, variance: f64) -> f64 {
@@ -39,23 +34,9 @@ impl Reader {
         level_of_ratio(ratio, self.header.grid.levels)
     }
 
-    /// The Chebyshev coefficients at the frequency `f` \[µm⁻¹\] and `level`, in units of the header's `unit`.
-    pub fn read(&self, f: DVec2, level: f64, coefficients: &mut [Vec4]) {
-        let square = Square { first: f, step: 0.0, side: 1 };
-        let lower = level.floor();
-        let share = (level - lower) as f32;
-        let mut rows = Vec::new();
-        self.read_square(&square, lower as usize, &mut rows, coefficients);
-        if share > 0.0 {
-            let mut above = coefficients.to_vec();
-            self.read_square(&square, lower as usize + 1, &mut rows, &mut above);
-            coefficients.iter_mut().zip(above).for_each(|(o, above)| *o = o.lerp(above, share));
-        }
-    }
-
     /// The Chebyshev coefficients at every frequency of `square` and whole `level`, in units of the header's `unit`: `[row][column][layer]`.
     /// Frequencies that the samples of the surface do not hold are 0. `rows` is working room.
-    pub fn read_square(&self, square: &Square, level: usize, rows: &mut Vec<Vec4>, out: &mut [Vec4]) {
+    pub fn read(&self, square: &Square, level: usize, rows: &mut Vec<Vec4>, out: &mut [Vec4]) {
         let level = level.min(self.levels.len() - 1);
         let [columns_held, rows_held] = self.header.grid.size_of(level);
         let clamp = |i: i64, held: usize| i.clamp(0, held as i64 - 1) as usize;
@@ -110,19 +91,45 @@ fn weighed(texels: [Vec4; 4], weights: &[f32; 4]) -> Vec4 {
     a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3]
 }
 
-/// A square of frequencies.
+/// A square of frequencies, or of places −(u, v).
 #[derive(Clone, Copy, Debug)]
 pub struct Square {
-    /// The one with the least f_x and f_y \[µm⁻¹\].
+    /// The one with the least x and y.
     pub first: DVec2,
-    /// From one to the next along either axis \[µm⁻¹\].
+    /// From one to the next along either axis.
     pub step: f64,
     /// How many along a side, at most [`MOST_SIDE`].
     pub side: usize,
 }
 
-/// Most frequencies along the side of a [`Square`].
+/// Most points along the side of a [`Square`].
 pub const MOST_SIDE: usize = 16;
+
+impl Square {
+    /// One point alone.
+    pub fn point(at: DVec2) -> Self {
+        Self { first: at, step: 0.0, side: 1 }
+    }
+
+    /// Every point `factor` times as far from the origin.
+    pub fn scaled(self, factor: f64) -> Self {
+        Self { first: self.first * factor, step: self.step * factor, ..self }
+    }
+
+    /// Largest distance of a point from the origin.
+    pub fn farthest(&self) -> f64 {
+        self.first.abs().max(self.last().abs()).length()
+    }
+
+    /// Smallest distance from the origin of anything between the points.
+    pub fn nearest(&self) -> f64 {
+        DVec2::ZERO.clamp(self.first, self.last()).length()
+    }
+
+    fn last(&self) -> DVec2 {
+        self.first + self.step * (self.side - 1) as f64
+    }
+}
 
 /// The level of `levels` whose variance is `ratio` times that of the finest, where each has four times the one before.
 pub fn level_of_ratio(ratio: f64, levels: usize) -> f64 {
