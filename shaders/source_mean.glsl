@@ -106,22 +106,21 @@ const bool SOURCE_READS_FOOTPRINT = true;
 vec3 source_xyz(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
     Ellipse ellipse = ellipse_of(c);
-    // Samples do not share taps: each node of a tap reads one side of the longer axis alone.
-    footprint.samples = 1.0;
-    float own = max(ellipse.shorter, least_own(ellipse, source.blur));
+    float own = max(ellipse.shorter, least_own(ellipse, source.blur, TAP_SPACING_OF_SUMS));
     // What the level of a wavelength in the middle averages over.
     float middle = min(level_of_ratio(source.orders + source.middle * own / source.finest), source.last_level);
     float read = clamp((exp2(2.0 * middle) - source.orders) * source.finest / source.middle, 0.0, own);
-    Taps taps = taps_of(footprint, ellipse, own, read, source.blur);
+    // Samples do not share taps: each node of a tap reads one side of the longer axis alone.
+    Row row = row_of(spaced_taps(ellipse, own, read, source.blur, TAP_SPACING_OF_SUMS), 0);
     // What the level of a wavelength lacks of the shorter axis is made up for by reading on both sides of the longer one in turn.
     vec2 across = vec2(-ellipse.axis.y, ellipse.axis.x);
     // The blur along the ray sets how many wavelengths resolve it.
     float rays = source.rays * inversesqrt(source.finest * source.orders + source.middle * own);
     vec3 sum = vec3(0.0);
     float norm = 0.0;
-    float n = taps.first;
+    float n = row.first;
     do {
-        vec2 toward = pair.toward + n * taps.step;
+        vec2 toward = pair.toward + n * row.step;
         ivec2 comb = combs[min(int(length(toward) * rays * (0.5 * float(UV_BINS))), UV_BINS - 1)];
         vec3 colour = vec3(0.0);
         for (int j = 0; j < comb.y; ++j) {
@@ -133,12 +132,12 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
             colour += node.rgb * mean_power(pair, toward + rest * across, q, level);
             across = -across;
         }
-        float weight = exp(-taps.fall * n * n);
+        float weight = exp(-row.fall * n * n);
         sum += weight * colour;
         norm += weight;
         n += 1.0;
         across = (comb.y & 1) == 0 ? -across : across; // so that a wavelength has both sides
-    } while (n < taps.last);
+    } while (n < row.last);
     sum /= norm;
     // The specular order in closed form over the whole footprint.
     ivec2 comb = combs[min(int(pair.uv * rays * (0.5 * float(UV_BINS))), UV_BINS - 1)];

@@ -64,26 +64,29 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
     Ellipse ellipse = ellipse_of(c);
     // A level stands for the shorter axis, as far as it averages over no more, and taps for the rest.
-    float own = max(max(ellipse.shorter, source.finest), least_own(ellipse, source.coherence));
+    float own = max(max(ellipse.shorter, source.finest), least_own(ellipse, source.coherence, TAP_SPACING));
     float level = min(level_of_ratio((own - source.finest) * source.per_growth + 1.0), source.last_level);
     float read = source.finest + (exp2(2.0 * level) - 1.0) / source.per_growth;
-    Taps taps = taps_of(footprint, ellipse, own, read, source.coherence);
+    Taps taps = shared_taps(footprint, ellipse, own, read, source.coherence);
     Piece piece = piece_of(pair.w);
-    vec2 step = taps.step * source.texture_per_uv;
-    vec2 middle = (pair.toward + taps.aside) * source.texture_per_uv + 0.5;
-    vec3 sum = vec3(0.0);
-    float norm = 0.0;
-    for (int row = 0; row < taps.rows; ++row) {
-        float n = taps.first;
+    vec2 middle = pair.toward * source.texture_per_uv + 0.5;
+    vec3 average = vec3(0.0);
+    for (int number = 0; number < taps.rows; ++number) {
+        Row row = row_of(taps, number);
+        vec2 step = row.step * source.texture_per_uv;
+        vec2 place = middle + row.aside * source.texture_per_uv;
+        vec3 sum = vec3(0.0);
+        float norm = 0.0;
+        float n = row.first;
         do {
-            float weight = exp(-taps.fall * n * n);
-            sum += weight * read_table(piece, middle + n * step, level);
+            float weight = exp(-row.fall * n * n);
+            sum += weight * read_table(piece, place + n * step, level);
             norm += weight;
             n += 1.0;
-        } while (n < taps.last);
-        middle -= 2.0 * source.texture_per_uv * taps.aside;
+        } while (n < row.last);
+        average += sum * (row.weight / norm);
     }
-    vec3 diffracted = sum * (source.unit * pair.w * pair.w / norm);
+    vec3 diffracted = average * (source.unit * pair.w * pair.w);
     return (diffracted + specular_xyz(pair, c)) * (pair.factor / (4.0 * PI));
 }
 

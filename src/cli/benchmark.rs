@@ -10,8 +10,9 @@ use crate::measure::error::{self, PixelErrors};
 use crate::measure::profile::measure;
 use crate::measure::trade::Measurement;
 use crate::optics::coherence::Windows;
-use crate::render::frame::View;
+use crate::render::frame::{Shown, View};
 use crate::render::picture::{Directions, Painter, Picture};
+
 use crate::render::pigment::Pigment;
 use crate::render::reference_picture::{covered, displayed, reference_pixels};
 use crate::render::sampling::Sampling;
@@ -91,7 +92,12 @@ pub struct PictureErrors {
     pub pixels: Option<PixelErrors>,
     /// Mean FLIP, if every covered pixel was compared.
     pub flip: Option<f64>,
+    /// Relative L2 between one sample a pixel and [`MORE_SAMPLES`], over the same pixels: what more samples would change.
+    pub sampling: Option<f64>,
 }
+
+/// So many samples a pixel are compared with one.
+pub const MORE_SAMPLES: u32 = 4;
 
 /// How many frames to time.
 #[derive(Clone, Copy)]
@@ -218,10 +224,20 @@ impl BenchmarkScene {
         let covered = covered(&benchmark.directions);
         let pixels = error::sample(&covered, count);
         let colors = self.reference(&benchmark.shading, &benchmark.directions, &pixels)?;
-        let errors = PixelErrors::of(&shown(&picture, &pixels), &colors, self.scene.exposure);
+        let one = shown(&picture, &pixels);
+        let errors = PixelErrors::of(&one, &colors, self.scene.exposure);
+        let more = shown(&self.paint_samples(&mut benchmark.painter, MORE_SAMPLES)?, &pixels);
+        let sampling = PixelErrors::of(&one, &more, self.scene.exposure).relative_l2;
         let whole = pixels.len() == covered.len();
         let exact = ReferencePixels { pixels, colors };
-        Ok(PictureErrors { pixels: Some(errors), flip: whole.then(|| self.flip(&picture, &exact)) })
+        let flip = whole.then(|| self.flip(&picture, &exact));
+        Ok(PictureErrors { pixels: Some(errors), flip, sampling: Some(sampling) })
+    }
+
+    /// Draws the picture of `painter` from several samples a pixel.
+    fn paint_samples(&self, painter: &mut Painter, count: u32) -> Result<Picture> {
+        let shown = Shown { exposure: self.scene.exposure, background: self.scene.background };
+        painter.paint_samples(&self.view, &Sampling { count, seed: 0 }, shown, &mut |_| Ok(()))
     }
 
     /// Times the frame and measures the errors of its picture; the fields that depend on the setting stay empty.

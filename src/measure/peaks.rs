@@ -101,9 +101,81 @@ impl PeriodStatistics {
     }
 }
 
+/// How far a mean over windows is from that over an endless surface of the same kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WindowSpread {
+    /// Windows that are averaged.
+    pub windows: usize,
+    /// So many of them are independent of each other.
+    pub independent: f64,
+    /// Standard error of the mean period \[µm\].
+    pub error: f64,
+    /// Half the width of its 95 % interval \[µm\]; `None` where fewer than [`WindowSpread::FEWEST`] windows are independent.
+    pub half_interval: Option<f64>,
+}
+
+impl WindowSpread {
+    /// Fewest independent windows with an interval.
+    pub const FEWEST: f64 = 4.0;
+
+    /// By the jackknife: `without` has the mean period \[µm\] from all windows but one, for each of them. Of windows that overlap only so many
+    /// are `independent`, and the error is larger by the root of their ratio. `None` for fewer than two windows, or two independent ones.
+    ///
+    /// Efron and Stein 1981, "The jackknife estimate of variance": the variance is (n − 1)/n times the sum of squared deviations.
+    pub fn jackknife(without: &[f64], independent: f64) -> Option<Self> {
+        let count = without.len() as f64;
+        let independent = independent.min(count);
+        if without.len() < 2 || independent < 2.0 {
+            return None;
+        }
+        let mean = without.iter().sum::<f64>() / count;
+        let squares: f64 = without.iter().map(|d| (d - mean).powi(2)).sum();
+        let error = ((count - 1.0) / count * squares * count / independent).sqrt();
+        let half_interval = (independent >= Self::FEWEST).then(|| student_95(independent - 1.0) * error);
+        Some(Self { windows: without.len(), independent, error, half_interval })
+    }
+}
+
+/// The 97.5 % quantile of Student's t with `freedom` ≥ 3 degrees of freedom, within 1 %: the expansion of Cornish and Fisher (Abramowitz and
+/// Stegun 26.7.5).
+fn student_95(freedom: f64) -> f64 {
+    const NORMAL: f64 = 1.959_963_984_540_054;
+    let power = |n| NORMAL.powi(n);
+    NORMAL
+        + (power(3) + NORMAL) / (4.0 * freedom)
+        + (5.0 * power(5) + 16.0 * power(3) + 3.0 * NORMAL) / (96.0 * freedom.powi(2))
+        + (3.0 * power(7) + 19.0 * power(5) + 17.0 * power(3) - 15.0 * NORMAL) / (384.0 * freedom.powi(3))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_jackknife_of_a_mean_is_its_standard_error() {
+        // Leaving one of n numbers out of their mean: the jackknife gives s/√n exactly.
+        let numbers = [1.0, 2.0, 4.0, 7.0, 11.0];
+        let sum: f64 = numbers.iter().sum();
+        let without: Vec<f64> = numbers.iter().map(|x| (sum - x) / 4.0).collect();
+        let variance = numbers.iter().map(|x| (x - sum / 5.0).powi(2)).sum::<f64>() / 4.0;
+        let spread = WindowSpread::jackknife(&without, 5.0).unwrap();
+        assert!((spread.error - (variance / 5.0).sqrt()).abs() < 1e-12);
+        // Tables of Student's t for 4 degrees of freedom: 2.776.
+        assert!((spread.half_interval.unwrap() / spread.error - 2.776).abs() < 0.01);
+        // Half as many independent windows, twice the variance.
+        let overlapping = WindowSpread::jackknife(&without, 2.5).unwrap();
+        assert!((overlapping.error / spread.error - 2f64.sqrt()).abs() < 1e-12);
+        assert_eq!(overlapping.half_interval, None);
+        assert_eq!(WindowSpread::jackknife(&without, 1.5), None);
+        assert_eq!(WindowSpread::jackknife(&without[..1], 5.0), None);
+    }
+
+    #[test]
+    fn student_s_t_is_that_of_tables() {
+        for (freedom, expected) in [(3.0, 3.182), (5.0, 2.571), (15.0, 2.131), (100.0, 1.984)] {
+            assert!((student_95(freedom) / expected - 1.0).abs() < 0.01, "{freedom}");
+        }
+    }
 
     #[test]
     fn the_largest_response_gives_the_angle_and_the_period() {

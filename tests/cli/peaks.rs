@@ -171,6 +171,13 @@ fn windows_are_told_one_by_one_and_their_average_differs_from_each() {
     let mean = |value: &serde_json::Value| value["period_nm"]["mean"].as_f64().unwrap();
     let (one, other, all) = (mean(&json["windows"][0]), mean(&json["windows"][1]), mean(&json));
     assert!(one != other && all != one && all != other, "{one} {other} {all}");
+    // The jackknife over two windows is half their difference.
+    let error = json["over_windows"]["standard_error_nm"].as_f64().unwrap();
+    assert!((error - (one - other).abs() / 2.0).abs() < 1e-9, "{error} {one} {other}");
+    assert!(
+        said[2].contains("standard error") && json["over_windows"]["interval_95_nm"].is_null(),
+        "{said:?}"
+    );
 }
 
 #[test]

@@ -71,6 +71,7 @@ fn a_profile_tells_the_error_beside_the_time_and_a_worse_setting_has_a_larger_on
     assert!(number(&few, "relative_l2") > 3.0 * number(&good, "relative_l2"), "{few}");
     assert!(number(&few, "flip") > number(&good, "flip") && !part.contains("flip"), "{few}");
     assert_eq!(number(&part, "pixels"), 60.0);
+    assert!(number(&good, "sampling_error") > 0.0, "edges alone differ between one sample and four: {good}");
     assert!(number(&part, "relative_l2") < 0.1);
 }
 

@@ -114,7 +114,10 @@ fn periods(arguments: &Arguments, found: &[Found]) -> Panel {
     let y = Axis::fit("period [nm]", Scale::Linear, all().map(|p| p[1]).chain(given));
     let mut panel = Panel::new(x.clone(), y).titled("Period that each wavelength says");
     for ((of, at), color) in found.iter().zip(points).zip(palette::SERIES) {
-        let name = format!("order {}", of.order);
+        let name = match of.spread.and_then(|spread| spread.half_interval) {
+            Some(half) => format!("order {}, mean within {:.1} nm (95 %, windows)", of.order, half * 1e3),
+            None => format!("order {}", of.order),
+        };
         if let (Some(mean), Some(deviation)) = (of.statistics.mean, of.statistics.deviation) {
             let (mean, deviation) = (mean * 1e3, deviation * 1e3);
             let edge = |x: f64| [x, mean - deviation, mean + deviation];

@@ -10,9 +10,12 @@ use super::{evaluation, say, write};
 use crate::error::{Error, Result};
 use crate::figure::Format;
 use crate::files::Files;
+use crate::measure::peaks::WindowSpread;
+use crate::surface::HeightField;
 use clap::{Args, ValueEnum};
 use report::{Found, Report};
 use serde::Serialize;
+use std::f64::consts::PI;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use sweep::Sweep;
@@ -39,8 +42,8 @@ const FEWEST_ANGLES: usize = 3;
 direction stands at minus theta-i. The answer is CSV: wavelength [nm], angle of the largest BRDF in the range [degrees],
 period d = m wavelength/|sin angle + sin theta-i| [nm], response [1/sr]. Cells stay empty where nothing is reflected or,
 in the mirror direction, every period fits. One order has the whole range of angles; of several, each has what is at most
-half an order away from where --period sends it, and a column `order`. With --windows the period of each window alone is
-told beside that of their average.
+half an order away from where --period sends it, and a column `order`. With --windows NxM the period of each window alone
+is told beside that of their average, and a standard error of the average by the jackknife over windows.
 
 Examples:
   diffract peaks blaze --theta-i -75 --angles 38:57:0.01
@@ -192,9 +195,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ));
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
-    let mut windows: Vec<Vec<Found>> = Vec::new();
-    let sweep = Sweep::of(arguments, &field, |one| windows.push(find(arguments, one)))?;
-    let found = find(arguments, &sweep);
+    let (sweep, alone) = Sweep::of(arguments, &field)?;
+    let windows: Vec<Vec<Found>> = alone.iter().map(|one| find(arguments, one)).collect();
+    let mut found = find(arguments, &sweep);
+    spread_over_windows(arguments, &field, &alone, &mut found);
     write::text(arguments.output.as_deref(), &report::table(&found)?)?;
     tell(&found, &windows);
     if let Some(path) = &arguments.plot {
@@ -209,6 +213,27 @@ fn find(arguments: &Arguments, sweep: &Sweep) -> Vec<Found> {
     // One order has the whole range, as it always had.
     let apart = arguments.period.filter(|_| orders.len() > 1);
     orders.iter().map(|&m| Found::new(m, sweep.peaks(arguments.theta_i, m, apart))).collect()
+}
+
+/// Gives each of the peaks `found` its spread over the windows whose sweeps are `alone`.
+fn spread_over_windows(arguments: &Arguments, field: &HeightField, alone: &[Sweep], found: &mut [Found]) {
+    // A single wavelength or window, or a grating that is the same everywhere, has no spread.
+    let Some(sigma) = arguments.optics.monochrome(field).coherence.sigma().filter(|_| alone.len() > 1) else {
+        return;
+    };
+    let without = |left_out: usize| {
+        let others: Vec<&Sweep> =
+            alone.iter().enumerate().filter(|(i, _)| *i != left_out).map(|(_, one)| one).collect();
+        find(arguments, &Sweep::mean(others.into_iter()))
+    };
+    let leave_one_out: Vec<Vec<Found>> = (0..alone.len()).map(without).collect();
+    // Intensities through Gaussian windows at a distance d correlate by exp(−d²/(2σ²)), whose integral is the area of one independent window.
+    let [width, height] = field.patch_size();
+    let independent = width * height / (2.0 * PI * sigma * sigma);
+    for (i, of) in found.iter_mut().enumerate() {
+        let periods: Option<Vec<f64>> = leave_one_out.iter().map(|all| all[i].statistics.mean).collect();
+        of.spread = periods.and_then(|periods| WindowSpread::jackknife(&periods, independent));
+    }
 }
 
 /// Standard deviation over mean from which on wavelengths cannot all have seen the same order: the second says half of what

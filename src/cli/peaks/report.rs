@@ -3,7 +3,7 @@
 use super::Axis;
 use crate::cli::write::Csv;
 use crate::error::Result;
-use crate::measure::peaks::{Peak, PeriodStatistics};
+use crate::measure::peaks::{Peak, PeriodStatistics, WindowSpread};
 use serde::Serialize;
 
 /// The peaks of one order.
@@ -15,13 +15,15 @@ pub struct Found {
     pub peaks: Vec<Peak>,
     /// Over all of them.
     pub statistics: PeriodStatistics,
+    /// Over windows, where several are averaged.
+    pub spread: Option<WindowSpread>,
 }
 
 impl Found {
     /// `peaks` of `order`.
     pub fn new(order: u32, peaks: Vec<Peak>) -> Self {
         let statistics = PeriodStatistics::of(&peaks);
-        Self { order, peaks, statistics }
+        Self { order, peaks, statistics, spread: None }
     }
 
     /// The period in a line.
@@ -34,8 +36,27 @@ impl Found {
             (Some(mean), None) => format!("period {mean:.3} nm"),
             (None, _) => "no period".to_owned(),
         };
+        let period = match &self.spread {
+            None => period,
+            Some(spread) => format!("{period}; {}", over_windows(spread)),
+        };
         let (clear, all) = (self.statistics.clear, self.peaks.len());
         format!("{period}; {clear} of {all} wavelengths have a clear peak in the range")
+    }
+}
+
+/// What windows say of the uncertainty.
+fn over_windows(spread: &WindowSpread) -> String {
+    let WindowSpread { windows, independent, .. } = spread;
+    let whose = if *independent < *windows as f64 {
+        format!("{windows} windows, of which {independent:.1} are independent")
+    } else {
+        format!("{windows} windows")
+    };
+    let error = format!("standard error {:.3} nm over {whose}", nanometres(spread.error));
+    match spread.half_interval {
+        Some(half) => format!("95 % within {:.3} nm, {error}", nanometres(half)),
+        None => error,
     }
 }
 
@@ -79,6 +100,9 @@ pub struct Report {
     clear: usize,
     /// Over those that have a period.
     period_nm: Summary,
+    /// Over windows, where several are averaged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    over_windows: Option<Spread>,
     /// The same through each window alone, where several are averaged.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     windows: Vec<Window>,
@@ -89,6 +113,28 @@ pub struct Report {
 struct Summary {
     mean: Option<f64>,
     standard_deviation: Option<f64>,
+}
+
+/// The jackknife over windows \[nm\].
+#[derive(Serialize)]
+struct Spread {
+    windows: usize,
+    independent_windows: f64,
+    standard_error_nm: f64,
+    /// `None` where there are too few windows.
+    interval_95_nm: Option<[f64; 2]>,
+}
+
+impl Spread {
+    fn of(spread: &WindowSpread, mean: f64) -> Self {
+        let nm = |micrometres: f64| micrometres * 1e3;
+        Self {
+            windows: spread.windows,
+            independent_windows: spread.independent,
+            standard_error_nm: nm(spread.error),
+            interval_95_nm: spread.half_interval.map(|half| [nm(mean - half), nm(mean + half)]),
+        }
+    }
 }
 
 /// What one window says.
@@ -121,6 +167,11 @@ impl Report {
             with_period: statistics.count,
             clear: statistics.clear,
             period_nm: Summary::of(statistics),
+            over_windows: found
+                .spread
+                .as_ref()
+                .zip(statistics.mean)
+                .map(|(spread, mean)| Spread::of(spread, mean)),
             windows: windows.iter().map(window).collect(),
         }
     }

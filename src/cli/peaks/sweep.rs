@@ -11,6 +11,7 @@ use crate::setup::{Method, Settings};
 use crate::surface::HeightField;
 
 /// The response at every wavelength and angle.
+#[derive(Clone, Debug, Default)]
 pub struct Sweep {
     /// Wavelengths \[µm\], growing.
     pub wavelengths: Vec<f64>,
@@ -21,13 +22,19 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Averaged over the windows that `arguments` ask for, of the `field`; `each` is shown the sweep of every window.
-    pub fn of(arguments: &Arguments, field: &HeightField, mut each: impl FnMut(&Self)) -> Result<Self> {
+    /// Averaged over the windows that `arguments` ask for, of the `field`, and the sweep of each window alone, where several are asked for.
+    pub fn of(arguments: &Arguments, field: &HeightField) -> Result<(Self, Vec<Self>)> {
         let [n, m] = match arguments.optics.windows() {
-            all_or_one @ (Windows::All | Windows::ONE) => return Self::through(arguments, field, all_or_one),
+            all_or_one @ (Windows::All | Windows::ONE) => {
+                return Ok((Self::through(arguments, field, all_or_one)?, Vec::new()));
+            }
             Windows::Grid(counts) => counts,
         };
-        let mut mean: Option<Self> = None;
+        // Every window's sweep and the mean.
+        let sweeps = u64::from(n) * u64::from(m) + 1;
+        let evaluations = arguments.wavelengths.count() as u64 * arguments.angles.count() as u64;
+        memory::ensure_room(sweeps * evaluations * size_of::<f64>() as u64, "the sweeps of all windows")?;
+        let mut windows = Vec::new();
         for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
             // A window elsewhere on the endless surface is this window on the surface moved: by whole samples, which are
             // far smaller than a window.
@@ -35,20 +42,20 @@ impl Sweep {
                 (f64::from(part) / f64::from(of) * all as f64).round() as usize
             };
             let moved = field.moved(samples(i, n, field.columns()), samples(j, m, field.rows()));
-            let sweep = Self::through(arguments, &moved, Windows::ONE)?;
-            each(&sweep);
-            match &mut mean {
-                None => mean = Some(sweep),
-                Some(sum) => sum.responses.iter_mut().zip(&sweep.responses).for_each(|(sum, f)| *sum += f),
-            }
+            windows.push(Self::through(arguments, &moved, Windows::ONE)?);
         }
-        let mut mean = match mean {
-            Some(mean) => mean,
-            None => return Self::through(arguments, field, Windows::ONE),
-        };
-        let count = f64::from(n) * f64::from(m);
+        Ok((Self::mean(windows.iter()), windows))
+    }
+
+    /// The mean of sweeps of the same wavelengths and angles, one at least.
+    pub fn mean<'a>(mut sweeps: impl ExactSizeIterator<Item = &'a Self>) -> Self {
+        let count = sweeps.len() as f64;
+        let mut mean = sweeps.next().cloned().unwrap_or_default();
+        for sweep in sweeps {
+            mean.responses.iter_mut().zip(&sweep.responses).for_each(|(sum, f)| *sum += f);
+        }
         mean.responses.iter_mut().for_each(|f| *f /= count);
-        Ok(mean)
+        mean
     }
 
     fn through(arguments: &Arguments, field: &HeightField, windows: Windows) -> Result<Self> {

@@ -1,6 +1,6 @@
 //! The report of `profile`, as text and as JSON.
 
-use crate::cli::benchmark::{Benchmark, BenchmarkScene, PictureErrors};
+use crate::cli::benchmark::{Benchmark, BenchmarkScene, MORE_SAMPLES, PictureErrors};
 use crate::measure::budget::ErrorBudget;
 use crate::measure::error::PixelErrors;
 use crate::measure::profile::{Bound, NOISY, Rates, Summary, Times};
@@ -43,6 +43,8 @@ pub struct Report {
     error: Option<PixelErrors>,
     #[serde(skip_serializing_if = "Option::is_none")]
     flip: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sampling_error: Option<f64>,
     budget: ErrorBudget,
 }
 
@@ -86,6 +88,7 @@ impl Report {
             noisy: times.spread > NOISY,
             error: errors.pixels,
             flip: errors.flip,
+            sampling_error: errors.sampling,
             budget,
         }
     }
@@ -106,7 +109,11 @@ impl Report {
                 "{:.1e} ± {:.0e} relative L2, 99 % of pixels within {:.1e} of their own value ({} pixels against f64)",
                 e.relative_l2, e.relative_l2_interval, e.p99, e.pixels
             );
-            text += &line("error", &error);
+            text += &line("error of shading", &error);
+        }
+        if let Some(sampling) = self.sampling_error {
+            let change = format!("{sampling:.1e} relative L2 between one sample a pixel and {MORE_SAMPLES}");
+            text += &line("error of sampling", &change);
         }
         if let Some(flip) = self.flip {
             text += &line("seen", &format!("FLIP {flip:.1e} (0 is no visible difference, 1 the largest)"));

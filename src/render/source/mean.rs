@@ -6,7 +6,7 @@ use super::spectra::numbers;
 use super::{Extent, Summary, stages, taps_constants};
 use crate::error::Result;
 use crate::optics::brdf::schlick;
-use crate::optics::footprint::{Share, Taps};
+use crate::optics::footprint::{SPACING_OF_SUMS, Taps};
 use crate::optics::spectrum::{BLUE, MIDDLE};
 use crate::precompute::kernel::Kernel;
 use crate::render::picture::Directions;
@@ -207,12 +207,12 @@ impl Mean {
                 let around = seen.covariance(i);
                 let [_, shorter] = around.axes();
                 let coherence = BLUE * BLUE * finest;
-                let own = shorter.max(Taps::least_own(&around, coherence));
+                let own = shorter.max(Taps::least_own(&around, coherence, SPACING_OF_SUMS));
                 let level =
                     level_of_ratio((orders + own / MIDDLE.powi(2)) / finest, header.grid.levels).floor();
                 let read = MIDDLE.powi(2) * (finest * 4f64.powf(level) - orders);
-                let row = Taps::new(&around, [own, read.clamp(0.0, own)], coherence, Share::ALL);
-                let taps = Taps { rows: 1, aside: DVec2::ZERO, ..row };
+                let taps =
+                    Taps::spaced(&around, [own, read.clamp(0.0, own)], coherence, SPACING_OF_SUMS).one_row();
                 let direction = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
                 let toward = DVec2::new(direction(0), direction(1));
                 let rays = (finest / (orders + own / MIDDLE.powi(2))).sqrt();

@@ -55,10 +55,12 @@ fn taps_constants() -> Vec<Constant> {
     const FIRST: u32 = 20;
     let values = [
         footprint::SPACING,
+        footprint::SPACING_OF_SUMS,
         footprint::REACH,
         footprint::MOST_SIDES as f64,
         footprint::FEWEST_SIDES as f64,
         footprint::ROUND,
+        footprint::NARROW,
         footprint::MOST_SHARED.into(),
     ];
     (FIRST..).zip(values).map(|(id, value)| Constant::float(id, value as f32)).collect()
