@@ -2,10 +2,10 @@
 //!
 //! A scan is the surface dilated by the reflected tip: hills look wider, pits narrower. Eroding the scan by the same tip gives the least upper
 //! bound of all surfaces that the scan allows, and the surface itself wherever the tip touched it [Villarrubia 1997, "Algorithms for scanned
-//! probe microscope image simulation, surface reconstruction, and tip estimation", J. Res. Natl. Inst. Stand. Technol. 102, 425, eqs. 3 and
-//! 6]. The tip is a paraboloid of revolution u²/(2R), which a sphere of radius R osculates at the apex. Its erosion separates into rows and
-//! columns, and that of a line is the lower envelope of parabolas, exact and in linear time [Felzenszwalb, Huttenlocher 2012, "Distance
-//! transforms of sampled functions", Theory of Computing 8, 415].
+//! probe microscope image simulation, surface reconstruction, and tip estimation", J. Res. Natl. Inst. Stand. Technol. 102, 425]. The tip is a
+//! paraboloid of revolution u²/(2R), which a sphere of radius R osculates at the apex. Its erosion separates into rows and columns, and that of
+//! a line is the lower envelope of parabolas, exact and in linear time [Felzenszwalb, Huttenlocher 2012, "Distance transforms of sampled
+//! functions", Theory of Computing 8, 415].
 
 use crate::error::Result;
 use crate::surface::HeightField;
