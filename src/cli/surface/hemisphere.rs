@@ -42,6 +42,7 @@ pub fn panels(field: &HeightField, statistics: &Statistics) -> Result<(Vec<Panel
     let part = middle(field);
     let table = table(&part)?;
     let across = statistics.periods.first().map_or(0.0, |period| period.direction.round());
+    let across = if across == 0.0 { 0.0 } else { across }; // −0° reads oddly
     let above = panel(&table, 0.0, 0.0, "straight above".to_owned());
     let from = format!("θ\u{a0}=\u{a0}{SLANTED}°, φ\u{a0}=\u{a0}{across}°");
     let aside = panel(&table, SLANTED, across, from);
@@ -104,10 +105,11 @@ fn panel(table: &ColorTable, theta: f64, phi: f64, from: String) -> Panel {
         [r, g, b, if *inside > 0.0 { 255 } else { 0 }]
     };
     let raster = Raster::colors(SIDE as usize, map.pixels.iter().map(pixel).collect());
+    let exposure = format!("{stops:+.1}").replace('-', "−");
     let mirror = vec![[-light.x, -light.y]];
     let ring = Mark::Points { points: mirror, color: palette::SKY, shape: Shape::Ring, radius: 7.0 };
     Panel::hemisphere(raster)
-        .titled(format!("Colours, light from {from}, {stops:+.1} EV"))
+        .titled(format!("Colours, light from {from}, {exposure} EV"))
         .named("mirror direction", ring)
 }
 
@@ -127,12 +129,14 @@ fn map(table: &ColorTable, light: DVec3) -> Map {
     Map { side: SIDE, pixels }
 }
 
-/// Stops that bring what is typical beside the mirror's spot to middle brightness: half of the scattered light is in brighter directions.
+/// Stops that bring what is typical beside the mirror's spot to middle brightness: a quarter of the scattered light is in fainter directions.
 fn exposure(map: &Map, light: DVec3) -> f64 {
     /// Directions nearer to the mirror's than this are its spot.
     const SPOT: f64 = 0.08;
     /// Luminance of the typical direction on the display.
-    const MIDDLE: f64 = 0.35;
+    const MIDDLE: f64 = 0.5;
+    /// Share of the scattered light in fainter directions.
+    const FAINTER: f64 = 0.25;
     /// What is fainter than this share of the spot is rounding, not light.
     const NOTHING: f64 = 1e-7;
     /// Most stops to either side.
@@ -146,11 +150,11 @@ fn exposure(map: &Map, light: DVec3) -> f64 {
         .filter(|l| *l > NOTHING * brightest)
         .collect();
     scattered.sort_unstable_by(f64::total_cmp);
-    let half = 0.5 * scattered.iter().sum::<f64>();
+    let share = FAINTER * scattered.iter().sum::<f64>();
     let mut below = 0.0;
     let typical = scattered.into_iter().find(|l| {
         below += l;
-        below >= half
+        below >= share
     });
     // A mirror scatters nothing: its spot is what there is to see.
     let typical = typical.unwrap_or(brightest).max(f64::MIN_POSITIVE);

@@ -7,6 +7,7 @@
 //! a line is the lower envelope of parabolas, exact and in linear time [Felzenszwalb, Huttenlocher 2012, "Distance transforms of sampled
 //! functions", Theory of Computing 8, 415].
 
+use super::interpolate::transposed;
 use crate::error::Result;
 use crate::surface::HeightField;
 use rayon::prelude::*;
@@ -20,19 +21,17 @@ use rayon::prelude::*;
 pub(super) fn apply(field: &HeightField, radius: f64) -> Result<HeightField> {
     let (columns, rows) = (field.columns(), field.rows());
     let [dx, dy] = field.pixel_size();
+    let along = |lines: &mut [f64], length: usize, spacing: f64| {
+        let bend = spacing * spacing / (2.0 * radius);
+        lines
+            .par_chunks_mut(length)
+            .for_each_init(Envelope::default, |envelope, line| envelope.erode(line, bend));
+    };
     let mut heights = field.heights().to_vec();
-    heights.par_chunks_mut(columns).for_each_init(Envelope::default, |envelope, row| {
-        envelope.erode(row, dx * dx / (2.0 * radius));
-    });
-    let mut turned = vec![0.0; heights.len()];
-    turned.par_chunks_mut(rows).enumerate().for_each_init(Envelope::default, |envelope, (c, column)| {
-        column.iter_mut().enumerate().for_each(|(r, h)| *h = heights[r * columns + c]);
-        envelope.erode(column, dy * dy / (2.0 * radius));
-    });
-    heights.par_chunks_mut(columns).enumerate().for_each(|(r, row)| {
-        row.iter_mut().enumerate().for_each(|(c, h)| *h = turned[c * rows + r]);
-    });
-    HeightField::new(columns, rows, [dx, dy], heights)
+    along(&mut heights, columns, dx);
+    let mut turned = transposed(columns, &heights);
+    along(&mut turned, rows, dy);
+    HeightField::new(columns, rows, [dx, dy], transposed(rows, &turned))
 }
 
 /// The lower envelope of parabolas that stand at the samples of a line.
