@@ -149,7 +149,7 @@ impl Autocorrelation {
         // On the way to a sample below it falls to the threshold, and perhaps sooner in another direction.
         let bound = self.nearest_below()?;
         /// Directions in the arc of a sample: ripples on a slow decline touch the threshold in few directions.
-        const PER_SAMPLE: f64 = 2.0;
+        const PER_SAMPLE: f64 = 8.0;
         let [dx, dy] = self.pixel_size;
         let directions = (PI * bound / dx.min(dy) * PER_SAMPLE).ceil() as usize;
         let decays = (0..directions)
