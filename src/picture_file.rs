@@ -45,6 +45,11 @@ pub struct Notes {
 }
 
 impl Notes {
+    /// Of a picture that `command` draws of a surface about which `scalar_theory` says how far the optics holds.
+    pub fn new(command: String, scalar_theory: String) -> Self {
+        Self { command, more: vec![("Scalar theory".to_owned(), scalar_theory)] }
+    }
+
     /// All names and values, the version of the program first.
     fn all(&self) -> Vec<(String, String)> {
         let own = [

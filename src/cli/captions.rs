@@ -2,15 +2,16 @@
 
 use super::options::OpticsOptions;
 use crate::optics::coherence::{Coherence, Windows};
+use crate::optics::validity::Validity;
 use crate::picture_file::{Notes, quoted};
 use crate::scene::Light;
 use crate::setup::Method;
 use crate::surface::HeightField;
 use std::ffi::OsString;
 
-/// What a picture that this process draws says of itself.
-pub fn notes() -> Notes {
-    Notes { command: command(std::env::args_os()), ..Notes::default() }
+/// What a picture of `field` that this process draws says of itself.
+pub fn notes(field: &HeightField) -> Notes {
+    Notes::new(command(std::env::args_os()), Validity::note(field))
 }
 
 /// The command that `words` are (the program's name first), as a shell takes it, without where results go: the same picture

@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
     let shading = arguments.optics.beyond_of(&field, shading);
     let picture = draw(arguments, &scene, &field, &shading)?;
-    picture_file::write(&arguments.output, format, &picture, &captions::notes())
+    picture_file::write(&arguments.output, format, &picture, &captions::notes(&field))
 }
 
 fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Shading) -> Result<Picture> {

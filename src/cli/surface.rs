@@ -4,6 +4,7 @@ mod convert;
 mod report;
 
 mod describe;
+mod hemisphere;
 mod plot;
 #[cfg(test)]
 mod worked_example;
@@ -44,7 +45,7 @@ pub struct Info {
     json: bool,
     #[command(flatten)]
     surface: SurfaceOptions,
-    /// A figure of the heights, a profile, the spectrum and the distributions: .svg or .png
+    /// A figure of the heights, profiles, spectra, distributions and the predicted colours: .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
 }

@@ -23,8 +23,8 @@ pub enum RenderReply {
     TooSlow(Quality, f64),
     /// The device has no memory for the spectra of moving pictures.
     NoRoom(Detail),
-    /// The picture of [`Job::Picture`].
-    Picture(Box<Picture>),
+    /// The picture of [`Job::Picture`], and how far scalar theory holds for its surface.
+    Picture(Box<Picture>, String),
     /// The pixels of [`Job::Samples`].
     Samples(Box<Probe>),
     /// A request or a job failed.

@@ -8,6 +8,7 @@ use super::job_queue::{Job, JobQueue, RenderReply, Task};
 use super::prepared::Prepared;
 use super::quality::{Detail, Quality};
 use crate::error::{Error, Result};
+use crate::optics::validity::Validity;
 use crate::render::difference::DifferencePass;
 use crate::render::frame::View;
 use crate::render::picture::Painter;
@@ -253,7 +254,10 @@ impl Renderer {
             return Err(Error::failed("there is no picture", "report this as a bug of diffract"));
         };
         match job {
-            Job::Picture(_) => Ok(RenderReply::Picture(Box::new(slot.painter.picture()?))),
+            Job::Picture(request) => {
+                let scalar_theory = Validity::note(&request.own.field);
+                Ok(RenderReply::Picture(Box::new(slot.painter.picture()?), scalar_theory))
+            }
             Job::Samples(request) => Ok(RenderReply::Samples(Box::new(Probe {
                 samples: error_probe::samples(&mut slot.painter, &request.view)?,
                 prepared: request.own.clone(),

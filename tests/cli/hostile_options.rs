@@ -141,7 +141,8 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ),
     ("--despike", &[&["x", ""]]), // takes no value, and the surface is named already
     ("--destripe", &[&["x", ""]]), // the same
-    ("--invert", &[&["x", ""]]),  // the same
+    ("--deconvolve-tip", &[NO_NUMBER, NO_LENGTH, &["5nmx5nm"]]),
+    ("--invert", &[&["x", ""]]), // the same
     ("--crop", &[NO_NUMBER, NO_LENGTH, NO_PAIR, &["1um", "90nm+1um+0um", "90nm+0um", "90nm+0um+0um+0um"]]),
     ("--resample", &[NO_NUMBER, NO_LENGTH, NO_PAIR, &["0.01nm"]]),
     ("--rotate", &[NO_NUMBER, &["30", "361deg", "30um", "Auto", "auto,30deg"]]),

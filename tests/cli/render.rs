@@ -396,3 +396,31 @@ fn what_belongs_to_one_window_is_refused_with_the_mean_and_the_other_way_round()
     assert!(grid.contains("--windows all") && grid.contains("--method spectral"), "{grid}");
     assert!(!sandbox.path("none.png").exists());
 }
+
+#[test]
+fn every_picture_says_where_scalar_theory_holds_in_the_words_of_info() {
+    let sandbox = Sandbox::with_small_surface();
+    let info = sandbox.run2(&["surface", "info"], &SMALL[..6]).done();
+    let line = info.lines().find_map(|line| line.strip_prefix("scalar theory")).unwrap().trim().to_owned();
+    assert!(line.starts_with("RMS slope along ") && line.ends_with("angles of orders are exact"), "{line}");
+    render(&sandbox, "plate", "a.png", &[]);
+    render(&sandbox, "plate", "a.exr", &[]);
+    let map = ["brdf", "--light", "30,0", "--size", "16x16", "-o", "map.png"];
+    sandbox.run2(&map, &SMALL).done();
+    for name in ["a.png", "map.png"] {
+        let file = std::io::BufReader::new(fs::File::open(sandbox.path(name)).unwrap());
+        let reader = png::Decoder::new(file).read_info().unwrap();
+        let texts = &reader.info().utf8_text;
+        let note = texts.iter().find(|text| text.keyword == "Scalar theory").unwrap();
+        assert_eq!(note.get_text().unwrap(), line, "{name}");
+    }
+    let meta = exr::meta::MetaData::read_from_file(sandbox.path("a.exr"), false).unwrap();
+    let comments = meta.headers[0].own_attributes.comments.as_ref().unwrap().to_string();
+    // EXR has the letters of Latin-1.
+    let latin = line.replace('λ', "\\u{3bb}").replace('σ', "\\u{3c3}");
+    assert!(comments.contains(&format!("\nScalar theory: {latin}")), "{comments}");
+    // Another surface has another line.
+    render(&sandbox, "plate", "flat.png", &["--surface", "flat"]);
+    let flat = fs::read(sandbox.path("flat.png")).unwrap();
+    assert!(!flat.windows(line.len()).any(|window| window == line.as_bytes()));
+}

@@ -102,8 +102,21 @@ fn steps_act_in_the_order_of_the_command_line_and_are_told() {
     assert_eq!(row(&levelled_first, "prepared by"), "level mean, crop 3.75umx20um+0um+0um");
     assert_eq!(row(&cropped_first, "prepared by"), "crop 3.75umx20um+0um+0um, level mean");
     assert_eq!(row(&info(&["--level", "none"]), "prepared by"), "none");
-    let more = info(&["--despike", "--destripe", "--invert", "--resample", "50nm", "--tile", "mirror"]);
-    assert_eq!(row(&more, "prepared by"), "despike, destripe, invert, resample 50nm, tile mirror");
+    let more = info(&[
+        "--despike",
+        "--destripe",
+        "--deconvolve-tip",
+        "10nm",
+        "--invert",
+        "--resample",
+        "50nm",
+        "--tile",
+        "mirror",
+    ]);
+    assert_eq!(
+        row(&more, "prepared by"),
+        "despike, destripe, deconvolve-tip 10nm, invert, resample 50nm, tile mirror"
+    );
     assert_eq!(row(&more, "samples"), "800 x 800");
     let e = sandbox.run(["surface", "info", "blaze", "--crop", "1mm"]).refused(1);
     assert!(e.contains("--crop 1mm: the field of 20um x 20um"), "{e}");

@@ -118,7 +118,7 @@ fn shade(
 
 /// The pixels of the disc in `rows` of a map of `side` pixels, and ω_r of each: pixel centre (i+½, j+½) is
 /// (s_x, s_y, √(1 − s²)), s_x = 2(i+½)/N − 1, s_y = 1 − 2(j+½)/N.
-fn views(side: u32, rows: std::ops::Range<u32>) -> impl Iterator<Item = (usize, DVec3)> {
+pub fn views(side: u32, rows: std::ops::Range<u32>) -> impl Iterator<Item = (usize, DVec3)> {
     let centre = move |i: u32| 2.0 * (f64::from(i) + 0.5) / f64::from(side) - 1.0;
     let pixel = move |(i, j): (u32, u32)| {
         let (x, y) = (centre(i), -centre(j));

@@ -1,7 +1,7 @@
 //! `diffract brdf`: the hemisphere of one light direction, as a picture.
 
 mod figure;
-mod map;
+pub(super) mod map;
 mod variant;
 
 use super::options::{
@@ -132,7 +132,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (Some(path), Some(format)) = (&arguments.output, format) else { return Ok(()) };
     let display = map.pixels.iter().map(|pixel| displayed(*pixel, arguments.exposure)).collect();
     let picture = Picture { size: [arguments.size; 2], radiance: map.pixels, display };
-    picture_file::write(path, format, &picture, &captions::notes())
+    picture_file::write(path, format, &picture, &captions::notes(&field))
 }
 
 /// Two maps, their difference in a figure and in a line.

@@ -28,6 +28,9 @@ fn help(word: &str) -> &'static str {
         }
         "despike" => "Replace single samples that stand far out of their neighbours",
         "destripe" => "Replace streaks along rows by what is above and below",
+        "deconvolve-tip" => {
+            "Take away what a probe's tip of this radius added to the scan, as in 10nm, where the tip touched the surface"
+        }
         "crop" => {
             "Keep a rectangle, from the middle or with a corner from the left and from the top, as in 40um or 40umx20um+5um+3um"
         }
@@ -98,7 +101,7 @@ mod tests {
     fn steps_keep_the_order_of_the_command_line_whatever_their_options() {
         for line in [
             "--crop 40um --level plane --invert --level rows --despike --rotate -12.5deg --despike",
-            "--invert --taper 5um --tile blend --destripe --resample 50nm --crop 20umx10um+1um+2um",
+            "--invert --taper 5um --tile blend --destripe --deconvolve-tip 10nm --resample 50nm --crop 20umx10um+1um+2um",
         ] {
             assert_eq!(prepare::as_options(&parsed(line).unwrap().unwrap()), line);
         }

@@ -69,8 +69,15 @@ fn distributions(statistics: &Statistics) -> Vec<Line> {
         ("distinct heights", format!("{}{step}", h.levels)),
         ("beyond 3 sigma", format!("{:.2} %", h.outliers * 100.0)),
         ("Sdq", format!("{:.4} ({:.2} deg)", s.sdq, s.sdq.atan().to_degrees())),
+        ("RMS slope along x, y", slopes_along_axes(s.rms)),
         ("slope angles", format!("95 % below {:.1} deg, steepest {:.1} deg", s.angle_95, s.angle_max)),
     ]
+}
+
+/// The two parts of Sdq.
+fn slopes_along_axes(rms: [f64; 2]) -> String {
+    let [x, y] = rms.map(|slope| format!("{slope:.4} ({:.2} deg)", slope.atan().to_degrees()));
+    format!("{x}, {y}")
 }
 
 fn spectrum(statistics: &Statistics) -> Vec<Line> {

@@ -1,5 +1,6 @@
-//! One page about a height field: the heights, a profile, the spectrum, and how heights and slopes are distributed.
+//! One page about a height field: the heights, profiles, the spectrum, the colours that it predicts, and how heights and slopes are distributed.
 
+use super::hemisphere;
 use crate::error::Result;
 use crate::figure::{Axis, ColorMap, ColorScale, Figure, Mark, Panel, Raster, Scale, palette};
 use crate::optics::spectrum::{LONGEST, SHORTEST};
@@ -22,12 +23,21 @@ pub fn figure(source: &Source, field: &HeightField, statistics: &Statistics) -> 
     let name = std::path::Path::new(&source.name)
         .file_name()
         .map_or(source.name.to_string_lossy().into_owned(), |n| n.to_string_lossy().into_owned());
-    Ok(Figure::new(format!("{name}: heights, spectrum and distributions"))
+    let mut figure = Figure::new(format!("{name}: heights, spectrum, colours and distributions"))
         .panel_size(PANEL[0], PANEL[1])
-        .row(vec![heights(field, statistics), power(&spectrum)])
+        .row(vec![heights(field, statistics), power(&spectrum)]);
+    // A page without colours is better than none.
+    let colours = match hemisphere::panels(field, statistics) {
+        Ok((panels, words)) => {
+            figure = figure.row(panels);
+            words
+        }
+        Err(e) => format!("No colours: {e}."),
+    };
+    Ok(figure
         .row(vec![profile(field), radial(&spectrum, statistics)])
         .row(vec![height_histogram(field, statistics), slope_histogram(field, statistics)])
-        .caption(caption(source, field, statistics)))
+        .caption(caption(source, field, statistics) + "\n" + &colours))
 }
 
 fn caption(source: &Source, field: &HeightField, statistics: &Statistics) -> String {
@@ -293,6 +303,8 @@ mod tests {
                 "averaged over directions",
                 "of heights",
                 "of slopes",
+                "Colours, light from straight above",
+                "mirror direction",
             ] {
                 assert!(svg.contains(word), "{kind:?}: {word}");
             }

@@ -20,18 +20,27 @@ use std::io::{Cursor, Seek, Write};
 /// Samples that lie farther apart than this say how large a picture is printed, not how large the surface is \[m\].
 const COARSEST: f64 = 10e-6;
 
+/// The tag in which JPK's microscopes keep the width of the scan.
+const JPK_WIDTH: u16 = 32834;
+
 /// How the description of a TIFF of this program begins.
 const OWN: &str = "heights in metres; distance of samples in metres: ";
 
 /// The file in `bytes`; of several pages the first one counts. Files of Park's microscopes are read by [`park`].
 ///
 /// # Errors
-/// A file that is damaged; colours; a size that no height field has.
+/// A file that is damaged; colours; a size that no height field has; a scan of JPK's microscopes, whose first page is a thumbnail.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     if let Some(scan) = park::read(bytes)? {
         return Ok(scan);
     }
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(|e| explain(&e))?;
+    if decoder.find_tag(Tag::Unknown(JPK_WIDTH)).ok().flatten().is_some() {
+        return Err(Error::failed(
+            "is a scan of JPK's microscopes, whose channels are not read",
+            "export the height as .gsf or .txt with Gwyddion, or as text with JPK's own program",
+        ));
+    }
     let (columns, rows) = decoder.dimensions().map_err(|e| explain(&e))?;
     let size = size(u64::from(columns), u64::from(rows))?;
     let distances = distances(&mut decoder);

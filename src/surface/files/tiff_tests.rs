@@ -148,3 +148,12 @@ fn counting_from_white_and_sizes_that_lie_are_refused() {
     long.iter_mut().filter(|e| matches!(e.0, 256 | 257 | 278)).for_each(|e| e.2 = 3000);
     assert!(read(&file(false, false, &long, &floats(false))).is_err());
 }
+
+#[test]
+fn a_scan_of_jpk_is_refused_instead_of_its_thumbnail() {
+    let mut entries = grey(8, 1, 1);
+    assert!(read(&file(false, false, &entries, &[0; 6])).is_ok());
+    entries.push((JPK_WIDTH, 4, 1));
+    let e = read(&file(false, false, &entries, &[0; 6])).err().unwrap().to_string();
+    assert!(e.contains("JPK") && e.contains(".gsf"), "{e}");
+}

@@ -17,6 +17,7 @@ mod rotate;
 mod rows;
 mod taper;
 mod tile;
+mod tip;
 mod words;
 
 pub use crop::Crop;
@@ -38,6 +39,8 @@ pub enum Step {
     Despike,
     /// Replaces streaks along rows: runs of samples that differ from the rows above and below.
     Destripe,
+    /// Takes away the shape of a tip with this radius of curvature.
+    DeconvolveTip(f64),
     /// Keeps a rectangle.
     Crop(Crop),
     /// Changes the distance between samples along `x` and `y`.
@@ -67,6 +70,7 @@ impl Step {
             Self::Level(level) => field.levelled(*level),
             Self::Despike => despike::apply(field),
             Self::Destripe => destripe::apply(field),
+            Self::DeconvolveTip(radius) => tip::apply(field, *radius),
             Self::Crop(crop) => crop.apply(field),
             Self::Resample(spacing) => resample::apply(field, *spacing),
             Self::Rotate(rotation) => rotation.apply(field),

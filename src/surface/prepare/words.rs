@@ -6,10 +6,11 @@ use crate::units;
 use std::fmt;
 
 /// Every step's word, which is its option's name, and what follows it; empty where nothing does.
-pub const WORDS: [(&str, &str); 9] = [
+pub const WORDS: [(&str, &str); 10] = [
     ("level", "none|mean|plane|polynomial:N|rows|rows-median|facet"),
     ("despike", ""),
     ("destripe", ""),
+    ("deconvolve-tip", "RADIUS"),
     ("crop", "LENGTH[xLENGTH][+X+Y]"),
     ("resample", "LENGTH"),
     ("rotate", "ANGLE|auto"),
@@ -20,7 +21,7 @@ pub const WORDS: [(&str, &str); 9] = [
 
 /// One of each kind of step, for tests.
 #[cfg(test)]
-pub(super) const EXAMPLES: [&str; 20] = [
+pub(super) const EXAMPLES: [&str; 21] = [
     "level none",
     "level mean",
     "level plane",
@@ -30,6 +31,7 @@ pub(super) const EXAMPLES: [&str; 20] = [
     "level facet",
     "despike",
     "destripe",
+    "deconvolve-tip 10nm",
     "crop 0.2um",
     "crop 40umx20.5um+5um+0um",
     "resample 97.66nm",
@@ -67,6 +69,7 @@ impl Step {
             "level" => Level::parse(value).map(Self::Level),
             "despike" => without(Self::Despike),
             "destripe" => without(Self::Destripe),
+            "deconvolve-tip" => units::length(value).map(Self::DeconvolveTip),
             "crop" => Crop::parse(value).map(Self::Crop),
             "resample" => units::length_pair(value).map(Self::Resample),
             "rotate" => Rotation::parse(value).map(Self::Rotate),
@@ -87,6 +90,7 @@ impl fmt::Display for Step {
             Self::Level(level) => write!(f, "level {level}"),
             Self::Despike => f.write_str("despike"),
             Self::Destripe => f.write_str("destripe"),
+            Self::DeconvolveTip(radius) => write!(f, "deconvolve-tip {}", length(*radius)),
             Self::Crop(crop) => write!(f, "crop {crop}"),
             Self::Resample(spacing) => write!(f, "resample {}", lengths(*spacing)),
             Self::Rotate(rotation) => write!(f, "rotate {rotation}"),
@@ -184,6 +188,10 @@ mod tests {
             "despike 3",
             "destripe x",
             "invert yes",
+            "deconvolve-tip",
+            "deconvolve-tip 10",
+            "deconvolve-tip 0nm",
+            "deconvolve-tip -10nm",
             "crop",
             "crop 40",
             "crop 0um",

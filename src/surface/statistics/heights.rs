@@ -84,6 +84,14 @@ pub fn mean(field: &HeightField) -> f64 {
     total / field.heights().len() as f64
 }
 
+/// The root mean square deviation Sq \[µm\] alone.
+pub fn deviation(field: &HeightField) -> f64 {
+    let mean = mean(field);
+    let squares = |row: &[f64]| row.iter().map(|h| (h - mean).powi(2)).sum::<f64>();
+    let total: f64 = field.heights().par_chunks(field.columns()).map(squares).sum();
+    (total / field.heights().len() as f64).sqrt()
+}
+
 /// The different heights, lowest first.
 fn distinct(heights: &[f64]) -> Vec<f64> {
     /// Heights that are copied at once: those of an image are few different ones, a copy of all of them may be gigabytes.

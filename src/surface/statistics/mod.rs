@@ -11,7 +11,7 @@ pub mod slopes;
 pub mod spectrum;
 mod texture;
 
-pub use heights::{Heights, mean};
+pub use heights::{Heights, deviation, mean};
 pub use line_periods::line_periods;
 pub use notes::notes;
 pub(in crate::surface) use periods::wave_vector;

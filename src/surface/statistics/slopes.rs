@@ -7,9 +7,9 @@ use serde::Serialize;
 /// Slopes of the facets between neighbouring samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Slopes {
-    /// RMS gradient Sdq (ISO 25178-2:2021, 4.4.1), from differences of neighbouring samples along each axis.
+    /// RMS gradient Sdq (ISO 25178-2:2021, 4.4.1), from differences of neighbouring samples along each axis: √(x² + y²) of `rms`.
     pub sdq: f64,
-    /// RMS slope along `x` and along `y`.
+    /// RMS slope along `x` and along `y`. Limits of scalar theory are about these, not about Sdq.
     pub rms: [f64; 2],
     /// The slope angle that 95 % of the facets are below \[degrees\].
     #[serde(rename = "angle_95_deg")]
@@ -25,7 +25,7 @@ const MOST_FACETS: usize = 1 << 22;
 impl Slopes {
     /// Measures the slopes of `field`.
     pub fn of(field: &HeightField) -> Self {
-        let rms = rms(field);
+        let rms = rms_slopes(field);
         let mut gradients = gradients(field);
         let place = (gradients.len() - 1) * 95 / 100;
         let largest = gradients.iter().copied().fold(0.0, f64::max);
@@ -40,7 +40,7 @@ impl Slopes {
 }
 
 /// RMS slopes along `x` and `y`; 0 along an axis of a single sample.
-fn rms(field: &HeightField) -> [f64; 2] {
+pub fn rms_slopes(field: &HeightField) -> [f64; 2] {
     let (columns, rows) = (field.columns(), field.rows());
     let [dx, dy] = field.pixel_size();
     let squares = |row: usize| {

@@ -96,7 +96,7 @@ impl ViewerWindow {
                 self.model.pacing.quality.record(quality, 2.0 * milliseconds, true);
             }
             RenderReply::NoRoom(detail) => self.model.sources.forget(detail),
-            RenderReply::Picture(picture) => self.save(&picture),
+            RenderReply::Picture(picture, scalar_theory) => self.save(&picture, scalar_theory),
             RenderReply::Samples(probe) => self.measure(*probe)?,
             RenderReply::Failed(e) if self.device.is_lost() => return Err(e),
             RenderReply::Failed(e) => self.model.report(&e),
@@ -133,13 +133,13 @@ impl ViewerWindow {
         Ok(())
     }
 
-    fn save(&mut self, picture: &Picture) {
+    fn save(&mut self, picture: &Picture, scalar_theory: String) {
         if self.saves.is_empty() {
             return;
         }
         let PendingSave { stem, with_exr, command } = self.saves.remove(0);
         let (as_png, as_exr) = (stem.with_extension("png"), stem.with_extension("exr"));
-        let notes = Notes { command, ..Notes::default() };
+        let notes = Notes::new(command, scalar_theory);
         let write = |path, format| picture_file::write(path, format, picture, &notes);
         let saved = write(&as_png, Format::Png)
             .and_then(|()| if with_exr { write(&as_exr, Format::Exr) } else { Ok(()) });

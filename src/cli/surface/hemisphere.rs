@@ -1,0 +1,226 @@
+//! The colours that a surface sends into each direction: a glance for the page of `surface info`, on the CPU alone.
+
+use crate::cli::brdf::map::{Map, views};
+use crate::error::Result;
+use crate::figure::{Mark, Panel, Raster, Shape, palette};
+use crate::optics::coherence::Coherence;
+use crate::optics::color::{display, xyz_to_linear_srgb};
+use crate::optics::footprint::Covariance;
+use crate::optics::geometry::{Pair, direction};
+use crate::optics::spectrum::{Illuminant, SHORTEST};
+use crate::setup;
+use crate::spectra::power::{PowerSettings, power_spectra};
+use crate::surface::{HeightField, Statistics};
+use crate::table::{ColorTable, TableReader, TableSettings, bake};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::borrow::Cow;
+
+/// Pixels on a side of a map.
+const SIDE: u32 = 600;
+/// Standard deviation of the directions that a point of a map averages over: a quarter of a degree, about what light of 65 µm coherence blurs.
+const SPREAD: f64 = 0.004;
+/// Relative errors of the power spectra and of the colour table: what a glance does not show.
+const ERROR: f64 = 0.1;
+/// Samples on a side that the colours are made from: the middle of a larger field.
+const MOST_SAMPLES: usize = 1024;
+/// Most bytes of the power spectra and of the colour table.
+const MEMORY: usize = 1 << 30;
+/// Most texels on a side of either.
+const MOST_TEXELS: usize = 1 << 14;
+/// Coherence length of the light \[µm\], and refractive index of the surface: the defaults of all commands.
+const COHERENCE: f64 = 65.0;
+const IOR: f64 = 1.5;
+/// Polar angle of the second light \[degrees\].
+const SLANTED: f64 = 45.0;
+
+/// Panels of the colours in light from straight above and from aside, across the strongest grooves, and words for the caption.
+///
+/// # Errors
+/// A surface that is too high for the power spectra, or no memory for them.
+pub fn panels(field: &HeightField, statistics: &Statistics) -> Result<(Vec<Panel>, String)> {
+    let part = middle(field);
+    let table = table(&part)?;
+    let across = statistics.periods.first().map_or(0.0, |period| period.direction.round());
+    let across = if across == 0.0 { 0.0 } else { across }; // −0° reads oddly
+    let above = panel(&table, 0.0, 0.0, "straight above".to_owned());
+    let from = format!("θ\u{a0}=\u{a0}{SLANTED}°, φ\u{a0}=\u{a0}{across}°");
+    let aside = panel(&table, SLANTED, across, from);
+    let of_part = match part {
+        Cow::Borrowed(_) => "",
+        Cow::Owned(_) => " of the middle of the field",
+    };
+    let words = format!(
+        "Colours{of_part}: what a pixel sees from each direction (mean over coherence areas), from above, x to the right, y up, rings of \
+         polar angle every 15°; D65, coherence {COHERENCE} µm, refractive index {IOR}, {} beyond the patch.",
+        setup::beyond_of(&part).name()
+    );
+    Ok((vec![above, aside], words))
+}
+
+/// The colour table of `field`.
+fn table(field: &HeightField) -> Result<ColorTable> {
+    let spectra = PowerSettings {
+        sigma: Coherence::Gaussian { length: COHERENCE }.sigma().unwrap_or(COHERENCE),
+        beyond: setup::beyond_of(field),
+        shortest: SHORTEST,
+        series_error: ERROR,
+        reading_error: ERROR,
+        least_footprint: SPREAD,
+        side_limit: MOST_TEXELS,
+        memory_limit: MEMORY,
+    };
+    let colours = TableSettings {
+        illuminant: Illuminant::D65,
+        wavelengths: None,
+        quadrature_error: ERROR,
+        reading_error: ERROR,
+        cubic_error: ERROR,
+        finest: SPREAD,
+        side_limit: MOST_TEXELS,
+        memory_limit: MEMORY,
+    };
+    bake(&power_spectra(field, &spectra, &|_, _| Ok(()))?, &colours, &|_, _| Ok(()))
+}
+
+/// `field`, or the middle of it.
+fn middle(field: &HeightField) -> Cow<'_, HeightField> {
+    let size = [field.columns(), field.rows()];
+    let [columns, rows] = size.map(|n| n.min(MOST_SAMPLES));
+    if [columns, rows] == size {
+        return Cow::Borrowed(field);
+    }
+    let [left, top] = [(size[0] - columns) / 2, (size[1] - rows) / 2];
+    let heights = (top..top + rows).flat_map(|row| &field.row(row)[left..left + columns]).copied().collect();
+    HeightField::new(columns, rows, field.pixel_size(), heights).map_or(Cow::Borrowed(field), Cow::Owned)
+}
+
+/// The colours in light from the polar angle `theta` and the azimuth `phi` \[degrees\], which `from` says in words.
+fn panel(table: &ColorTable, theta: f64, phi: f64, from: String) -> Panel {
+    let light = direction(theta, phi);
+    let map = map(table, light);
+    let stops = exposure(&map, light);
+    let pixel = |[r, g, b, inside]: &[f32; 4]| {
+        let [r, g, b] = display(DVec3::new((*r).into(), (*g).into(), (*b).into()), stops);
+        [r, g, b, if *inside > 0.0 { 255 } else { 0 }]
+    };
+    let raster = Raster::colors(SIDE as usize, map.pixels.iter().map(pixel).collect());
+    let exposure = format!("{stops:+.1}").replace('-', "−");
+    let mirror = vec![[-light.x, -light.y]];
+    let ring = Mark::Points { points: mirror, color: palette::SKY, shape: Shape::Ring, radius: 7.0 };
+    Panel::hemisphere(raster)
+        .titled(format!("Colours, light from {from}, {exposure} EV"))
+        .named("mirror direction", ring)
+}
+
+/// Linear sRGB of the BRDF \[sr⁻¹\] toward every direction.
+fn map(table: &ColorTable, light: DVec3) -> Map {
+    let reader = TableReader::new(table);
+    let around = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
+    let views: Vec<(usize, DVec3)> = views(SIDE, 0..SIDE).collect();
+    let color = |&(place, view): &(usize, DVec3)| {
+        let f = reader.xyz(&Pair::new(light, view), IOR, &around) / light.z;
+        (place, xyz_to_linear_srgb(f).as_vec3().extend(1.0).to_array())
+    };
+    let mut pixels = vec![[0.0; 4]; (SIDE * SIDE) as usize];
+    for (place, color) in views.par_iter().map(color).collect::<Vec<_>>() {
+        pixels[place] = color;
+    }
+    Map { side: SIDE, pixels }
+}
+
+/// Stops that bring what is typical beside the mirror's spot to middle brightness: a quarter of the scattered light is in fainter directions.
+fn exposure(map: &Map, light: DVec3) -> f64 {
+    /// Directions nearer to the mirror's than this are its spot.
+    const SPOT: f64 = 0.08;
+    /// Luminance of the typical direction on the display.
+    const MIDDLE: f64 = 0.5;
+    /// Share of the scattered light in fainter directions.
+    const FAINTER: f64 = 0.25;
+    /// What is fainter than this share of the spot is rounding, not light.
+    const NOTHING: f64 = 1e-7;
+    /// Most stops to either side.
+    const MOST: f64 = 20.0;
+    let luminances = map.values();
+    let brightest = luminances.iter().copied().fold(0.0, f64::max);
+    let beside = |&(_, view): &(usize, DVec3)| (view + light).truncate().length() > SPOT;
+    let mut scattered: Vec<f64> = views(map.side, 0..map.side)
+        .filter(beside)
+        .map(|(place, _)| luminances[place])
+        .filter(|l| *l > NOTHING * brightest)
+        .collect();
+    scattered.sort_unstable_by(f64::total_cmp);
+    let share = FAINTER * scattered.iter().sum::<f64>();
+    let mut below = 0.0;
+    let typical = scattered.into_iter().find(|l| {
+        below += l;
+        below >= share
+    });
+    // A mirror scatters nothing: its spot is what there is to see.
+    let typical = typical.unwrap_or(brightest).max(f64::MIN_POSITIVE);
+    ((MIDDLE / typical).log2().clamp(-MOST, MOST) * 10.0).round() / 10.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brdf::mean::{Mean, TabulatedMean};
+    use crate::surface::synth::{Kind, Spec, generate};
+
+    fn small(kind: Kind) -> HeightField {
+        generate(&Spec { patch: Some([20.0; 2]), ..Spec::new(kind) }).unwrap()
+    }
+
+    #[test]
+    fn the_colours_are_those_of_the_mean_in_f64_averaged_alike() {
+        for kind in [Kind::Elaphe, Kind::Bumps] {
+            let field = small(kind);
+            let table = table(&field).unwrap();
+            let light = direction(SLANTED, 20.0);
+            let map = map(&table, light);
+            let sigma = COHERENCE / 4.0;
+            let mean = Mean { field: &field, sigma, beyond: setup::beyond_of(&field), ior: IOR };
+            let exact = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap();
+            let around = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
+            let some: Vec<_> = views(SIDE, 0..SIDE).step_by(997).collect();
+            let pairs: Vec<_> = some.iter().map(|(_, view)| (Pair::new(light, *view), around)).collect();
+            let colours = exact.xyz(&Illuminant::D65, &pairs, &|_, _| Ok(())).unwrap();
+            let (mut error, mut all) = (0.0, 0.0);
+            for ((place, _), xyz) in some.iter().zip(colours) {
+                let expected = xyz_to_linear_srgb(xyz / light.z);
+                let [r, g, b, _] = map.pixels[*place].map(f64::from);
+                error += (DVec3::new(r, g, b) - expected).length_squared();
+                all += expected.length_squared();
+            }
+            let error = f64::sqrt(error / all);
+            assert!(error < ERROR, "{kind:?}: {error}");
+        }
+    }
+
+    #[test]
+    fn the_orders_of_a_grating_stand_where_the_grating_equation_says() {
+        // 2.5 µm along x in light from above: the first order of green, 550 nm, at sin θ = 0.22 on the x axis.
+        let field = small(Kind::Blaze);
+        let map = map(&table(&field).unwrap(), DVec3::Z);
+        let at = |x: f64, y: f64| {
+            let place = |s: f64| ((s + 1.0) / 2.0 * f64::from(SIDE)) as usize;
+            map.pixels[place(-y) * SIDE as usize + place(x)]
+        };
+        let largest = |x: f64| at(x, 0.0)[1].max(at(-x, 0.0)[1]);
+        assert!(largest(0.22) > 100.0 * at(0.0, 0.22)[1].max(at(0.0, -0.22)[1]), "{:?}", at(0.22, 0.0));
+        assert!(largest(0.22) > 100.0 * largest(0.1), "nothing is seen before violet, at 0.15");
+    }
+
+    #[test]
+    fn a_page_can_have_colours_of_the_smallest_fields_and_of_a_mirror() {
+        let fields = [
+            HeightField::new(1, 1, [0.1; 2], vec![0.0]).unwrap(),
+            HeightField::new(9, 1, [0.1; 2], vec![0.02; 9]).unwrap(),
+            small(Kind::Flat),
+        ];
+        for field in fields {
+            let (panels, words) = panels(&field, &Statistics::of(&field).unwrap()).unwrap();
+            assert!(panels.len() == 2 && words.contains("D65"), "{words}");
+        }
+    }
+}
