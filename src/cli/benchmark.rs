@@ -149,7 +149,7 @@ impl BenchmarkScene {
     pub fn open(options: &BenchmarkOptions) -> Result<Self> {
         check_method(options)?;
         options.optics.for_pictures(&options.colour)?;
-        let scene = Scene::open(&options.scene)?;
+        let scene = prepare::scene(&options.scene)?;
         let field = options.surface.load(None, Some(&scene), "elaphe")?;
         let view = View::of(&scene, lights_of(&options.light, &scene));
         let device = prepare::device(&options.device.wish())?;

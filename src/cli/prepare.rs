@@ -31,6 +31,14 @@ pub fn finish(device: &Device) -> Result<()> {
     check_validation(&device.instance().messages())
 }
 
+/// The scene called `name`, its mesh file read with a progress bar.
+pub fn scene(name: &str) -> Result<Scene> {
+    let bar = progress_bar("mesh");
+    let scene = Scene::open_telling(name, &|what, done, of| show(&bar, what, done, of));
+    bar.finish_and_clear();
+    scene
+}
+
 /// The source of `field` under `settings` on `device`, from the cache or made with a progress bar.
 pub fn source(field: &HeightField, settings: &Settings, device: &Arc<Device>) -> Result<Source> {
     warn_of_coarse_samples(field, settings.shortest);

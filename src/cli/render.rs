@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ));
     }
     let shading = arguments.optics.for_pictures(&arguments.colour)?;
-    let mut scene = Scene::open(&arguments.scene)?;
+    let mut scene = prepare::scene(&arguments.scene)?;
     files.reads(&scene.files).check()?;
     arguments.view.apply(&mut scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;

@@ -3,10 +3,9 @@
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, real,
 };
-use super::{check_validation, validation};
+use super::{check_validation, prepare, validation};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
-use crate::scene::Scene;
 use crate::setup::{self, Method, Settings};
 use crate::units;
 use crate::viewer::{self, Start};
@@ -80,7 +79,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         shading.check_wavelengths()?;
     }
     setup::check(&Settings::new(method, shading.clone()))?;
-    let plain = Scene::open(&arguments.scene)?;
+    let plain = prepare::scene(&arguments.scene)?;
     let mut scene = plain.clone();
     arguments.view.apply(&mut scene)?;
     let surface = arguments.surface.source(None, Some(&scene), "elaphe")?;
