@@ -25,6 +25,7 @@ use crate::units;
 use crate::vk::device::Device;
 use clap::Args;
 use glam::DVec3;
+use std::ffi::OsString;
 use std::sync::Arc;
 
 /// What is drawn, how it is shaded, and on which device.
@@ -32,7 +33,7 @@ use std::sync::Arc;
 pub struct BenchmarkOptions {
     /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
-    pub scene: String,
+    pub scene: OsString,
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "640x480")]
     pub size: [u32; 2],

@@ -18,6 +18,7 @@ use crate::vk::instance::Instance;
 use crate::vk::selection::DeviceChoice;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::cell::OnceCell;
+use std::ffi::OsStr;
 use std::sync::{Arc, Once};
 use std::time::Instant;
 
@@ -32,7 +33,7 @@ pub fn finish(device: &Device) -> Result<()> {
 }
 
 /// The scene called `name`, its mesh file read with a progress bar.
-pub fn scene(name: &str) -> Result<Scene> {
+pub fn scene(name: &OsStr) -> Result<Scene> {
     let bar = progress_bar("mesh");
     let scene = Scene::open_telling(name, &|what, done, of| show(&bar, what, done, of));
     bar.finish_and_clear();

@@ -9,7 +9,7 @@ use crate::surface::prepare::Step;
 use crate::units;
 use glam::{DVec3, Vec3};
 use serde::Deserialize;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 /// Names of the built-in scenes; the first is the default.
@@ -123,17 +123,17 @@ impl Scene {
     ///
     /// # Errors
     /// A name that is neither, or a file that does not hold a scene; says where and what to do.
-    pub fn open(name: &str) -> Result<Self> {
-        Self::open_telling(name, &|_, _, _| Ok(()))
+    pub fn open(name: impl AsRef<OsStr>) -> Result<Self> {
+        Self::open_telling(name.as_ref(), &|_, _, _| Ok(()))
     }
 
     /// As [`Scene::open`], and tells `progress` how far a mesh file is read.
     ///
     /// # Errors
     /// As [`Scene::open`], and what `progress` returns.
-    pub fn open_telling(name: &str, progress: &Progress<'_>) -> Result<Self> {
+    pub fn open_telling(name: &OsStr, progress: &Progress<'_>) -> Result<Self> {
         if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
-            return Self::parse(text, Path::new("")).map_err(|e| e.at(format!("scene {name}")));
+            return Self::parse(text, Path::new("")).map_err(|e| e.at(format!("scene {}", name.display())));
         }
         let path = Path::new(name);
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
@@ -147,7 +147,7 @@ impl Scene {
                 Ok(scene)
             }
             _ => Err(Error::usage(
-                format!("there is no scene `{name}`"),
+                format!("there is no scene `{}`", name.display()),
                 format!("give one of {} or a .toml or .obj file", BUILT_IN.map(|b| b.0).join(", ")),
             )),
         }
