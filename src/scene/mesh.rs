@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
-/// The most triangles that a mesh may have: 3.4 GB while it is built.
+/// The most triangles that a mesh may have: 5 GB while it is built, where no vertex is shared.
 pub const MAX_TRIANGLES: usize = 8_000_000;
 
 /// The largest absolute coordinate: squares of products of coordinates still fit an `f32`.
