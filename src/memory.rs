@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use std::fs;
+use std::path::{Path, PathBuf};
 
 /// Fails when `bytes` for `what`, and an eighth more, are more than this machine can give now.
 ///
@@ -39,10 +40,39 @@ fn own_limits() -> Option<(String, String)> {
 /// process' own limit (`ulimit -v`) leaves, whichever is lowest.
 fn available() -> Option<u64> {
     let system = fs::read_to_string("/proc/meminfo").ok().and_then(|text| meminfo_available(&text));
-    let group =
-        fs::read_to_string("/sys/fs/cgroup/memory.max").ok().and_then(|text| text.trim().parse().ok());
+    let group = group_available();
     let own = own_limits().and_then(|(limits, status)| own_available(&limits, &status));
     system.into_iter().chain(group).chain(own).min()
+}
+
+/// What the limits of this process' control groups leave beside the memory that it has \[bytes\]; `None` where there is none.
+fn group_available() -> Option<u64> {
+    let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
+    // A container sees its own group as the root.
+    let root =
+        ["/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"].map(PathBuf::from);
+    let files = group_limits(&groups).into_iter().chain(root);
+    let limit = files.filter_map(|file| fs::read_to_string(file).ok()?.trim().parse::<u64>().ok()).min()?;
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    Some(limit.saturating_sub(kib_after("VmRSS:", &status).unwrap_or(0)))
+}
+
+/// The files with the limits of the groups in the text of `/proc/self/cgroup`, of version 1 and 2, and of those above them.
+fn group_limits(groups: &str) -> Vec<PathBuf> {
+    let files = groups.lines().flat_map(|line| {
+        let mut parts = line.splitn(3, ':').skip(1);
+        let (root, file) = match parts.next() {
+            Some("") => ("/sys/fs/cgroup", "memory.max"),
+            Some(names) if names.split(',').any(|name| name == "memory") => {
+                ("/sys/fs/cgroup/memory", "memory.limit_in_bytes")
+            }
+            _ => return Vec::new(),
+        };
+        let path = Path::new(parts.next().unwrap_or_default().trim_start_matches('/'));
+        // The last of them is the empty path.
+        path.ancestors().map(|group| Path::new(root).join(group).join(file)).collect()
+    });
+    files.collect()
 }
 
 /// What the address space of `/proc/self/limits` leaves beside `VmSize` of `/proc/self/status` \[bytes\]; `None` where it has
@@ -50,15 +80,18 @@ fn available() -> Option<u64> {
 fn own_available(limits: &str, status: &str) -> Option<u64> {
     let limit = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     let limit: u64 = limit.split_whitespace().next()?.parse().ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmSize:"))?;
-    let taken: u64 = line.split_whitespace().next()?.parse().ok()?;
-    Some(limit.saturating_sub(taken.checked_mul(1024)?))
+    Some(limit.saturating_sub(kib_after("VmSize:", status)?))
 }
 
 /// `MemAvailable` of `/proc/meminfo` \[bytes\].
 fn meminfo_available(text: &str) -> Option<u64> {
-    let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
-    let kib: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    kib_after("MemAvailable:", text)
+}
+
+/// The number of KiB in the line that begins with `name` \[bytes\].
+fn kib_after(name: &str, text: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+    let kib: u64 = line.split_whitespace().next()?.parse().ok()?;
     kib.checked_mul(1024)
 }
 
@@ -97,6 +130,31 @@ mod tests {
         assert_eq!(own_available(limits, "VmPeak: 9 kB\nVmSize:\t    4 kB\n"), Some(6 * 1024));
         assert_eq!(own_available(limits, "VmSize: 40 kB\n"), Some(0));
         assert_eq!(own_available(&limits.replace("10240", "unlimited"), "VmSize: 4 kB\n"), None);
+    }
+
+    #[test]
+    fn limits_are_looked_for_in_the_group_and_all_above_it_of_both_versions() {
+        let files = |groups: &str| {
+            let files = group_limits(groups);
+            files.into_iter().map(|file| file.display().to_string()).collect::<Vec<_>>()
+        };
+        assert_eq!(
+            files("0::/user.slice/run-1.scope\n"),
+            [
+                "/sys/fs/cgroup/user.slice/run-1.scope/memory.max",
+                "/sys/fs/cgroup/user.slice/memory.max",
+                "/sys/fs/cgroup/memory.max",
+            ]
+        );
+        assert_eq!(
+            files("9:name=systemd:/\n4:memory:/a:b\n3:cpuset:/x\n"),
+            [
+                "/sys/fs/cgroup/memory/a:b/memory.limit_in_bytes",
+                "/sys/fs/cgroup/memory/memory.limit_in_bytes"
+            ]
+        );
+        assert_eq!(files("0::/\n"), ["/sys/fs/cgroup/memory.max"]);
+        assert_eq!(files("").len() + files("nonsense").len(), 0);
     }
 
     #[test]

@@ -26,6 +26,7 @@ use crate::units;
 use crate::vk::device::Device;
 use clap::Args;
 use glam::DVec3;
+use std::ffi::OsString;
 use std::sync::Arc;
 
 /// What is drawn, how it is shaded, and on which device.
@@ -33,7 +34,7 @@ use std::sync::Arc;
 pub struct BenchmarkOptions {
     /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
-    pub scene: String,
+    pub scene: OsString,
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "640x480")]
     pub size: [u32; 2],
@@ -155,7 +156,7 @@ impl BenchmarkScene {
     pub fn open(options: &BenchmarkOptions) -> Result<Self> {
         check_method(options)?;
         options.optics.for_pictures(&options.colour)?;
-        let scene = Scene::open(&options.scene)?;
+        let scene = prepare::scene(&options.scene)?;
         let field = options.surface.load(None, Some(&scene), "elaphe")?;
         let view = View::of(&scene, lights_of(&options.light, &scene));
         let device = prepare::device(&options.device.wish())?;

@@ -21,6 +21,7 @@ use crate::vk::selection::DeviceChoice;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
+use std::ffi::{OsStr, OsString};
 use std::sync::Once;
 
 /// Smallest and largest tolerance that mean something: below the first, 32-bit floats are in the way everywhere.
@@ -192,13 +193,13 @@ pub struct ColourOptions {
     pub wavelengths: Option<usize>,
     /// The light's spectrum: d65, a, e, or a CSV file of wavelength in nm and power
     #[arg(long, value_name = "NAME|FILE", default_value = "d65")]
-    pub illuminant: String,
+    pub illuminant: OsString,
 }
 
 impl ColourOptions {
     /// The file that the options name, if it is one and not a built-in.
-    pub fn files(&self) -> Option<&str> {
-        Some(self.illuminant.as_str()).filter(|name| !Illuminant::is_built_in(name))
+    pub fn files(&self) -> Option<&OsStr> {
+        Some(self.illuminant.as_os_str()).filter(|name| !Illuminant::is_built_in(name))
     }
 
     /// `shading` with what the options say of colours.

@@ -18,6 +18,7 @@ use crate::vk::instance::Instance;
 use crate::vk::selection::DeviceChoice;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::cell::OnceCell;
+use std::ffi::OsStr;
 use std::sync::{Arc, Once};
 use std::time::Instant;
 
@@ -29,6 +30,14 @@ pub fn device(wish: &DeviceChoice) -> Result<Arc<Device>> {
 /// Fails if validation had anything to say about `device` so far.
 pub fn finish(device: &Device) -> Result<()> {
     check_validation(&device.instance().messages())
+}
+
+/// The scene called `name`, its mesh file read with a progress bar.
+pub fn scene(name: &OsStr) -> Result<Scene> {
+    let bar = progress_bar("mesh");
+    let scene = Scene::open_telling(name, &|what, done, of| show(&bar, what, done, of));
+    bar.finish_and_clear();
+    scene
 }
 
 /// The source of `field` under `settings` on `device`, from the cache or made with a progress bar.

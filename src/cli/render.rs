@@ -24,6 +24,7 @@ use crate::surface::HeightField;
 use crate::units;
 use clap::Args;
 use std::collections::BTreeSet;
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Arguments of `render`.
@@ -36,7 +37,7 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
-    scene: String,
+    scene: OsString,
     /// Where the picture goes: .png as displayed, .exr linear and signed, premultiplied; alpha is the coverage of the pixel
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -81,7 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ));
     }
     let shading = arguments.optics.for_pictures(&arguments.colour)?;
-    let mut scene = Scene::open(&arguments.scene)?;
+    let mut scene = prepare::scene(&arguments.scene)?;
     files.reads(&scene.files).check()?;
     arguments.view.apply(&mut scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;

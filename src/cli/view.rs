@@ -3,15 +3,15 @@
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, real,
 };
-use super::{check_validation, validation};
+use super::{check_validation, prepare, validation};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
-use crate::scene::Scene;
 use crate::setup::{self, Method, Settings};
 use crate::units;
 use crate::viewer::{self, Start};
 use ash::vk;
 use clap::{Args, ValueEnum};
+use std::ffi::{OsStr, OsString};
 
 /// Arguments of `view`.
 #[derive(Args, Debug)]
@@ -25,7 +25,7 @@ S saves the picture with the `diffract render` that draws the same.")]
 pub struct Arguments {
     /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
-    scene: String,
+    scene: OsString,
     /// Width and height of the window in pixels
     #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "1280x800")]
     size: [u32; 2],
@@ -61,6 +61,14 @@ enum Present {
     Immediate,
 }
 
+/// A name that the window shows and writes into commands.
+fn utf8(name: &OsStr) -> Result<String> {
+    name.to_str().map(str::to_owned).ok_or_else(|| {
+        let what = format!("the name {name:?} is not UTF-8, and the window writes it into commands");
+        Error::usage(what, "rename the file, or draw it with `diffract render`")
+    })
+}
+
 fn fps(text: &str) -> Result<f64> {
     real(text, (0.1, 1000.0), "number of frames a second")
 }
@@ -80,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         shading.check_wavelengths()?;
     }
     setup::check(&Settings::new(method, shading.clone()))?;
-    let plain = Scene::open(&arguments.scene)?;
+    let plain = prepare::scene(&arguments.scene)?;
     let mut scene = plain.clone();
     arguments.view.apply(&mut scene)?;
     let surface = arguments.surface.source(None, Some(&scene), "elaphe")?;
@@ -88,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         surface.load()?; // a file that is none is told before a window opens
     }
     let messages = viewer::run(Start {
-        name: arguments.scene.clone(),
+        name: utf8(&arguments.scene)?,
         scene,
         plain,
         surface,
@@ -101,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         wavelengths: shading.wavelengths,
         coherence: shading.coherence,
         ior: shading.ior,
-        illuminant: arguments.colour.illuminant.clone(),
+        illuminant: utf8(&arguments.colour.illuminant)?,
         size: arguments.size,
         fps: arguments.fps,
         present: match arguments.present {

@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use glam::DVec3;
 use serde::{Serialize, Serializer};
+use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -130,18 +131,22 @@ impl Illuminant {
     ///
     /// # Errors
     /// A file that cannot be read or parsed, or that holds no light in 380–780 nm.
-    pub fn from_name_or_file(name: &str) -> Result<Self> {
-        match name.to_ascii_lowercase().as_str() {
-            "d65" => Ok(Self::D65),
-            "a" => Ok(Self::A),
-            "e" => Ok(Self::E),
-            _ => Self::from_file(Path::new(name)),
-        }
+    pub fn from_name_or_file(name: impl AsRef<OsStr>) -> Result<Self> {
+        let name = name.as_ref();
+        Self::built_in(name).map_or_else(|| Self::from_file(Path::new(name)), Ok)
+    }
+
+    fn built_in(name: &OsStr) -> Option<Self> {
+        let known = [("d65", Self::D65), ("a", Self::A), ("e", Self::E)];
+        known
+            .into_iter()
+            .find(|(known, _)| name.eq_ignore_ascii_case(known))
+            .map(|(_, illuminant)| illuminant)
     }
 
     /// Whether [`Self::from_name_or_file`] takes `name` for one of its own.
-    pub fn is_built_in(name: &str) -> bool {
-        ["d65", "a", "e"].contains(&name.to_ascii_lowercase().as_str())
+    pub fn is_built_in(name: impl AsRef<OsStr>) -> bool {
+        Self::built_in(name.as_ref()).is_some()
     }
 
     /// First and last wavelength \[nm\] of a user's table that leaves out a part of what is visible.

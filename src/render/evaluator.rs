@@ -60,7 +60,7 @@ pub(super) fn queries_and_answers(
     let bindings = [binding::QUERIES, binding::ANSWERS].map(binding);
     let set = Descriptors::new(device, "queries set", &bindings)?;
     set.buffer(binding::QUERIES, queries);
-    set.buffer(binding::ANSWERS, answers);
+    set.written_buffer(binding::ANSWERS, answers);
     Ok(set)
 }
 

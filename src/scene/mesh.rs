@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
-/// The most triangles that a mesh may have: about a gigabyte while it is built.
+/// The most triangles that a mesh may have: 5 GB while it is built, where no vertex is shared.
 pub const MAX_TRIANGLES: usize = 8_000_000;
 
 /// The largest absolute coordinate: squares of products of coordinates still fit an `f32`.
@@ -15,6 +15,9 @@ const MAX_COORDINATE: f32 = 1e9;
 
 /// Sine of the smallest angle that a triangle is kept for; anything thinner has no direction that an `f32` can hold.
 const THINNEST: f64 = 1e-6;
+
+/// Called with what is being done, how much of it is done, and of how much. What it returns ends the work.
+pub type Progress<'a> = dyn Fn(&'static str, usize, usize) -> Result<()> + 'a;
 
 /// One vertex, laid out as the vertex buffer holds it: 48 bytes, no padding.
 #[repr(C)]
@@ -55,7 +58,17 @@ impl Mesh {
     ///
     /// # Errors
     /// More than [`MAX_TRIANGLES`], a coordinate that is not finite or beyond ±10⁹, no triangle with an area.
-    pub fn from_triangles(mut triangles: Vec<[Corner; 3]>) -> Result<Self> {
+    pub fn from_triangles(triangles: Vec<[Corner; 3]>) -> Result<Self> {
+        Self::build(triangles, &|_, _, _| Ok(()))
+    }
+
+    /// As [`Mesh::from_triangles`], and tells `progress` about its steps.
+    ///
+    /// # Errors
+    /// As [`Mesh::from_triangles`], and what `progress` returns.
+    pub(super) fn build(mut triangles: Vec<[Corner; 3]>, progress: &Progress<'_>) -> Result<Self> {
+        let step = |done| progress("building the mesh", done, 4);
+        step(0)?;
         if triangles.len() > MAX_TRIANGLES {
             return Err(Error::failed(
                 format!("the mesh has {} triangles, more than {MAX_TRIANGLES}", triangles.len()),
@@ -72,8 +85,12 @@ impl Mesh {
                 "give it at least one real face",
             ));
         }
+        step(1)?;
         let corners = normals::complete(&triangles);
+        drop(triangles);
+        step(2)?;
         let tangents = tangents::generate(&corners);
+        step(3)?;
         Ok(weld(corners.iter().flatten().zip(tangents.iter().flatten()).map(|(corner, &tangent)| Vertex {
             position: corner.position.to_array(),
             normal: corner.normal.to_array(),

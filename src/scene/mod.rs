@@ -15,5 +15,5 @@ mod tangents;
 pub use camera::Camera;
 pub use corner::Corner;
 pub use light::{Light, MAX_LIGHTS};
-pub use mesh::{Bounds, Mesh, Vertex};
+pub use mesh::{Bounds, Mesh, Progress, Vertex};
 pub use scene_file::Scene;

@@ -3,11 +3,18 @@
 use super::super::mesh::tests::assert_sound;
 use super::*;
 use proptest::prelude::*;
+use std::cell::{Cell, RefCell};
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 fn parse(text: &str) -> Result<Mesh> {
     from_bytes(text.as_bytes())
+}
+
+/// A file of `faces` triangles beside each other.
+fn strip(faces: usize) -> String {
+    let vertices: String = (0..faces + 2).map(|i| format!("v {} {} 0\n", i / 2, i % 2)).collect();
+    vertices + &(1..=faces).map(|i| format!("f {} {} {}\n", i, i + 1, i + 2)).collect::<String>()
 }
 
 /// The error of `text`, which must name `part`.
@@ -87,6 +94,53 @@ fn a_weight_that_is_no_number_and_a_face_of_too_many_corners_are_refused() {
 }
 
 #[test]
+fn reading_tells_how_far_it_is_and_ends_at_once_when_it_is_cancelled() {
+    let text = strip(100_000);
+    let told = RefCell::new(Vec::new());
+    let tell = |what, done, of| {
+        assert!(done <= of, "{what} {done} of {of}");
+        told.borrow_mut().push((what, done));
+        Ok(())
+    };
+    assert_eq!(super::parse(text.as_bytes(), &tell).unwrap().triangle_count(), 100_000);
+    let told = told.into_inner();
+    for what in ["counting faces", "reading faces"] {
+        let times = told.iter().filter(|(now, _)| *now == what).count();
+        assert!(times > text.len() / REPORT_EVERY, "{what} {times} times in {} bytes", text.len());
+    }
+    // Whichever report is answered with an error is the last one.
+    for last in 1..=told.len() {
+        let calls = Cell::new(0);
+        let cancel = |_: &str, _, _| {
+            calls.set(calls.get() + 1);
+            if calls.get() < last { Ok(()) } else { Err(Error::failed("cancelled", "try again")) }
+        };
+        let e = super::parse(text.as_bytes(), &cancel).unwrap_err().to_string();
+        assert!(e.starts_with("cancelled"), "{e}");
+        assert_eq!(calls.get(), last);
+    }
+}
+
+#[test]
+fn a_line_that_goes_on_is_one_line_and_the_next_has_the_number_of_an_editor() {
+    for end in ["\n", "\r\n", "\r"] {
+        let text = format!("{SQUARE}f 1 2\\\n\\\n 3\nf 1 2 x\n").replace('\n', end);
+        assert_refused(&text, "line 8: \"x\" is not a corner");
+    }
+    assert_refused(&format!("{SQUARE}f 1 2 3 \\"), "line 5");
+    assert_refused(&format!("{SQUARE}f 1 2\\ 3\n"), "line 5: \"2\\\\\" is not a corner");
+}
+
+#[test]
+fn an_error_shows_the_beginning_of_a_long_word_only() {
+    let long = "9".repeat(1 << 20);
+    for text in [format!("v 0 0 {long}\n"), format!("{SQUARE}f 1 2 {long}\n")] {
+        let e = parse(&text).unwrap_err().to_string();
+        assert!(e.len() < 200 && e.contains("999\""), "{e:.300}");
+    }
+}
+
+#[test]
 fn what_is_not_a_mesh_is_refused_with_a_reason() {
     assert_refused("", "empty");
     assert_refused(" \n\n", "empty");
@@ -121,7 +175,7 @@ fn an_index_that_points_at_nothing_is_refused() {
 
 #[test]
 fn a_weight_of_zero_and_coordinates_out_of_reach_are_refused() {
-    assert_refused("v 0 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "scaling (w) by zero");
+    assert_refused("v 0 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "line 1: the weight of a position is 0");
     assert_refused("v 1e20 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "beyond");
     assert_refused("v 1 0 0 1e-30\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "beyond");
 }
@@ -129,13 +183,14 @@ fn a_weight_of_zero_and_coordinates_out_of_reach_are_refused() {
 #[test]
 fn files_that_are_missing_directories_or_huge_are_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
+    let nobody = |_: &str, _, _| Ok(());
     let missing = folder.path().join("none.obj");
-    let e = load(&missing).unwrap_err().to_string();
+    let e = load(&missing, &nobody).unwrap_err().to_string();
     assert!(e.contains("none.obj") && e.contains("check the path"), "{e}");
-    assert!(load(folder.path()).unwrap_err().to_string().contains("directory"));
+    assert!(load(folder.path(), &nobody).unwrap_err().to_string().contains("directory"));
     let huge = folder.path().join("huge.obj");
     File::create(&huge).unwrap().set_len(MAX_BYTES + 1).unwrap();
-    assert!(load(&huge).unwrap_err().to_string().contains("larger than"));
+    assert!(load(&huge, &nobody).unwrap_err().to_string().contains("larger than"));
 }
 
 #[test]

@@ -2,14 +2,14 @@
 
 use super::camera::Camera;
 use super::light::{Light, MAX_LIGHTS};
-use super::{Mesh, obj, primitives, snake};
+use super::{Mesh, Progress, obj, primitives, snake};
 use crate::error::{Error, Result};
 use crate::input;
 use crate::surface::prepare::Step;
 use crate::units;
 use glam::{DVec3, Vec3};
 use serde::Deserialize;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 /// Names of the built-in scenes; the first is the default.
@@ -123,31 +123,39 @@ impl Scene {
     ///
     /// # Errors
     /// A name that is neither, or a file that does not hold a scene; says where and what to do.
-    pub fn open(name: &str) -> Result<Self> {
+    pub fn open(name: impl AsRef<OsStr>) -> Result<Self> {
+        Self::open_telling(name.as_ref(), &|_, _, _| Ok(()))
+    }
+
+    /// As [`Scene::open`], and tells `progress` how far a mesh file is read.
+    ///
+    /// # Errors
+    /// As [`Scene::open`], and what `progress` returns.
+    pub fn open_telling(name: &OsStr, progress: &Progress<'_>) -> Result<Self> {
         if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
-            return Self::parse(text, Path::new("")).map_err(|e| e.at(format!("scene {name}")));
+            return Self::parse(text, Path::new("")).map_err(|e| e.at(format!("scene {}", name.display())));
         }
         let path = Path::new(name);
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         match extension.as_str() {
-            "obj" => Self::of_mesh(path),
+            "obj" => Self::of_mesh(path, progress),
             "toml" => {
                 let text = input::read_text(path, "a scene file")?;
                 let folder = path.parent().unwrap_or(Path::new(""));
-                let mut scene = Self::parse(&text, folder).map_err(|e| e.at(path.display()))?;
+                let mut scene = Self::read(&text, folder, progress).map_err(|e| e.at(path.display()))?;
                 scene.files.push(path.to_owned());
                 Ok(scene)
             }
             _ => Err(Error::usage(
-                format!("there is no scene `{name}`"),
+                format!("there is no scene `{}`", name.display()),
                 format!("give one of {} or a .toml or .obj file", BUILT_IN.map(|b| b.0).join(", ")),
             )),
         }
     }
 
-    fn of_mesh(path: &Path) -> Result<Self> {
+    fn of_mesh(path: &Path, progress: &Progress<'_>) -> Result<Self> {
         let mut scene = Self::open("sphere")?;
-        scene.mesh = upright(obj::load(path)?, Up::Y);
+        scene.mesh = upright(obj::load(path, progress)?, Up::Y);
         scene.files.push(path.to_owned());
         let bounds = scene.mesh.bounds();
         /// A little air around the mesh.
@@ -162,6 +170,10 @@ impl Scene {
     /// # Errors
     /// As [`Scene::open`].
     pub fn parse(text: &str, folder: &Path) -> Result<Self> {
+        Self::read(text, folder, &|_, _, _| Ok(()))
+    }
+
+    fn read(text: &str, folder: &Path, progress: &Progress<'_>) -> Result<Self> {
         let file: File = toml::from_str(text).map_err(|e| {
             let line =
                 e.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
@@ -191,7 +203,7 @@ impl Scene {
         let surface_file = (!built_in_surface).then(|| PathBuf::from(&surface));
         Ok(Self {
             files: [mesh_file, surface_file, pigment.clone()].into_iter().flatten().collect(),
-            mesh: open_mesh(&file.mesh, file.up, folder)?,
+            mesh: open_mesh(&file.mesh, file.up, folder, progress)?,
             surface,
             pixel_size: file.pixel_size.as_deref().map(units::length_pair).transpose()?,
             full_height: file.height.as_deref().map(units::length).transpose()?,
@@ -217,13 +229,13 @@ fn steps(words: &[String]) -> Result<Vec<Step>> {
     Ok(steps.into_iter().filter(|step| !step.is_nothing()).collect())
 }
 
-fn open_mesh(name: &str, up: Up, folder: &Path) -> Result<Mesh> {
+fn open_mesh(name: &str, up: Up, folder: &Path, progress: &Progress<'_>) -> Result<Mesh> {
     match name {
         "snake" => Ok(upright(snake::mesh()?, Up::Y)),
         "plate" => Ok(primitives::plate()),
         "sphere" => Ok(upright(primitives::sphere(), Up::Y)),
         "disc" => Ok(primitives::disc()),
-        file => Ok(upright(obj::load(&folder.join(file))?, up)),
+        file => Ok(upright(obj::load(&folder.join(file), progress)?, up)),
     }
 }
 

@@ -1,9 +1,11 @@
 //! A buffer with its memory.
 
+use super::access::Access;
 use super::device::Device;
 use super::failure;
+use super::hazards::{Event, Resource};
 use crate::error::{Error, Result};
-use ash::vk;
+use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocation;
 use std::sync::Arc;
@@ -47,6 +49,7 @@ impl Buffer {
         buffer.allocation = Some(allocation);
         bound.map_err(|c| failure(&format!("bind the {name}"), c))?;
         device.name(raw, name);
+        device.events().note(|| Event::Made(buffer.resource(), name.to_owned()));
         Ok(buffer)
     }
 
@@ -85,6 +88,7 @@ impl Buffer {
     /// # Errors
     /// If the buffer is not host-visible, which is a bug in the caller.
     pub fn bytes(&self) -> Result<&[u8]> {
+        self.device.events().note(|| Event::Used(self.resource(), Access::HostRead, None));
         let mapped = self.allocation.as_ref().and_then(Allocation::mapped_slice);
         mapped.and_then(|slice| slice.get(..self.size as usize)).ok_or_else(not_mapped)
     }
@@ -92,6 +96,11 @@ impl Buffer {
     /// The handle.
     pub fn raw(&self) -> vk::Buffer {
         self.raw
+    }
+
+    /// What stands for this buffer in the events of its device.
+    pub(super) fn resource(&self) -> Resource {
+        Resource::Buffer(self.raw.as_raw())
     }
 
     /// Size in bytes.

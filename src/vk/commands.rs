@@ -5,6 +5,7 @@ use super::buffer::Buffer;
 use super::descriptors::Descriptors;
 use super::device::Device;
 use super::failure;
+use super::hazards::{Event, EventLog, Part, Resource};
 use super::image::Image;
 use super::pipeline::Pipeline;
 use super::queries::Timestamps;
@@ -92,7 +93,7 @@ impl Commands {
                 .and_then(|()| device.begin_command_buffer(self.raw, &begin))
                 .map_err(|c| failure("record commands", c))?;
         }
-        record(&Recorder { raw: self.raw, device, part: None })?;
+        record(&Recorder { raw: self.raw, device, events: self.device.events(), part: None })?;
         // SAFETY: recording was begun above on this thread.
         unsafe { device.end_command_buffer(self.raw) }.map_err(|c| failure("record commands", c))?;
         let at = |semaphore: &Semaphore, stage| {
@@ -126,6 +127,7 @@ impl Commands {
             match device.wait_for_fences(&[self.fence], true, PATIENCE) {
                 Ok(()) => {
                     self.pending = false;
+                    self.device.events().note(|| Event::Waited);
                     device.reset_fences(&[self.fence]).map_err(|c| failure("reset a fence", c))
                 }
                 Err(vk::Result::TIMEOUT) => Err(Error::failed(
@@ -154,6 +156,7 @@ impl Drop for Commands {
 pub struct Recorder<'a> {
     raw: vk::CommandBuffer,
     device: &'a ash::Device,
+    events: &'a EventLog,
     part: Option<([u32; 2], Range<u32>)>,
 }
 
@@ -175,6 +178,9 @@ impl Recorder<'_> {
             .iter()
             .map(|(image, from, to)| from.image_barrier(*to, image.raw(), image.range()))
             .collect();
+        for ((image, ..), barrier) in changes.iter().zip(&barriers) {
+            self.events.note(|| Event::image_barrier(image.resource(), barrier));
+        }
         let info = vk::DependencyInfo::default().image_memory_barriers(&barriers);
         // SAFETY: recording is open; the images are live and in the layouts that `from` says.
         unsafe { self.device.cmd_pipeline_barrier2(self.raw, &info) };
@@ -183,6 +189,7 @@ impl Recorder<'_> {
     /// Makes what `from` wrote in buffers visible to `to`.
     pub fn memory(&self, from: Access, to: Access) {
         let barriers = [from.memory_barrier(to)];
+        self.events.note(|| Event::barrier(&barriers[0]));
         let info = vk::DependencyInfo::default().memory_barriers(&barriers);
         // SAFETY: recording is open.
         unsafe { self.device.cmd_pipeline_barrier2(self.raw, &info) };
@@ -201,8 +208,14 @@ impl Recorder<'_> {
         unsafe { self.device.cmd_write_timestamp2(self.raw, all, timestamps.pool(), index) };
     }
 
+    fn note_use(&self, resource: Resource, access: Access, part: Option<Part>) {
+        self.events.note(|| Event::Used(resource, access, part));
+    }
+
     /// Copies `bytes` from the start of one buffer into another.
     pub fn copy_buffer(&self, from: &Buffer, to: &Buffer, bytes: u64) {
+        self.note_use(from.resource(), Access::TransferRead, None);
+        self.note_use(to.resource(), Access::TransferWrite, None);
         let regions = [vk::BufferCopy::default().size(bytes)];
         // SAFETY: recording is open, both buffers are live and hold `bytes`.
         unsafe { self.device.cmd_copy_buffer(self.raw, from.raw(), to.raw(), &regions) };
@@ -233,6 +246,8 @@ impl Recorder<'_> {
     }
 
     fn copy_to(&self, from: &Buffer, to: &Image, region: vk::BufferImageCopy) {
+        self.note_use(from.resource(), Access::TransferRead, None);
+        self.note_use(to.resource(), Access::TransferWrite, Some(part(&region)));
         let layout = Access::TransferWrite.row().2;
         // SAFETY: recording is open, the image is in the transfer layout, the buffer holds the texels.
         unsafe { self.device.cmd_copy_buffer_to_image(self.raw, from.raw(), to.raw(), layout, &[region]) };
@@ -240,6 +255,8 @@ impl Recorder<'_> {
 
     /// Copies all texels of layer 0 of `from`, tightly packed, to the start of `to`.
     pub fn copy_from_image(&self, from: &Image, to: &Buffer) {
+        self.note_use(from.resource(), Access::TransferRead, None);
+        self.note_use(to.resource(), Access::TransferWrite, None);
         let regions = [region(from, 0, 0, from.size()[1])];
         let layout = Access::TransferRead.row().2;
         // SAFETY: recording is open, the image is in the transfer layout, the buffer is large enough.
@@ -248,6 +265,7 @@ impl Recorder<'_> {
 
     /// Binds a pipeline and its descriptor sets, set 0 first.
     pub fn bind(&self, pipeline: &Pipeline, sets: &[&Descriptors]) {
+        self.events.note(|| Event::Bound(sets.iter().flat_map(|set| set.accesses()).collect()));
         let sets: Vec<_> = sets.iter().map(|set| set.set()).collect();
         // SAFETY: recording is open; the sets were made for this pipeline's layout and all they point to is live.
         unsafe {
@@ -273,6 +291,7 @@ impl Recorder<'_> {
 
     /// Dispatches `groups` work groups of the bound compute pipeline.
     pub fn dispatch(&self, groups: u32) {
+        self.events.note(|| Event::Work);
         // SAFETY: recording is open and a compute pipeline with its set is bound.
         unsafe { self.device.cmd_dispatch(self.raw, groups, 1, 1) };
     }
@@ -311,6 +330,14 @@ impl Recorder<'_> {
         draw: impl FnOnce(&Self),
     ) {
         let Some(size) = colors.first().map(|c| c.0.size()) else { return };
+        let (size, rows) = self.part.clone().unwrap_or((size, 0..size[1]));
+        let drawn = Part { layer: [0; 2], from: [0, rows.start], to: [size[0], rows.end] };
+        for (image, ..) in colors {
+            self.note_use(image.resource(), Access::ColorAttachment, Some(drawn));
+        }
+        if let Some((image, _)) = depth {
+            self.note_use(image.resource(), Access::DepthAttachment, Some(drawn));
+        }
         let attachment = |image: &Image, access: Access, load, clear: vk::ClearValue| {
             vk::RenderingAttachmentInfo::default()
                 .image_view(image.view())
@@ -328,7 +355,6 @@ impl Recorder<'_> {
             .collect();
         let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: FAR, stencil: 0 } };
         let depth = depth.map(|(image, load)| attachment(image, Access::DepthAttachment, load, far));
-        let (size, rows) = self.part.clone().unwrap_or((size, 0..size[1]));
         let area = vk::Rect2D {
             offset: vk::Offset2D { x: 0, y: rows.start as i32 },
             extent: vk::Extent2D { width: size[0], height: rows.end - rows.start },
@@ -357,6 +383,9 @@ impl Recorder<'_> {
 
     /// Draws indexed triangles.
     pub fn draw_indexed(&self, vertices: &Buffer, indices: &Buffer, count: u32) {
+        self.events.note(|| Event::Work);
+        self.note_use(vertices.resource(), Access::VertexRead, None);
+        self.note_use(indices.resource(), Access::VertexRead, None);
         // SAFETY: rendering is open with a bound pipeline; every index is below the number of vertices.
         unsafe {
             self.device.cmd_bind_vertex_buffers(self.raw, 0, &[vertices.raw()], &[0]);
@@ -367,6 +396,7 @@ impl Recorder<'_> {
 
     /// Draws `count` vertices without a vertex buffer.
     pub fn draw(&self, count: u32) {
+        self.events.note(|| Event::Work);
         // SAFETY: rendering is open with a bound pipeline that takes no vertex buffer.
         unsafe { self.device.cmd_draw(self.raw, count, 1, 0, 0) };
     }
@@ -379,6 +409,14 @@ fn cleared<'a>(colors: &[(&'a Image, Option<[f32; 4]>)]) -> Vec<(&'a Image, vk::
         None => vk::AttachmentLoadOp::DONT_CARE,
     };
     colors.iter().map(|(image, clear)| (*image, load(clear), clear.unwrap_or_default())).collect()
+}
+
+/// The texels of a copy.
+fn part(region: &vk::BufferImageCopy) -> Part {
+    let (of, at, size) = (region.image_subresource, region.image_offset, region.image_extent);
+    let from = [at.x as u32, at.y as u32];
+    let to = [from[0] + size.width, from[1] + size.height];
+    Part { layer: [of.base_array_layer, of.mip_level], from, to }
 }
 
 /// Rows of one layer of an image, against tightly packed texels in a buffer.

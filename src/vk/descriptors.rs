@@ -1,13 +1,16 @@
 //! A descriptor set with its layout and pool.
 
+use super::access::Access;
 use super::buffer::Buffer;
 use super::device::Device;
 use super::failure;
+use super::hazards::Resource;
 use super::image::Image;
 use super::sampler::Sampler;
 use crate::error::Result;
 use ash::vk;
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
 
 /// One binding of a layout.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +29,8 @@ pub struct Descriptors {
     layout: vk::DescriptorSetLayout,
     pool: vk::DescriptorPool,
     kinds: Vec<Binding>,
+    // What shaders do with what is bound to each number.
+    accesses: Mutex<BTreeMap<u32, (Resource, Access)>>,
     device: Arc<Device>,
 }
 
@@ -54,6 +59,7 @@ impl Descriptors {
             layout: vk::DescriptorSetLayout::null(),
             pool: vk::DescriptorPool::null(),
             kinds: bindings.to_vec(),
+            accesses: Mutex::default(),
             device: device.clone(),
         };
         let failed = |c| failure("make a descriptor set", c);
@@ -76,14 +82,36 @@ impl Descriptors {
         Ok(own)
     }
 
-    /// Binds a whole buffer to `number`.
+    /// Binds a whole buffer that shaders read to `number`.
     pub fn buffer(&self, number: u32, buffer: &Buffer) {
+        self.bind_buffer(number, buffer, Access::ShaderRead);
+    }
+
+    /// Binds a whole buffer that compute shaders write to `number`.
+    pub fn written_buffer(&self, number: u32, buffer: &Buffer) {
+        self.bind_buffer(number, buffer, Access::ComputeWrite);
+    }
+
+    /// What shaders do with what is bound.
+    pub(super) fn accesses(&self) -> Vec<(Resource, Access)> {
+        self.accesses.lock().map(|accesses| accesses.values().copied().collect()).unwrap_or_default()
+    }
+
+    fn declare(&self, number: u32, resource: Resource, access: Access) {
+        if let Ok(mut accesses) = self.accesses.lock() {
+            accesses.insert(number, (resource, access));
+        }
+    }
+
+    fn bind_buffer(&self, number: u32, buffer: &Buffer, access: Access) {
+        self.declare(number, buffer.resource(), access);
         let infos = [vk::DescriptorBufferInfo::default().buffer(buffer.raw()).range(vk::WHOLE_SIZE)];
         self.update(self.write(number).buffer_info(&infos));
     }
 
     /// Binds an image and its sampler to `number`.
     pub fn image(&self, number: u32, image: &Image, sampler: &Sampler) {
+        self.declare(number, image.resource(), Access::ShaderRead);
         let infos = [vk::DescriptorImageInfo::default()
             .sampler(sampler.raw())
             .image_view(image.view())

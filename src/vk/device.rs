@@ -1,6 +1,7 @@
 //! The logical device: one queue, one allocator, names for everything.
 
 use super::failure;
+use super::hazards::EventLog;
 use super::instance::Instance;
 use super::selection::{self, Candidate, DeviceChoice};
 use super::surface::Surface;
@@ -28,6 +29,7 @@ pub struct Device {
     // For tests: number of submissions, and of acquired images, that succeed before the device or the surface is lost.
     until_loss: AtomicU64,
     until_surface_loss: AtomicU64,
+    events: EventLog,
     names: Option<ext::debug_utils::Device>,
     raw: ash::Device,
     queue: Mutex<vk::Queue>,
@@ -110,6 +112,7 @@ impl Device {
             until_refusal: AtomicU64::new(instance.mask().allocation.map_or(u64::MAX, |n| n - 1)),
             until_loss: AtomicU64::new(instance.mask().submission.map_or(u64::MAX, |n| n - 1)),
             until_surface_loss: AtomicU64::new(instance.mask().acquisition.map_or(u64::MAX, |n| n - 1)),
+            events: EventLog::default(),
             names,
             raw,
             queue: Mutex::new(queue),
@@ -126,6 +129,11 @@ impl Device {
     /// The ash device.
     pub fn raw(&self) -> &ash::Device {
         &self.raw
+    }
+
+    /// What is recorded on this device, for tests.
+    pub fn events(&self) -> &EventLog {
+        &self.events
     }
 
     /// The instance.

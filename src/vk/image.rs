@@ -2,8 +2,9 @@
 
 use super::device::Device;
 use super::failure;
+use super::hazards::{Event, Resource};
 use crate::error::{Error, Result};
-use ash::vk;
+use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocation;
 use std::sync::Arc;
@@ -77,6 +78,7 @@ impl Image {
         self.view = unsafe { self.device.raw().create_image_view(&view, None) }
             .map_err(|c| failure(&format!("make a view of the {name}"), c))?;
         self.device.name(self.raw, name);
+        self.device.events().note(|| Event::Made(self.resource(), name.to_owned()));
         self.device.name(self.view, &format!("{name} view"));
         Ok(())
     }
@@ -164,6 +166,11 @@ impl Image {
     /// The handle.
     pub fn raw(&self) -> vk::Image {
         self.raw
+    }
+
+    /// What stands for this image in the events of its device.
+    pub(super) fn resource(&self) -> Resource {
+        Resource::Image(self.raw.as_raw())
     }
 
     /// The view of all layers.

@@ -3,6 +3,7 @@
 use super::failure;
 use super::mask::Mask;
 use crate::error::{Error, Result};
+use crate::memory;
 use ash::{ext, vk};
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::Mutex;
@@ -92,7 +93,8 @@ impl Instance {
         info = info.enabled_extension_names(&extensions);
         // SAFETY: `info` and all it points to live until the call returns.
         let raw = unsafe { entry.create_instance(&info, None) }.map_err(|code| match code {
-            vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
+            // A loader that gets no memory for a driver says so, too.
+            vk::Result::ERROR_INCOMPATIBLE_DRIVER if !memory::is_limited() => {
                 Error::failed("there is no Vulkan driver of version 1.3 on this machine", INSTALL)
             }
             vk::Result::ERROR_EXTENSION_NOT_PRESENT => Error::failed(

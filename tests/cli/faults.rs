@@ -173,8 +173,14 @@ fn two_programs_fill_one_cache_at_once_again_and_again() {
 /// write fails as it does on a full disk.
 #[cfg(unix)]
 fn with_files_of_at_most(sandbox: &Sandbox, blocks: u32, arguments: &[&str]) -> Outcome {
+    limited(sandbox, &format!("trap '' XFSZ; ulimit -f {blocks}"), arguments)
+}
+
+/// Runs the program after the shell did `limit`.
+#[cfg(unix)]
+fn limited(sandbox: &Sandbox, limit: &str, arguments: &[&str]) -> Outcome {
     let program = env!("CARGO_BIN_EXE_diffract");
-    let script = format!("trap '' XFSZ; ulimit -f {blocks} || exit 99; exec \"$0\" \"$@\"");
+    let script = format!("{limit} || exit 99; exec \"$0\" \"$@\"");
     let command = sandbox.command(arguments);
     let mut shell = std::process::Command::new("bash");
     shell.arg("-c").arg(script).arg(program).args(arguments).current_dir(sandbox.path(""));
@@ -185,6 +191,29 @@ fn with_files_of_at_most(sandbox: &Sandbox, blocks: u32, arguments: &[&str]) -> 
     // Its own shader cache would be cut, too.
     shell.env("MESA_SHADER_CACHE_DISABLE", "true").env("MESA_GLSL_CACHE_DISABLE", "true");
     outcome(shell.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap())
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_face_of_millions_of_corners_is_refused_with_little_more_memory_than_its_file() {
+    let sandbox = Sandbox::new();
+    let corners = 16_000_000;
+    sandbox.write(
+        "face.obj",
+        format!("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf{}\n", " 1 2 3 4".repeat(corners / 4)),
+    );
+    let render = ["render", "face.obj", "--size", "8x6", "-o", "o.png"];
+    let line = limited(&sandbox, "ulimit -v 200000", &render).refused(1);
+    assert!(line.contains(&format!("line 5: a face has {corners} corners")), "{line}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_driver_that_gets_no_memory_is_not_taken_for_one_that_is_not_installed() {
+    let sandbox = Sandbox::new();
+    let render = ["render", "plate", "--surface", "flat", "--size", "8x6", "-o", "o.png"];
+    let line = limited(&sandbox, "ulimit -v 100000", &render).refused(1);
+    assert!(line.contains("ulimit -v") && !line.contains("install"), "{line}");
 }
 
 #[cfg(unix)]

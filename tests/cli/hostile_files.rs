@@ -325,6 +325,17 @@ fn names_with_spaces_line_breaks_and_other_bytes_are_names() {
         assert!(fs::read(sandbox.path(&output)).unwrap().starts_with(b"theta_i"), "{name:?}");
         sandbox.run(arguments(&path.with_extension("missing"))).refused(1);
     }
+    let odd = |bytes: &[u8]| std::ffi::OsStr::from_bytes(bytes).to_owned();
+    let (scene, mesh, light) = (odd(b"\xffs.toml"), odd(b"\xffm.obj"), odd(b"\xffl.csv"));
+    fs::write(sandbox.path(&scene), SCENE).unwrap();
+    fs::write(sandbox.path(&mesh), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    fs::write(sandbox.path(&light), "380,1\n780,1\n").unwrap();
+    for read in [scene, mesh] {
+        let words =
+            ["render", "--size", "4x4", "--coherence", "gaussian:4um", "--tolerance", "1e-1", "-o", "o.png"];
+        let more = [read, "--surface".into(), "flat".into(), "--illuminant".into(), light.clone()];
+        sandbox.run(words.map(std::ffi::OsString::from).into_iter().chain(more)).done();
+    }
     let shown = "skin\nof a snake.png";
     fs::copy(sandbox.path("small.png"), sandbox.path(shown)).unwrap();
     sandbox.run(["surface", "info", shown, "--pixel-size", "90nm", "--height", "100nm"]).done();

@@ -10,6 +10,7 @@ mod display;
 mod evaluation;
 mod extremes;
 mod faults;
+mod hazards;
 mod interface;
 mod long_run;
 mod mean;

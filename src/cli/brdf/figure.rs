@@ -26,7 +26,7 @@ fn settings(arguments: &Arguments, field: &HeightField) -> String {
     let name = name.map_or("elaphe".into(), |name| name.to_string_lossy());
     let shown = match arguments.wavelength {
         Some(wavelength) => format!("{} nm", (wavelength * 1e4).round() / 10.0),
-        None => format!("colour under {}", arguments.colour.illuminant),
+        None => format!("colour under {}", arguments.colour.illuminant.display()),
     };
     format!(
         "Hemisphere of view directions from above, x to the right, y up; rings of polar angle every 15°. {}; light \

@@ -18,6 +18,7 @@ use crate::scene::Light;
 use crate::{output, units};
 use baselines::Baselines;
 use clap::{Args, Parser};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `trade`.
@@ -32,7 +33,7 @@ delete trade.csv to measure anew.")]
 pub struct Arguments {
     /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
-    scene: String,
+    scene: OsString,
     /// Folder for the results; made where it is missing
     #[arg(short = 'o', long, alias = "output", value_name = "DIR")]
     folder: PathBuf,
@@ -59,7 +60,7 @@ pub struct Arguments {
     ior: f64,
     /// The light's spectrum: d65, a, e, or a CSV file of wavelength in nm and power
     #[arg(long, value_name = "NAME|FILE", default_value = "d65")]
-    illuminant: String,
+    illuminant: OsString,
     #[command(flatten)]
     surface: SurfaceOptions,
     #[command(flatten)]
@@ -233,7 +234,7 @@ impl<'a> Sweep<'a> {
         };
         format!(
             "{}, {width} x {height} pixels, {} light(s), on {}, {}. Errors against the f64 reference of the same directions.{noise}",
-            self.arguments.scene,
+            self.arguments.scene.display(),
             self.scene.view.lights.len(),
             candidate.name,
             candidate.driver,
@@ -301,8 +302,8 @@ fn frame_key(arguments: &Arguments, scene: &BenchmarkScene) -> String {
         env!("CARGO_PKG_VERSION"),
         arguments.coherence,
         arguments.ior,
-        arguments.illuminant,
-        arguments.scene,
+        arguments.illuminant.display(),
+        arguments.scene.display(),
         scene.size,
         scene.view,
         scene.field.pixel_size(),

@@ -1,0 +1,304 @@
+//! What is recorded, as plain data, and a check of it that needs no device: every access must be ordered after those that it
+//! conflicts with, and must see what they wrote.
+//!
+//! The rules are those of the specification's chapter "Synchronization", for one thread and one queue:
+//!
+//! - A barrier orders what its source stages did before its destination stages, directly or by a chain of barriers.
+//! - A write is available once a barrier has its access in the source scope, or a fence was waited for; it is visible to
+//!   the destination scopes of that barrier and of later ones. A fence makes nothing visible: not to the host, not to later work.
+//! - A change of layout is a write that happens in its barrier.
+//!
+//! Commands that are recorded by raw handles (the panel of the window) are not seen.
+
+use super::access::Access;
+use ash::vk::{self, AccessFlags2 as A, ImageLayout, PipelineStageFlags2 as S};
+use std::collections::HashMap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A resource by its raw handle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Resource {
+    /// A buffer.
+    Buffer(u64),
+    /// An image.
+    Image(u64),
+}
+
+/// Texels: array layer, mip level, and the first and the end of columns and rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Array layer and mip level.
+    pub layer: [u32; 2],
+    /// First column and row.
+    pub from: [u32; 2],
+    /// Column and row behind the last.
+    pub to: [u32; 2],
+}
+
+impl Part {
+    fn meets(&self, other: &Self) -> bool {
+        let overlap = |i: usize| self.from[i] < other.to[i] && other.from[i] < self.to[i];
+        self.layer == other.layer && overlap(0) && overlap(1)
+    }
+}
+
+/// Scopes of a barrier.
+#[derive(Clone, Copy, Debug)]
+pub struct Scopes {
+    /// What comes first.
+    pub source: (S, A),
+    /// What waits.
+    pub destination: (S, A),
+}
+
+/// One step of a recording.
+#[derive(Clone, Debug)]
+pub enum Event {
+    /// A resource of this name was made; its handle may have been another's.
+    Made(Resource, String),
+    /// Descriptor sets with these accesses were bound.
+    Bound(Vec<(Resource, Access)>),
+    /// A draw or a dispatch used what is bound.
+    Work,
+    /// A resource was used, all of it or a part.
+    Used(Resource, Access, Option<Part>),
+    /// A barrier over all memory.
+    Barrier(Scopes),
+    /// A barrier on an image, between two layouts.
+    ImageBarrier(Resource, Scopes, [ImageLayout; 2]),
+    /// The host waited for all work so far.
+    Waited,
+}
+
+impl Event {
+    /// The barrier over all memory.
+    pub fn barrier(barrier: &vk::MemoryBarrier2<'_>) -> Self {
+        Self::Barrier(Scopes {
+            source: (barrier.src_stage_mask, barrier.src_access_mask),
+            destination: (barrier.dst_stage_mask, barrier.dst_access_mask),
+        })
+    }
+
+    /// The barrier on `image`.
+    pub fn image_barrier(image: Resource, barrier: &vk::ImageMemoryBarrier2<'_>) -> Self {
+        let scopes = Scopes {
+            source: (barrier.src_stage_mask, barrier.src_access_mask),
+            destination: (barrier.dst_stage_mask, barrier.dst_access_mask),
+        };
+        Self::ImageBarrier(image, scopes, [barrier.old_layout, barrier.new_layout])
+    }
+}
+
+/// The events of a device, kept from [`EventLog::start`] on. Until then noting costs the look at a flag.
+#[derive(Default)]
+pub struct EventLog {
+    on: AtomicBool,
+    events: Mutex<Vec<Event>>,
+}
+
+impl EventLog {
+    /// Begins to keep events.
+    pub fn start(&self) {
+        self.on.store(true, Ordering::Relaxed);
+    }
+
+    /// Hands over what was kept and goes on.
+    pub fn take(&self) -> Vec<Event> {
+        self.events.lock().map(|mut events| std::mem::take(&mut *events)).unwrap_or_default()
+    }
+
+    /// Keeps `event`.
+    pub fn note(&self, event: impl FnOnce() -> Event) {
+        if self.on.load(Ordering::Relaxed)
+            && let Ok(mut events) = self.events.lock()
+        {
+            events.push(event());
+        }
+    }
+}
+
+/// Replays `events`. Says what is wrong, a line a finding.
+pub fn check(events: &[Event]) -> Vec<String> {
+    let mut replay = Replay::default();
+    for event in events {
+        replay.event(event);
+    }
+    replay.findings
+}
+
+/// An access that happened.
+struct Past {
+    what: String,
+    part: Option<Part>,
+    stages: S,
+    writes: A,
+    is_write: bool,
+    /// Whether the host waited for it.
+    waited: bool,
+    /// Whether what it wrote is available.
+    available: bool,
+    /// Stages that come after it.
+    before: S,
+    /// Scopes that see what it wrote.
+    seen: Vec<(S, A)>,
+}
+
+impl Past {
+    /// Lets a barrier act. Whether this access is in its first scope, with what it wrote.
+    fn pass(&mut self, scopes: &Scopes) -> bool {
+        let (source, destination) = (scopes.source, scopes.destination);
+        let direct = self.waited || source.0.contains(self.stages);
+        if !direct && !self.before.intersects(source.0) {
+            return false;
+        }
+        self.before |= destination.0;
+        self.available |= self.waited || direct && source.1.contains(self.writes);
+        if self.available {
+            self.seen.push(destination);
+        }
+        self.available
+    }
+}
+
+#[derive(Default)]
+struct State {
+    name: String,
+    /// Unknown where an image is older than the log.
+    layout: Option<ImageLayout>,
+    past: Vec<Past>,
+}
+
+#[derive(Default)]
+struct Replay {
+    states: HashMap<Resource, State>,
+    bound: Vec<(Resource, Access)>,
+    findings: Vec<String>,
+}
+
+impl Replay {
+    fn event(&mut self, event: &Event) {
+        match event {
+            Event::Made(resource, name) => {
+                let layout = Some(ImageLayout::UNDEFINED);
+                self.states.insert(*resource, State { name: name.clone(), layout, past: Vec::new() });
+            }
+            Event::Bound(accesses) => self.bound.clone_from(accesses),
+            Event::Work => {
+                for (resource, access) in self.bound.clone() {
+                    self.use_of(resource, access, None);
+                }
+            }
+            Event::Used(resource, access, part) => self.use_of(*resource, *access, *part),
+            Event::Barrier(scopes) => {
+                for past in self.states.values_mut().flat_map(|state| &mut state.past) {
+                    past.pass(scopes);
+                }
+            }
+            Event::ImageBarrier(image, scopes, layouts) => self.image_barrier(*image, scopes, *layouts),
+            Event::Waited => {
+                for state in self.states.values_mut() {
+                    state.past.retain(|past| past.is_write); // what was read is done
+                    state.past.iter_mut().for_each(|past| (past.waited, past.available) = (true, true));
+                }
+            }
+        }
+    }
+
+    fn image_barrier(&mut self, image: Resource, scopes: &Scopes, [old, new]: [ImageLayout; 2]) {
+        let state = self.states.entry(image).or_default();
+        let passed: Vec<bool> = state.past.iter_mut().map(|past| past.pass(scopes)).collect();
+        if old != ImageLayout::UNDEFINED && state.layout.is_some_and(|layout| layout != old) {
+            self.findings
+                .push(format!("{}: a barrier from {old:?}, it is in {:?}", state.name, state.layout));
+        }
+        state.layout = Some(new);
+        if old == new {
+            return;
+        }
+        for (past, passed) in state.past.iter().zip(passed) {
+            if !passed && !past.waited {
+                self.findings
+                    .push(format!("{}: its layout changes and nothing waits for {}", state.name, past.what));
+            }
+        }
+        state.past = vec![Past {
+            what: format!("the change of its layout to {new:?}"),
+            part: None,
+            stages: scopes.destination.0,
+            writes: A::NONE,
+            is_write: true,
+            waited: false,
+            available: true,
+            before: scopes.destination.0,
+            seen: vec![scopes.destination],
+        }];
+    }
+
+    fn use_of(&mut self, resource: Resource, access: Access, part: Option<Part>) {
+        let (stages, mask, layout) = access.row();
+        let state = self.states.entry(resource).or_default();
+        let mask = match resource {
+            Resource::Buffer(_) => mask,
+            Resource::Image(_) => mask & !A::UNIFORM_READ,
+        };
+        if matches!(resource, Resource::Image(_)) && *state.layout.get_or_insert(layout) != layout {
+            self.findings.push(format!("{}: {access:?} while it is in {:?}", state.name, state.layout));
+        }
+        let (reads, writes) = (mask & READS, mask & !READS);
+        let is_write = writes != A::NONE;
+        let meets = |past: &&Past| match (&past.part, &part) {
+            (Some(one), Some(other)) => one.meets(other),
+            _ => true,
+        };
+        for past in state.past.iter().filter(meets) {
+            let ordered = past.waited || past.before.contains(stages);
+            let seen = past.seen.iter().any(|s| s.0.contains(stages) && s.1.contains(mask));
+            let fine = match (past.is_write, is_write) {
+                (false, false) => true,
+                (false, true) => ordered,
+                // After a fence there is nothing to wait for; what is only overwritten need not be seen.
+                (true, _) => seen || reads == A::NONE && past.waited,
+            };
+            if !fine {
+                self.findings
+                    .push(format!("{}: no barrier between {} and {access:?}", state.name, past.what));
+            }
+        }
+        if is_write && part.is_none() {
+            state.past.clear(); // each of them comes before this one
+        }
+        let what = format!("{access:?}");
+        // A read that repeats another adds nothing, and what the host read comes before what is submitted later.
+        let repeats = |p: &Past| !p.is_write && p.what == what && p.before == S::NONE;
+        if is_write || access != Access::HostRead && !state.past.iter().any(repeats) {
+            state.past.push(Past {
+                what,
+                part,
+                stages,
+                writes,
+                is_write,
+                waited: false,
+                available: !is_write,
+                before: S::NONE,
+                seen: Vec::new(),
+            });
+        }
+    }
+}
+
+/// Accesses that read.
+const READS: A = A::from_raw(
+    A::TRANSFER_READ.as_raw()
+        | A::COLOR_ATTACHMENT_READ.as_raw()
+        | A::DEPTH_STENCIL_ATTACHMENT_READ.as_raw()
+        | A::SHADER_READ.as_raw()
+        | A::UNIFORM_READ.as_raw()
+        | A::VERTEX_ATTRIBUTE_READ.as_raw()
+        | A::INDEX_READ.as_raw()
+        | A::HOST_READ.as_raw(),
+);
+
+#[cfg(test)]
+#[path = "hazards_tests.rs"]
+mod tests;

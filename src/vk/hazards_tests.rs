@@ -1,0 +1,210 @@
+//! Recordings as passes make them, whole and with a part left out.
+
+use super::*;
+use Access::{
+    ColorAttachment, ComputeWrite, DepthAttachment, HostRead, Nothing, ShaderRead, TransferRead,
+    TransferWrite, VertexRead,
+};
+
+const BUFFER: Resource = Resource::Buffer(1);
+const HOST: Resource = Resource::Buffer(2);
+const IMAGE: Resource = Resource::Image(1);
+
+fn made(resource: Resource) -> Event {
+    Event::Made(resource, format!("{resource:?}"))
+}
+
+fn used(resource: Resource, access: Access) -> Event {
+    Event::Used(resource, access, None)
+}
+
+fn memory(from: Access, to: Access) -> Event {
+    Event::barrier(&from.memory_barrier(to))
+}
+
+fn image(from: Access, to: Access) -> Event {
+    let barrier = from.image_barrier(to, vk::Image::null(), vk::ImageSubresourceRange::default());
+    Event::image_barrier(IMAGE, &barrier)
+}
+
+fn rows(from: u32, to: u32) -> Option<Part> {
+    Some(Part { layer: [0; 2], from: [0, from], to: [8, to] })
+}
+
+/// An evaluation and what the host reads of it, twice.
+fn evaluation() -> Vec<Event> {
+    let once = || {
+        [
+            Event::Bound(vec![(HOST, ShaderRead), (BUFFER, ComputeWrite)]),
+            Event::Work,
+            memory(ComputeWrite, HostRead),
+            Event::Waited,
+            used(BUFFER, HostRead),
+        ]
+    };
+    [made(BUFFER), made(HOST)].into_iter().chain(once()).chain(once()).collect()
+}
+
+/// A buffer that is filled in a submission of its own and drawn from in the next.
+fn upload() -> Vec<Event> {
+    vec![
+        made(BUFFER),
+        memory(ShaderRead, TransferWrite),
+        used(BUFFER, TransferWrite),
+        memory(TransferWrite, ShaderRead),
+        memory(TransferWrite, VertexRead),
+        Event::Waited,
+        used(BUFFER, VertexRead),
+        Event::Bound(vec![(BUFFER, ShaderRead)]),
+        Event::Work,
+    ]
+}
+
+/// A picture that is drawn, sampled, drawn anew and read back.
+fn picture() -> Vec<Event> {
+    vec![
+        made(IMAGE),
+        made(HOST),
+        image(Nothing, ColorAttachment),
+        used(IMAGE, ColorAttachment),
+        image(ColorAttachment, ShaderRead),
+        Event::Bound(vec![(IMAGE, ShaderRead)]),
+        Event::Work,
+        memory(ShaderRead, ColorAttachment),
+        image(Nothing, ColorAttachment),
+        Event::Used(IMAGE, ColorAttachment, rows(0, 4)),
+        Event::Used(IMAGE, ColorAttachment, rows(4, 6)),
+        image(ColorAttachment, TransferRead),
+        used(IMAGE, TransferRead),
+        used(HOST, TransferWrite),
+        memory(TransferWrite, HostRead),
+        Event::Waited,
+        used(HOST, HostRead),
+    ]
+}
+
+#[test]
+fn whole_recordings_pass() {
+    for events in [evaluation(), upload(), picture()] {
+        assert_eq!(check(&events), [String::new(); 0], "{events:#?}");
+    }
+}
+
+#[test]
+fn every_barrier_that_is_left_out_is_noticed() {
+    for events in [evaluation(), upload(), picture()] {
+        let is_barrier = |e: &Event| matches!(e, Event::Barrier(_) | Event::ImageBarrier(..));
+        for i in (0..events.len()).filter(|&i| is_barrier(&events[i])) {
+            // Nothing reads what is uploaded before; the barrier in front of it is for uploads over earlier ones.
+            if i == 1 && matches!(events[i + 1], Event::Used(BUFFER, TransferWrite, _)) {
+                continue;
+            }
+            let mut lacking = events.clone();
+            let barrier = lacking.remove(i);
+            assert!(!check(&lacking).is_empty(), "without {barrier:?}");
+        }
+    }
+}
+
+/// The number of an event that is a barrier, and those of its four parts that something depends on: source stages, source
+/// accesses, destination stages, destination accesses.
+type Needed = (usize, &'static [usize]);
+
+#[test]
+fn every_scope_that_is_left_out_is_noticed() {
+    let recordings: [(Vec<Event>, &[Needed]); 3] = [
+        (evaluation(), &[(4, &[0, 1, 2, 3])]),
+        // The first barrier to readers makes the write available to the second, too.
+        (upload(), &[(3, &[0, 1, 2, 3]), (4, &[0, 2, 3])]),
+        // A new image has no past; from a read only an order is needed.
+        (
+            picture(),
+            &[
+                (2, &[2, 3]),
+                (4, &[0, 1, 2, 3]),
+                (7, &[0, 2]),
+                (8, &[0, 2, 3]),
+                (11, &[0, 1, 2, 3]),
+                (14, &[0, 1, 2, 3]),
+            ],
+        ),
+    ];
+    for (events, needed) in recordings {
+        for &(i, parts) in needed {
+            for part in parts {
+                let mut lacking = events.clone();
+                let (Event::Barrier(scopes) | Event::ImageBarrier(_, scopes, _)) = &mut lacking[i] else {
+                    panic!("{:?} is no barrier", events[i]);
+                };
+                match part {
+                    0 => scopes.source.0 = S::NONE,
+                    1 => scopes.source.1 = A::NONE,
+                    2 => scopes.destination.0 = S::NONE,
+                    _ => scopes.destination.1 = A::NONE,
+                }
+                assert!(!check(&lacking).is_empty(), "{:?} without part {part}", events[i]);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let mut events = evaluation();
+    events.remove(4);
+    assert_eq!(check(&events), ["Buffer(1): no barrier between ComputeWrite and HostRead"]);
+    let mut events = upload();
+    events.remove(4);
+    assert_eq!(check(&events), ["Buffer(1): no barrier between TransferWrite and VertexRead"]);
+    let mut events = picture();
+    events.remove(7);
+    let found = check(&events);
+    assert!(
+        found.contains(&"Image(1): its layout changes and nothing waits for ShaderRead".into()),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn a_layout_other_than_the_present_one_is_noticed() {
+    let drawn = [made(IMAGE), image(Nothing, ColorAttachment), used(IMAGE, ColorAttachment)];
+    let with = |more: &[Event]| check(&[drawn.as_slice(), more].concat());
+    assert_eq!(with(&[]), [String::new(); 0]);
+    assert!(with(&[image(ShaderRead, TransferRead)])[0].contains("it is in"));
+    assert!(
+        with(&[memory(ColorAttachment, ShaderRead), used(IMAGE, ShaderRead)])[0].contains("while it is in")
+    );
+}
+
+#[test]
+fn parts_that_meet_need_a_barrier_and_parts_that_do_not_need_none() {
+    let begin = [made(IMAGE), image(Nothing, DepthAttachment)];
+    let draw = |part| Event::Used(IMAGE, DepthAttachment, part);
+    let with = |more: &[Event]| check(&[begin.as_slice(), more].concat()).len();
+    assert_eq!(with(&[draw(rows(0, 4)), draw(rows(4, 8))]), 0);
+    assert_eq!(with(&[draw(rows(0, 4)), draw(rows(3, 8))]), 1);
+    assert_eq!(with(&[draw(rows(0, 4)), draw(None)]), 1);
+    let between = image(DepthAttachment, DepthAttachment);
+    assert_eq!(with(&[draw(rows(0, 4)), between, draw(None)]), 0);
+}
+
+#[test]
+fn a_read_is_waited_for_before_the_next_write() {
+    let begin = upload();
+    let write = used(BUFFER, TransferWrite);
+    let with = |more: &[Event]| check(&[begin.as_slice(), more, std::slice::from_ref(&write)].concat()).len();
+    assert!(with(&[]) > 0);
+    assert!(with(&[memory(ShaderRead, TransferWrite)]) > 0, "vertices are read, too");
+    assert_eq!(with(&[memory(ShaderRead, TransferWrite), memory(VertexRead, TransferWrite)]), 0);
+    assert_eq!(with(&[Event::Waited]), 0);
+}
+
+#[test]
+fn a_log_keeps_nothing_before_it_is_started() {
+    let log = EventLog::default();
+    log.note(|| unreachable!("not even made"));
+    log.start();
+    log.note(|| Event::Waited);
+    assert_eq!(log.take().len(), 1);
+    assert!(log.take().is_empty());
+}

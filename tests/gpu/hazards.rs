@@ -1,0 +1,172 @@
+//! What the program records, replayed without the device: no barrier is missing.
+
+use crate::device::with_device;
+use crate::evaluation::{colours, grating, layers, patch, shading, window};
+use crate::mean::source;
+use diffract::optics::coherence::Windows;
+use diffract::render::difference::DifferencePass;
+use diffract::render::evaluator::Evaluator;
+use diffract::render::frame::{Shown, View};
+use diffract::render::picture::Painter;
+use diffract::render::pigment::Pigment;
+use diffract::render::sampling::Sampling;
+use diffract::render::shading::Shading;
+use diffract::scene::{Light, Scene};
+use diffract::setup::Method;
+use diffract::surface::synth::Kind;
+use diffract::vk::access::Access;
+use diffract::vk::device::Device;
+use diffract::vk::hazards::{Event, check};
+use glam::DVec3;
+use std::sync::Arc;
+
+const SIZE: [u32; 2] = [24, 18];
+const SHOWN: Shown = Shown { exposure: 0.5, background: DVec3::new(0.1, 0.2, 0.3) };
+
+/// What `work` records.
+fn recorded(device: &Arc<Device>, work: impl FnOnce()) -> Vec<Event> {
+    device.events().start();
+    device.events().take();
+    work();
+    device.events().take()
+}
+
+/// Fails unless `events` have each of `accesses` and no finding.
+#[track_caller]
+fn assert_clean(events: &[Event], accesses: &[Access]) {
+    for access in accesses {
+        let has = |event: &Event| match event {
+            Event::Used(_, used, _) => used == access,
+            Event::Bound(bound) => bound.iter().any(|(_, used)| used == access),
+            _ => false,
+        };
+        assert!(events.iter().any(has), "{access:?} is not in {} events", events.len());
+    }
+    assert_eq!(check(events), [String::new(); 0], "{} events", events.len());
+}
+
+/// Fails unless `events` without all barriers that `is` names have a finding.
+#[track_caller]
+fn assert_missed(events: &[Event], is: impl Fn(&Access, &Access) -> bool) {
+    use Access::{
+        ColorAttachment, ComputeWrite, HostRead, ShaderRead, TransferRead, TransferWrite, VertexRead,
+    };
+    let all = [ColorAttachment, ComputeWrite, HostRead, ShaderRead, TransferRead, TransferWrite, VertexRead];
+    let pairs = || all.iter().flat_map(|from| all.iter().map(move |to| (from, to))).filter(|(a, b)| is(a, b));
+    let named = |event: &Event| match event {
+        Event::Barrier(scopes) => pairs().any(|(from, to)| {
+            let barrier = from.memory_barrier(*to);
+            scopes.source == (barrier.src_stage_mask, barrier.src_access_mask)
+                && scopes.destination == (barrier.dst_stage_mask, barrier.dst_access_mask)
+        }),
+        _ => false,
+    };
+    let lacking: Vec<Event> = events.iter().filter(|event| !named(event)).cloned().collect();
+    assert!(lacking.len() < events.len(), "there is no such barrier");
+    assert!(!check(&lacking).is_empty(), "nothing is missed");
+}
+
+fn view(scene: &Scene, lights: usize) -> View {
+    let light = |i| Light { theta: 40.0, phi: 30.0 * i as f64, intensity: 1.0 };
+    View::of(scene, (0..lights).map(light).collect())
+}
+
+fn mean() -> Shading {
+    Shading { windows: Windows::All, ..shading(4.0, 2e-1) }.for_pictures()
+}
+
+#[test]
+fn an_evaluation_has_all_its_barriers() {
+    let shading = shading(4.0, 1e-1);
+    let field = patch(Kind::Bumps, 2.0);
+    let layers = layers(&field, &shading);
+    with_device(|device| {
+        for source in [window(&layers), grating(&layers, [3, 2], &field)] {
+            let events = recorded(device, || {
+                let mut evaluator = Evaluator::new(device, &source, &shading).unwrap();
+                for seed in 1..3 {
+                    evaluator.cosine_weighted(&colours(seed, 100)).unwrap();
+                }
+            });
+            use Access::{ComputeWrite, HostRead, ShaderRead, TransferWrite};
+            assert_clean(&events, &[ComputeWrite, HostRead, ShaderRead, TransferWrite]);
+            assert_missed(&events, |from, to| (*from, *to) == (ComputeWrite, HostRead));
+        }
+    });
+}
+
+#[test]
+fn pictures_from_spectra_tables_and_windows_have_all_their_barriers() {
+    let field = patch(Kind::Bumps, 2.0);
+    let scene = Scene::open("sphere").unwrap();
+    let one = shading(4.0, 1e-1);
+    let layers = layers(&field, &one);
+    with_device(|device| {
+        for lights in [1, 4] {
+            let view = view(&scene, lights);
+            let draw = |source: &_, shading: &Shading| {
+                let white = Pigment::white();
+                let mesh = &scene.mesh;
+                let mut painter = Painter::new(device, source, shading, mesh, &white, SIZE, lights).unwrap();
+                // A frame and its read-back, the accumulation of several, and another size.
+                painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
+                let sampling = Sampling { count: 3, seed: 1 };
+                painter.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+                painter.display_again(SIZE, 1.0, SHOWN.background).unwrap();
+                painter.picture().unwrap();
+                painter.directions(&view, lights - 1).unwrap();
+                painter.resize([12, 8], lights).unwrap();
+                painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
+            };
+            let mut recordings = vec![recorded(device, || draw(&window(&layers), &one))];
+            for method in [Method::Table, Method::Spectral] {
+                recordings.push(recorded(device, || {
+                    draw(&source(device, &field, &mean(), method, 1e-2), &mean());
+                }));
+            }
+            for events in &recordings {
+                use Access::{
+                    ColorAttachment, DepthAttachment, HostRead, ShaderRead, TransferRead, TransferWrite,
+                    VertexRead,
+                };
+                let drawing = [ColorAttachment, DepthAttachment, ShaderRead, VertexRead];
+                assert_clean(events, &[&drawing[..], &[TransferWrite, TransferRead, HostRead]].concat());
+                assert_missed(events, |from, to| (*from, *to) == (TransferWrite, VertexRead));
+                assert_missed(events, |from, to| (*from, *to) == (TransferWrite, HostRead));
+                let without_source: Vec<Event> = events.iter().cloned().map(without_color_source).collect();
+                assert!(!check(&without_source).is_empty(), "barriers from attachments are not looked at");
+            }
+        }
+    });
+}
+
+/// A barrier from a colour attachment without the scope that waits for it.
+fn without_color_source(mut event: Event) -> Event {
+    use ash::vk::{AccessFlags2, PipelineStageFlags2};
+    if let Event::ImageBarrier(_, scopes, _) = &mut event
+        && scopes.source.0 == PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT
+    {
+        scopes.source = (PipelineStageFlags2::NONE, AccessFlags2::NONE);
+    }
+    event
+}
+
+#[test]
+fn the_comparison_of_two_pictures_has_all_its_barriers() {
+    let shading = shading(4.0, 1e-1);
+    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
+    let scene = Scene::open("plate").unwrap();
+    with_device(|device| {
+        let events = recorded(device, || {
+            let (white, view) = (Pigment::white(), view(&scene, 1));
+            let mut painter =
+                Painter::new(device, &window(&layers), &shading, &scene.mesh, &white, SIZE, 1).unwrap();
+            painter.draw(&view, 0.0, DVec3::ZERO).unwrap();
+            let mut errors = DifferencePass::new(device, SIZE).unwrap();
+            for _ in 0..2 {
+                errors.draw(painter.geometry(), [painter.target(); 2], 0.0, DVec3::ONE).unwrap();
+            }
+        });
+        assert_clean(&events, &[Access::ColorAttachment, Access::ShaderRead, Access::VertexRead]);
+    });
+}
