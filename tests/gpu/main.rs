@@ -14,6 +14,7 @@ mod interface;
 mod long_run;
 mod mean;
 mod measure;
+#[cfg(feature = "viewer")]
 mod panel;
 mod picture;
 mod promise;
