@@ -5,7 +5,7 @@ use super::instance::Instance;
 use super::selection::{self, Candidate, DeviceChoice};
 use crate::error::{Error, Result};
 use crate::memory;
-use ash::{ext, khr, vk};
+use ash::{ext, vk};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{
     Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc,
