@@ -20,7 +20,7 @@ pub struct Error {
 }
 
 /// The result of everything in this crate that can fail.
-pub type Result<T> = std::result::Result<T, Error>;
+pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
     /// Wrong use: an option, a value or a combination that cannot be meant.

@@ -1,5 +1,8 @@
 //! `diffract`: light diffracted by a height field, as numbers and as pictures.
 //!
+//! Start with the [`prelude`] and the programs in `examples/`. The feature `vulkan` (on by default) has the renderer, `viewer` (on by
+//! default) the window; without them the library has height fields, optics, spectra, colour tables and 64-bit references.
+//!
 //! Data flows one way: `surface` → `expansion` → `precompute` → `render` (with `scene` and `vk`) → picture, and
 //! `optics::reference` judges it. `docs/ARCHITECTURE.md` has the floors.
 
@@ -7,26 +10,34 @@
 
 pub mod brdf;
 pub mod cache;
+#[cfg(feature = "vulkan")]
 pub mod cli;
 pub mod error;
 pub mod expansion;
 pub mod figure;
 pub mod files;
 pub mod input;
+#[cfg(feature = "vulkan")]
 pub mod measure;
 pub mod memory;
 pub mod optics;
 pub mod output;
+#[cfg(feature = "vulkan")]
 pub mod picture_file;
 pub mod precompute;
+pub mod prelude;
 pub mod random;
+#[cfg(feature = "vulkan")]
 pub mod render;
 pub mod scene;
+#[cfg(feature = "vulkan")]
 pub mod setup;
 pub mod spectra;
 pub mod surface;
 pub mod table;
 pub mod units;
+#[cfg(feature = "viewer")]
 pub mod viewer;
 #[allow(unsafe_code, reason = "calls Vulkan; every block says why it is sound")]
+#[cfg(feature = "vulkan")]
 pub mod vk;

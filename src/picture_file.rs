@@ -38,7 +38,7 @@ impl Format {
 /// What a picture file says of itself beside its pixels.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Notes {
-    /// The command that draws the same picture.
+    /// The command that draws the same picture; empty where there is none.
     pub command: String,
     /// More names (1 to 79 letters of Latin-1) and values, in the order in which they are written.
     pub more: Vec<(String, String)>,
@@ -52,11 +52,10 @@ impl Notes {
 
     /// All names and values, the version of the program first.
     fn all(&self) -> Vec<(String, String)> {
-        let own = [
-            ("Software".to_owned(), format!("diffract {}", env!("CARGO_PKG_VERSION"))),
-            ("Comment".to_owned(), format!("The same picture: {}", self.command)),
-        ];
-        own.into_iter().chain(self.more.iter().cloned()).collect()
+        let software = ("Software".to_owned(), format!("diffract {}", env!("CARGO_PKG_VERSION")));
+        let comment = ("Comment".to_owned(), format!("The same picture: {}", self.command));
+        let comment = (!self.command.is_empty()).then_some(comment);
+        [software].into_iter().chain(comment).chain(self.more.iter().cloned()).collect()
     }
 }
 
@@ -76,6 +75,15 @@ pub fn write(path: &Path, format: Format, picture: &Picture, notes: &Notes) -> R
             Ok(()) => output::write_failed(path, &e),
         })
     })
+}
+
+/// Writes `picture` to `path` in the format that its name asks for, without notes.
+///
+/// # Errors
+/// As [`Format::of`] and [`write`].
+pub fn save(path: impl AsRef<Path>, picture: &Picture) -> Result<()> {
+    let path = path.as_ref();
+    write(path, Format::of(path)?, picture, &Notes::default())
 }
 
 /// `word` as a shell takes it.

@@ -27,7 +27,7 @@ const FLOORS: [(&str, &[&str]); 24] = [
     ),
     ("spectra", &["precompute", "cache", "optics", "surface", "error", "memory"]),
     ("brdf", &["spectra", "optics", "surface", "error", "memory"]),
-    ("table", &["spectra", "brdf", "cache", "optics", "error", "memory"]),
+    ("table", &["spectra", "brdf", "cache", "optics", "surface", "error", "memory"]),
     (
         "render",
         &[
@@ -50,7 +50,19 @@ const FLOORS: [(&str, &[&str]); 24] = [
     ("picture_file", &["render", "error", "output"]),
     (
         "setup",
-        &["render", "vk", "table", "spectra", "brdf", "precompute", "cache", "optics", "surface", "error"],
+        &[
+            "render",
+            "vk",
+            "table",
+            "spectra",
+            "brdf",
+            "precompute",
+            "scene",
+            "cache",
+            "optics",
+            "surface",
+            "error",
+        ],
     ),
     (
         "measure",

@@ -5,6 +5,7 @@ use super::{Brdf, without_cosine};
 use crate::error::Result;
 use crate::memory;
 use crate::optics::brdf::{cosine_weighted, schlick};
+use crate::optics::coherence::SUNLIGHT_LENGTH;
 use crate::optics::footprint::Covariance;
 use crate::optics::geometry::Pair;
 use crate::optics::quadrature::{Nodes, SPAN};
@@ -63,6 +64,13 @@ pub struct Mean<'a> {
     pub beyond: Beyond,
     /// Refractive index.
     pub ior: f64,
+}
+
+impl<'a> Mean<'a> {
+    /// What a pixel sees of copies of `field`, of refractive index `ior`, in sunlight.
+    pub fn in_sunlight(field: &'a HeightField, ior: f64) -> Self {
+        Self { field, sigma: SUNLIGHT_LENGTH / 4.0, beyond: Beyond::Copies, ior }
+    }
 }
 
 impl Mean<'_> {

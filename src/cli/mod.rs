@@ -20,6 +20,7 @@ mod trade;
 pub mod untrusted;
 mod usage;
 mod verbosity;
+#[cfg(feature = "viewer")]
 mod view;
 mod write;
 
@@ -29,21 +30,22 @@ use std::io::Write;
 use std::process::ExitCode;
 use verbosity::{Verbosity, say};
 
+const VIEW_EXAMPLE: &str = if cfg!(feature = "viewer") { "\n  diffract view" } else { "" };
+
 /// Structural colour from a measured height field.
 #[derive(Parser, Debug)]
 #[command(
     name = "diffract",
     version,
     about = "Structural colour from a measured height field: Stam's wave-optics BRDF, as pictures and as numbers",
-    after_help = "Examples:
-  diffract view
+    after_help = format!("Examples:{VIEW_EXAMPLE}
   diffract render -o snake.png
   diffract render sphere --surface scan.png --pixel-size 97.66nm --height 434.7nm -o scan.exr
   diffract eval blaze --queries directions.csv --method reference
   diffract brdf elaphe --light 30,0 -o hemisphere.png
   diffract surface info xenopeltis
 
-Lengths are written with their unit: 65um, 434.7nm. `diffract COMMAND --help` says more.",
+Lengths are written with their unit: 65um, 434.7nm. `diffract COMMAND --help` says more."),
     disable_help_subcommand = true
 )]
 struct Arguments {
@@ -55,6 +57,7 @@ struct Arguments {
 
 #[derive(Subcommand, Debug)]
 enum Command {
+    #[cfg(feature = "viewer")]
     /// A window: orbit, drag the light, change everything live
     View(view::Arguments),
     /// Draw a scene into a PNG or EXR file
@@ -93,6 +96,7 @@ fn run(arguments: Arguments) -> Result<()> {
     arguments.verbosity.apply();
     start_threads();
     match arguments.command {
+        #[cfg(feature = "viewer")]
         Command::View(arguments) => view::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),

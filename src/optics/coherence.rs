@@ -10,6 +10,9 @@ use std::f64::consts::PI;
 /// Where the Gaussian window is cut off, in standard deviations: g = e^(−24.5) = 2e-11 there.
 pub const GAUSSIAN_CUT: f64 = 7.0;
 
+/// Coherence length of sunlight \[µm\] (\[Dhillon 2014\]).
+pub const SUNLIGHT_LENGTH: f64 = 65.0;
+
 /// Where the coherence window stands on the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Windows {
@@ -77,7 +80,7 @@ pub enum Coherence {
 
 impl Coherence {
     /// Sunlight: a Gaussian of 65 µm (\[Dhillon 2014\]).
-    pub const SUNLIGHT: Self = Self::Gaussian { length: 65.0 };
+    pub const SUNLIGHT: Self = Self::Gaussian { length: SUNLIGHT_LENGTH };
 
     /// σ of the Gaussian window \[µm\], where there is one.
     pub fn sigma(&self) -> Option<f64> {

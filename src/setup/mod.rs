@@ -1,8 +1,10 @@
 //! From a height field and settings to what is shaded from: what every command and the viewer start with.
 
 mod brdf;
+mod picture;
 
 pub use brdf::for_each_window;
+pub use picture::{PictureSettings, picture};
 
 use crate::cache::{Kept, Key, Store};
 use crate::error::{Error, Result};

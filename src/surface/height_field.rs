@@ -23,18 +23,7 @@ impl HeightField {
     /// An empty or oversized grid, a length of `heights` that is not `columns * rows`, a spacing that is not finite and
     /// positive, a height that is not finite.
     pub fn new(columns: usize, rows: usize, pixel_size: [f64; 2], heights: Vec<f64>) -> Result<Self> {
-        if columns == 0 || rows == 0 {
-            return Err(Error::failed(
-                format!("the height field is empty ({columns} x {rows})"),
-                "give at least one sample",
-            ));
-        }
-        if columns > MAX_SIDE || rows > MAX_SIDE {
-            return Err(Error::failed(
-                format!("the height field of {columns} x {rows} samples is larger than {MAX_SIDE} on a side"),
-                "crop it or average it down",
-            ));
-        }
+        check_size(columns, rows)?;
         if heights.len() != columns * rows {
             return Err(Error::failed(
                 format!("{} heights do not fill {columns} x {rows}", heights.len()),
@@ -54,6 +43,25 @@ impl HeightField {
             ));
         }
         Ok(Self { columns, rows, pixel_size, heights })
+    }
+
+    /// A field of `columns` × `rows` samples `pixel_size` \[µm\] apart of the surface z = `height`(x, y), in micrometres from the patch
+    /// centre.
+    ///
+    /// # Errors
+    /// As [`HeightField::new`].
+    pub fn from_fn(
+        columns: usize,
+        rows: usize,
+        pixel_size: [f64; 2],
+        height: impl Fn(f64, f64) -> f64,
+    ) -> Result<Self> {
+        check_size(columns, rows)?;
+        let flat = Self::new(columns, rows, pixel_size, vec![0.0; columns * rows])?;
+        let row = |row| (0..columns).map(move |column| (column, row));
+        let places = (0..rows).flat_map(row);
+        let heights = places.map(|(column, row)| height(flat.x(column), flat.y(row))).collect();
+        Self::new(columns, rows, pixel_size, heights)
     }
 
     /// Samples along `x`.
@@ -126,9 +134,34 @@ impl HeightField {
     }
 }
 
+/// Fails for a grid without samples and for one that is too large.
+fn check_size(columns: usize, rows: usize) -> Result<()> {
+    if columns == 0 || rows == 0 {
+        return Err(Error::failed(
+            format!("the height field is empty ({columns} x {rows})"),
+            "give at least one sample",
+        ));
+    }
+    if columns > MAX_SIDE || rows > MAX_SIDE {
+        return Err(Error::failed(
+            format!("the height field of {columns} x {rows} samples is larger than {MAX_SIDE} on a side"),
+            "crop it or average it down",
+        ));
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_function_is_sampled_about_the_patch_centre_with_y_upward() {
+        let field = HeightField::from_fn(3, 2, [0.5, 2.0], |x, y| 10.0 * x + y).unwrap();
+        assert_eq!(field.heights(), [-4.0, 1.0, 6.0, -6.0, -1.0, 4.0]);
+        assert!(HeightField::from_fn(usize::MAX, 2, [1.0; 2], |_, _| 0.0).is_err(), "too large to allocate");
+        assert!(HeightField::from_fn(2, 2, [1.0; 2], |x, _| (x - 9.0).sqrt()).is_err(), "not a number");
+    }
 
     #[test]
     fn a_moved_field_has_in_its_middle_what_stood_right_of_and_above_it() {

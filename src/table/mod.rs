@@ -21,6 +21,7 @@ pub use read::TableReader;
 pub use specular::{BANDS, SPECULAR_SAMPLES, Specular};
 
 use crate::optics::spectrum::Illuminant;
+use crate::surface::MAX_SIDE;
 use half::f16;
 use serde::{Deserialize, Serialize};
 
@@ -44,6 +45,26 @@ pub struct TableSettings {
     /// Most bytes of all levels. Not part of the key: it decides whether they are made.
     #[serde(skip)]
     pub memory_limit: usize,
+}
+
+impl TableSettings {
+    /// Bytes that a table may take unless the user says.
+    const USUAL_MEMORY: usize = 1 << 31;
+
+    /// A table of single directions under `illuminant` with a relative error of `tolerance` over directions.
+    pub fn new(illuminant: Illuminant, tolerance: f64) -> Self {
+        // The squares of the shares add up to less than 1, for the errors are independent.
+        Self {
+            illuminant,
+            wavelengths: None,
+            quadrature_error: 0.4 * tolerance,
+            reading_error: 0.7 * tolerance,
+            cubic_error: 0.3 * tolerance,
+            finest: 0.0,
+            side_limit: MAX_SIDE,
+            memory_limit: Self::USUAL_MEMORY,
+        }
+    }
 }
 
 /// A colour table.

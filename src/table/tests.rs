@@ -14,30 +14,13 @@ use glam::DVec3;
 const IOR: f64 = 1.5;
 
 fn spectra(field: &HeightField, sigma: f64, tolerance: f64, finest: f64) -> PowerSpectra {
-    let settings = PowerSettings {
-        sigma,
-        beyond: Beyond::Copies,
-        shortest: 0.38,
-        series_error: 0.5 * tolerance,
-        reading_error: tolerance,
-        least_footprint: finest,
-        side_limit: 16384,
-        memory_limit: 1 << 31,
-    };
+    let settings =
+        PowerSettings { least_footprint: finest, ..PowerSettings::new(sigma, Beyond::Copies, tolerance) };
     power_spectra(field, &settings, &|_, _| Ok(())).unwrap()
 }
 
 fn table(spectra: &PowerSpectra, tolerance: f64, finest: f64) -> ColorTable {
-    let settings = TableSettings {
-        illuminant: Illuminant::D65,
-        wavelengths: None,
-        quadrature_error: 0.4 * tolerance,
-        reading_error: 0.7 * tolerance,
-        cubic_error: 0.3 * tolerance,
-        finest,
-        side_limit: 16384,
-        memory_limit: 1 << 31,
-    };
+    let settings = TableSettings { finest, ..TableSettings::new(Illuminant::D65, tolerance) };
     bake(spectra, &settings, &|_, _| Ok(())).unwrap()
 }
 

@@ -4,10 +4,9 @@ use super::failure;
 use super::hazards::EventLog;
 use super::instance::Instance;
 use super::selection::{self, Candidate, DeviceChoice};
-use super::surface::Surface;
 use crate::error::{Error, Result};
 use crate::memory;
-use ash::{ext, khr, vk};
+use ash::{ext, vk};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{
     Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc,
@@ -50,22 +49,11 @@ impl Device {
         Self::open_one_of(candidates, instance, wish, &[])
     }
 
-    /// Opens the device of choice `wish` among those that can present to `surface`.
+    /// Opens the one of `candidates` that `wish` chooses, with the device extensions `extensions`.
     ///
     /// # Errors
     /// As [`Device::open`].
-    pub fn open_for(surface: &Surface, wish: &DeviceChoice) -> Result<Arc<Self>> {
-        let instance = surface.instance().clone();
-        let mut candidates = selection::candidates(&instance)?;
-        for candidate in &mut candidates {
-            if !surface.is_shown_by(candidate) {
-                candidate.missing.push("a way to show windows on this display");
-            }
-        }
-        Self::open_one_of(candidates, instance, wish, &[khr::swapchain::NAME.as_ptr()])
-    }
-
-    fn open_one_of(
+    pub(super) fn open_one_of(
         mut candidates: Vec<Candidate>,
         instance: Arc<Instance>,
         wish: &DeviceChoice,

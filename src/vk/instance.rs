@@ -7,7 +7,6 @@ use crate::memory;
 use ash::{ext, vk};
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::Mutex;
-use winit::raw_window_handle::RawDisplayHandle;
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
@@ -64,17 +63,11 @@ impl Instance {
         Self::with_extensions(validation, &[], mask)
     }
 
-    /// Like [`Instance::new`], for windows on the display of `handle`.
+    /// Like [`Instance::new`], with the instance extensions `more`.
     ///
     /// # Errors
-    /// As [`Instance::new`], and if this Vulkan does not support the window system.
-    pub fn for_windows(validation: bool, handle: RawDisplayHandle) -> Result<Self> {
-        let names = ash_window::enumerate_required_extensions(handle)
-            .map_err(|c| failure("name what windows of this kind need", c))?;
-        Self::with_extensions(validation, names, Mask::from_environment()?)
-    }
-
-    fn with_extensions(validation: bool, more: &[*const c_char], mask: Mask) -> Result<Self> {
+    /// As [`Instance::new`], and where there is no such extension.
+    pub(super) fn with_extensions(validation: bool, more: &[*const c_char], mask: Mask) -> Result<Self> {
         // SAFETY: loading runs the system's Vulkan loader, which is what the user asked for; the entry outlives all use.
         let entry = unsafe { ash::Entry::load() }
             .map_err(|e| Error::failed(format!("there is no Vulkan on this machine ({e})"), INSTALL))?;

@@ -18,7 +18,9 @@ pub mod queries;
 pub mod sampler;
 pub mod selection;
 pub mod semaphore;
+#[cfg(feature = "viewer")]
 pub mod surface;
+#[cfg(feature = "viewer")]
 pub mod swapchain;
 
 use crate::error::Error;

@@ -1,15 +1,46 @@
-//! The Vulkan surface of a window.
+//! The Vulkan surface of a window; an instance and a device that can show one.
 
+use super::device::Device;
 use super::failure;
 use super::instance::Instance;
-use super::selection::Candidate;
+use super::mask::Mask;
+use super::selection::{self, Candidate, DeviceChoice};
 use crate::error::{Error, Result};
 use ash::prelude::VkResult;
 use ash::{khr, vk};
 use std::any::Any;
 use std::ffi::CStr;
 use std::sync::Arc;
-use winit::raw_window_handle::{HandleError, HasDisplayHandle, HasWindowHandle};
+use winit::raw_window_handle::{HandleError, HasDisplayHandle, HasWindowHandle, RawDisplayHandle};
+
+impl Instance {
+    /// Like [`Instance::new`], for windows on the display of `handle`.
+    ///
+    /// # Errors
+    /// As [`Instance::new`], and if this Vulkan does not support the window system.
+    pub fn for_windows(validation: bool, handle: RawDisplayHandle) -> Result<Self> {
+        let names = ash_window::enumerate_required_extensions(handle)
+            .map_err(|c| failure("name what windows of this kind need", c))?;
+        Self::with_extensions(validation, names, Mask::from_environment()?)
+    }
+}
+
+impl Device {
+    /// Opens the device of choice `wish` among those that can present to `surface`.
+    ///
+    /// # Errors
+    /// As [`Device::open`].
+    pub fn open_for(surface: &Surface, wish: &DeviceChoice) -> Result<Arc<Self>> {
+        let instance = surface.instance().clone();
+        let mut candidates = selection::candidates(&instance)?;
+        for candidate in &mut candidates {
+            if !surface.is_shown_by(candidate) {
+                candidate.missing.push("a way to show windows on this display");
+            }
+        }
+        Self::open_one_of(candidates, instance, wish, &[khr::swapchain::NAME.as_ptr()])
+    }
+}
 
 /// A surface, with its window.
 pub struct Surface {

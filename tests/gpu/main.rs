@@ -15,6 +15,7 @@ mod interface;
 mod long_run;
 mod mean;
 mod measure;
+#[cfg(feature = "viewer")]
 mod panel;
 mod picture;
 mod promise;

@@ -6,8 +6,9 @@ use super::texture::{self, FrequencyGrid, Levels, PER_TEXEL};
 use super::{Beyond, Blur};
 use crate::error::{Error, Result};
 use crate::memory;
+use crate::optics::spectrum::SHORTEST;
 use crate::precompute::kernel::Kernel;
-use crate::surface::HeightField;
+use crate::surface::{HeightField, MAX_SIDE};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -32,6 +33,26 @@ pub struct PowerSettings {
     /// Most bytes of all levels. Not part of the key: it decides whether they are made.
     #[serde(skip)]
     pub memory_limit: usize,
+}
+
+impl PowerSettings {
+    /// Bytes that spectra may take unless the user says.
+    const USUAL_MEMORY: usize = 1 << 31;
+
+    /// Spectra of all visible light for single directions, through a coherence window of standard deviation `sigma` \[µm\], with a relative
+    /// error of `tolerance` for a single wavelength.
+    pub fn new(sigma: f64, beyond: Beyond, tolerance: f64) -> Self {
+        Self {
+            sigma,
+            beyond,
+            shortest: SHORTEST,
+            series_error: 0.5 * tolerance,
+            reading_error: tolerance,
+            least_footprint: 0.0,
+            side_limit: MAX_SIDE,
+            memory_limit: Self::USUAL_MEMORY,
+        }
+    }
 }
 
 /// The powers of a surface's orders, blurred by the coherence of the light, as Chebyshev series in z over a grid of frequencies.

@@ -30,6 +30,7 @@ pub mod write;
 pub mod x3p;
 pub mod xyz;
 
+use super::HeightField;
 use crate::error::{Error, Result};
 use crate::{input, memory};
 use scan::{Quantity, Scan};
@@ -69,6 +70,16 @@ pub fn read(path: &Path, wish: &Wish) -> Result<Topography> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     let read = || assemble(recognise(&bytes, &extension)?, wish, || Sidecar::beside(path));
     read().map_err(|e| e.at(path.display()))
+}
+
+impl HeightField {
+    /// The heights in the file `path` of a microscope or of a program for surfaces, or in a grey image, as `wish` says.
+    ///
+    /// # Errors
+    /// As [`read`].
+    pub fn read(path: impl AsRef<Path>, wish: &Wish) -> Result<Self> {
+        read(path.as_ref(), wish)?.into_field()
+    }
 }
 
 /// Reads a file that is in memory; `extension` is that of its name, in lower case.

@@ -1,0 +1,36 @@
+//! What most programs that use this library need: `use diffract::prelude::*;`. Lengths are micrometres, angles degrees.
+//!
+//! | for | take |
+//! | --- | --- |
+//! | a surface | [`HeightField`] from a function or a file (with [`Wish`] for what the file does not say), or [`synth::generate`] |
+//! | the light | [`Coherence`], [`Illuminant`], and [`Pair`]s of [`direction`]s |
+//! | the BRDF of a pixel | [`MeanReference`] of a [`Mean`], asked through [`Brdf`] |
+//! | the BRDF of one coherence window | [`DirectSum`] of a [`Reference`], asked through [`Brdf`] |
+//! | many colours fast | [`power_spectra`], then [`bake`] a [`ColorTable`], then a [`TableReader`] |
+#![cfg_attr(
+    feature = "vulkan",
+    doc = "| a picture | [`Device::open`], a [`Scene`], [`setup::picture`], [`picture_file::save`] |"
+)]
+
+pub use crate::brdf::mean::Mean;
+pub use crate::brdf::{Brdf, DirectSum, MeanReference};
+pub use crate::error::{Error, Result};
+pub use crate::optics::coherence::{Beyond, Coherence, Windows};
+pub use crate::optics::color::{display, xyz_to_linear_srgb};
+pub use crate::optics::footprint::Covariance;
+pub use crate::optics::geometry::{Pair, direction};
+pub use crate::optics::reference::Reference;
+pub use crate::optics::spectrum::Illuminant;
+pub use crate::scene::Scene;
+pub use crate::spectra::power::{PowerSettings, PowerSpectra, power_spectra};
+pub use crate::surface::HeightField;
+pub use crate::surface::files::Wish;
+pub use crate::surface::synth::{self, Kind, Spec};
+pub use crate::table::{ColorTable, TableReader, TableSettings, bake};
+
+#[cfg(feature = "vulkan")]
+pub use crate::{
+    picture_file,
+    setup::{self, PictureSettings},
+    vk::{device::Device, instance::Instance, selection::DeviceChoice},
+};
