@@ -13,6 +13,7 @@ mod peaks;
 mod prepare;
 mod profile;
 mod range;
+mod remedies;
 mod render;
 mod scale;
 mod surface;
@@ -21,6 +22,7 @@ pub mod untrusted;
 mod usage;
 mod verbosity;
 mod view;
+mod view_command;
 mod write;
 
 use crate::error::{Error, Result};
@@ -83,7 +85,7 @@ pub fn main() -> ExitCode {
     match usage::parse(std::env::args_os()).and_then(|arguments| arguments.map_or(Ok(()), run)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            print(&error);
+            print(&remedies::in_options(&error));
             ExitCode::from(error.exit_code())
         }
     }

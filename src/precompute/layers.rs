@@ -8,7 +8,7 @@ use super::pairs::PairRule;
 use super::plan::{Plan, bands_of, too_large};
 use super::texels::Texels;
 use super::transform::{Pair, Transformer};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::expansion::optimal::Optimal;
 use crate::expansion::taylor::{F32_ROUNDOFF, Taylor, terms_for};
 use crate::expansion::{Basis, Expansion, HeightScale};
@@ -154,7 +154,7 @@ pub fn compute_at(
                 "spectra of any size that is sensible leave more than {:.0e} between their samples",
                 budget.interpolation
             ),
-            "ask for a larger --tolerance, or use --method reference",
+            [Remedy::LargerTolerance, Remedy::ReferenceMethod],
         ));
     }
     let Plan { plane: [x, y] } = Plan::new(field, settings, interpolation, shift)?;
@@ -216,7 +216,7 @@ pub fn compute_at(
                 settings.basis.name(),
                 budget.expansion
             ),
-            "ask for a larger --tolerance, or use --basis optimal or --method reference",
+            [Remedy::LargerTolerance, Remedy::OptimalBasis, Remedy::ReferenceMethod],
         ));
     }
     progress(steps(made), steps(made))?;

@@ -2,7 +2,7 @@
 
 use super::device::Device;
 use super::failure;
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocation;
@@ -102,7 +102,7 @@ impl Image {
                     "the {name} of {} x {} texels in {layers} layers is larger than `{}` holds ({} x {} in {} layers)",
                     size[0], size[1], limits.name, limits.max_side, limits.max_side, limits.max_layers
                 ),
-                "ask for a smaller --size, a larger --tolerance or a shorter --coherence",
+                [Remedy::SmallerPicture, Remedy::LargerTolerance, Remedy::ShorterCoherence],
             ));
         }
         let info = vk::ImageCreateInfo::default()

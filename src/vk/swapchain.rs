@@ -5,7 +5,7 @@ use super::failure;
 use super::image::Image;
 use super::semaphore::Semaphore;
 use super::surface::Surface;
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use ash::{khr, vk};
 use std::sync::Arc;
 
@@ -207,10 +207,7 @@ fn format(formats: &[vk::SurfaceFormatKHR]) -> Result<vk::SurfaceFormatKHR> {
         wanted.contains(&f.format) && f.color_space == vk::ColorSpaceKHR::SRGB_NONLINEAR
     };
     formats.iter().find(fits).copied().ok_or_else(|| {
-        Error::failed(
-            "the window takes no 8-bit sRGB picture",
-            "draw into a file with `diffract render`, or try another --device",
-        )
+        Error::failed("the window takes no 8-bit sRGB picture", [Remedy::PictureFile, Remedy::OtherDevice])
     })
 }
 
