@@ -1,5 +1,6 @@
 //! The one error type: what went wrong, where, and what to do about it, in a line.
 
+use std::borrow::Cow;
 use std::fmt;
 
 /// Whose turn it is to act; decides the exit code.
@@ -11,12 +12,129 @@ pub enum Kind {
     Failed,
 }
 
+/// What a caller can change so that the request succeeds. Settings have a variant each, because a program names them by its own options or
+/// controls: see [`Error::in_words`]. `Display` names them without any.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Remedy {
+    /// What is no setting: a whole phrase, as in `check the path`.
+    Words(Cow<'static, str>),
+    /// A larger accepted error.
+    LargerTolerance,
+    /// A picture of fewer pixels.
+    SmallerPicture,
+    /// The mean over all coherence windows.
+    AllWindows,
+    /// One coherence window.
+    OneWindow,
+    /// Spectra of the wavelengths.
+    SpectralMethod,
+    /// A colour table.
+    TableMethod,
+    /// The f64 reference.
+    ReferenceMethod,
+    /// The optimal basis.
+    OptimalBasis,
+    /// Fewer terms of the expansion.
+    FewerTerms,
+    /// The number of terms that follows from the tolerance.
+    AutomaticTerms,
+    /// The wavelengths that follow from the tolerance.
+    AutomaticWavelengths,
+    /// A shorter coherence length.
+    ShorterCoherence,
+    /// A Gaussian coherence window.
+    GaussianCoherence,
+    /// A finite grating of fewer copies.
+    FewerRepeats,
+    /// A camera farther from the surface.
+    FartherCamera,
+    /// The distance between samples of the height field.
+    PixelSize,
+    /// The height that the largest grey code of the height field means.
+    FullHeight,
+    /// Another channel of the scan.
+    Channel,
+    /// Subtracting a plane from the heights.
+    LevelPlane,
+    /// Edges that are blended into each other.
+    BlendTile,
+    /// More room for the cache.
+    LargerCache,
+    /// Another of the machine's Vulkan devices.
+    OtherDevice,
+    /// A Vulkan device in software.
+    SoftwareDevice,
+    /// A picture file instead of a window.
+    PictureFile,
+}
+
+impl fmt::Display for Remedy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Words(words) => words,
+            Self::LargerTolerance => "ask for a larger tolerance",
+            Self::SmallerPicture => "ask for a smaller picture",
+            Self::AllWindows => "take the mean over all windows",
+            Self::OneWindow => "take one window",
+            Self::SpectralMethod => "take the spectral method",
+            Self::TableMethod => "take a colour table",
+            Self::ReferenceMethod => "take the f64 reference",
+            Self::OptimalBasis => "take the optimal basis",
+            Self::FewerTerms => "ask for fewer terms",
+            Self::AutomaticTerms => "leave the number of terms to the tolerance",
+            Self::AutomaticWavelengths => "leave the wavelengths to the tolerance",
+            Self::ShorterCoherence => "ask for a shorter coherence length",
+            Self::GaussianCoherence => "take a Gaussian coherence window",
+            Self::FewerRepeats => "ask for fewer repeats of the patch",
+            Self::FartherCamera => "look from farther away",
+            Self::PixelSize => "give the distance between samples",
+            Self::FullHeight => "give what the largest grey code means",
+            Self::Channel => "name a channel",
+            Self::LevelPlane => "level the surface by a plane",
+            Self::BlendTile => "tile by blending",
+            Self::LargerCache => "give the cache more room",
+            Self::OtherDevice => "take another device",
+            Self::SoftwareDevice => "take a software device",
+            Self::PictureFile => "draw into a file",
+        })
+    }
+}
+
+/// Remedies of which any helps. Made from words, from one [`Remedy`] or from several.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Remedies(Vec<Remedy>);
+
+impl From<&'static str> for Remedies {
+    fn from(words: &'static str) -> Self {
+        Remedy::Words(words.into()).into()
+    }
+}
+
+impl From<String> for Remedies {
+    fn from(words: String) -> Self {
+        Remedy::Words(words.into()).into()
+    }
+}
+
+impl From<Remedy> for Remedies {
+    fn from(remedy: Remedy) -> Self {
+        Self(vec![remedy])
+    }
+}
+
+impl<const N: usize> From<[Remedy; N]> for Remedies {
+    fn from(remedies: [Remedy; N]) -> Self {
+        Self(remedies.into())
+    }
+}
+
 /// An error with a remedy. Displays as one line: `what; remedy`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Error {
     kind: Kind,
     what: String,
-    remedy: String,
+    remedies: Vec<Remedy>,
 }
 
 /// The result of everything in this crate that can fail.
@@ -24,13 +142,13 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
     /// Wrong use: an option, a value or a combination that cannot be meant.
-    pub fn usage(what: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { kind: Kind::Usage, what: what.into(), remedy: remedy.into() }
+    pub fn usage(what: impl Into<String>, remedies: impl Into<Remedies>) -> Self {
+        Self { kind: Kind::Usage, what: what.into(), remedies: remedies.into().0 }
     }
 
     /// Failed work: a file, a device or a computation that did not do what was asked.
-    pub fn failed(what: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { kind: Kind::Failed, what: what.into(), remedy: remedy.into() }
+    pub fn failed(what: impl Into<String>, remedies: impl Into<Remedies>) -> Self {
+        Self { kind: Kind::Failed, what: what.into(), remedies: remedies.into().0 }
     }
 
     /// The same error with `place` (a file, a line, an option) named in front.
@@ -40,16 +158,21 @@ impl Error {
         self
     }
 
-    /// The same error with a second remedy behind the first.
+    /// The same error with a further remedy behind the others.
     #[must_use]
-    pub fn or(mut self, remedy: impl fmt::Display) -> Self {
-        self.remedy = format!("{}, or {remedy}", self.remedy);
+    pub fn or(mut self, remedy: impl Into<Remedies>) -> Self {
+        self.remedies.append(&mut remedy.into().0);
         self
     }
 
     /// Whose turn it is to act.
     pub fn kind(&self) -> Kind {
         self.kind
+    }
+
+    /// What can be changed so that the request succeeds; any of them helps.
+    pub fn remedies(&self) -> &[Remedy] {
+        &self.remedies
     }
 
     /// The process exit code that belongs to this error.
@@ -59,11 +182,22 @@ impl Error {
             Kind::Usage => 2,
         }
     }
+
+    /// The error in one line, its remedies as `words` puts them.
+    pub fn in_words<'a>(&'a self, words: impl Fn(&'a Remedy) -> Cow<'a, str>) -> String {
+        let mut remedies: Vec<Cow<'a, str>> = self.remedies.iter().map(words).collect();
+        let last = remedies.pop().unwrap_or_default();
+        let remedy = match remedies.as_slice() {
+            [] => last.into_owned(),
+            others => format!("{}, or {last}", others.join(", ")),
+        };
+        format!("{}; {}", line(&self.what), line(&remedy))
+    }
 }
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}; {}", line(&self.what), line(&self.remedy))
+        f.write_str(&self.in_words(|remedy| remedy.to_string().into()))
     }
 }
 
@@ -94,5 +228,17 @@ mod tests {
         assert!(Error::usage("9".repeat(1 << 20), "b").to_string().len() < 500);
         assert_eq!(e.exit_code(), 1);
         assert_eq!(Error::usage("a", "b").exit_code(), 2);
+    }
+
+    #[test]
+    fn remedies_are_alternatives_in_the_words_of_who_shows_them() {
+        let e = Error::failed("too large", [Remedy::SmallerPicture, Remedy::LargerTolerance]).or("wait");
+        assert_eq!(
+            e.to_string(),
+            "too large; ask for a smaller picture, ask for a larger tolerance, or wait"
+        );
+        let shout = |remedy: &Remedy| remedy.to_string().to_uppercase().into();
+        assert_eq!(Error::usage("a", Remedy::Channel).or("b").in_words(shout), "a; NAME A CHANNEL, or B");
+        assert!(e.remedies().contains(&Remedy::SmallerPicture) && !e.remedies().contains(&Remedy::OneWindow));
     }
 }

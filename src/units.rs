@@ -100,8 +100,9 @@ pub fn light(text: &str) -> Result<Light> {
             .ok_or_else(|| Error::usage(format!("'{field}' in the light '{text}' is not a number"), FORM))
     };
     let light = Light { theta: number(theta)?, phi: number(phi)?, intensity: number(intensity)? };
-    let refuse =
-        |what: String, remedy: &str| Err(Error::usage(what + &format!(" in the light '{text}'"), remedy));
+    let refuse = |what: String, remedy: &'static str| {
+        Err(Error::usage(what + &format!(" in the light '{text}'"), remedy))
+    };
     if !(0.0..=90.0).contains(&light.theta) {
         return refuse(
             format!("the angle THETA of {theta} degrees"),

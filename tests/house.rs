@@ -315,3 +315,65 @@ fn imports_and_rings_are_found() {
     assert_eq!(ring(&edges(&[("a", "b"), ("b", "c"), ("a", "c")])), None);
     assert!(ring(&edges(&[("a", "b"), ("b", "c"), ("c", "b")])).is_some());
 }
+
+/// The string literals of `code` outside of comments and test modules, each with its line.
+fn literals(code: &str) -> Vec<(usize, String)> {
+    let code = code.split("#[cfg(test)]").next().unwrap_or_default();
+    let mut found = Vec::new();
+    let mut line = 1;
+    let mut rest = code.chars().peekable();
+    while let Some(c) = rest.next() {
+        match c {
+            '\n' => line += 1,
+            // The newline that ends a comment is counted above.
+            '/' if rest.peek() == Some(&'/') => while rest.next_if(|&c| c != '\n').is_some() {},
+            // A quotation mark as a character is no literal's begin.
+            '\'' if rest.peek() == Some(&'"') => _ = rest.next(),
+            '"' => {
+                let (begin, mut text) = (line, String::new());
+                while let Some(c) = rest.next().filter(|&c| c != '"') {
+                    let escaped = if c == '\\' { rest.next() } else { None };
+                    line += usize::from(c == '\n') + usize::from(escaped == Some('\n'));
+                    text.extend(std::iter::once(c).chain(escaped));
+                }
+                found.push((begin, text));
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Whether `text` names an option or a command of the program.
+fn names_the_command_line(text: &str) -> bool {
+    let option =
+        |(at, _): (usize, &str)| text[at + 2..].starts_with(|c: char| c.is_ascii_lowercase() || c == '{');
+    text.match_indices("--").any(option) || text.contains("`diffract ")
+}
+
+#[test]
+fn words_of_the_command_line_stand_in_cli_alone() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let is_test = |file: &Path| file.to_string_lossy().ends_with("tests.rs");
+    for file in sources().into_iter().filter(|file| !file.starts_with("cli") && !is_test(file)) {
+        for (line, text) in literals(&std::fs::read_to_string(root.join(&file)).unwrap()) {
+            assert!(
+                !names_the_command_line(&text),
+                "src/{}:{line} has words of the command line: {text}",
+                file.display()
+            );
+        }
+    }
+}
+
+#[test]
+fn literals_and_words_of_the_command_line_are_found() {
+    let code = "a(\"x\", '\"'); // \"no\"\nb(\"y \\\" z\");\n#[cfg(test)]\nc(\"no\");";
+    assert_eq!(literals(code), [(1, "x".to_owned()), (2, "y \\\" z".to_owned())]);
+    for text in ["use --method table", "--{name}", "see `diffract devices`"] {
+        assert!(names_the_command_line(text), "{text}");
+    }
+    for text in ["a -- b", "---", "a bug of diffract"] {
+        assert!(!names_the_command_line(text), "{text}");
+    }
+}

@@ -8,6 +8,7 @@ use crate::optics::brdf::{cosine_weighted, schlick};
 use crate::optics::coherence::SUNLIGHT_LENGTH;
 use crate::optics::footprint::Covariance;
 use crate::optics::geometry::Pair;
+use crate::optics::nufft::Progress;
 use crate::optics::quadrature::{Nodes, SPAN};
 use crate::optics::spectrum::{Illuminant, LONGEST};
 use crate::spectra::power::chebyshev::{coefficients_from_values, nodes, polynomials};
@@ -27,9 +28,6 @@ const MORE_NODES: usize = 16;
 const COLOUR_NODES: usize = 128;
 /// Level of the coherence function beyond which the colour integral may alias.
 const ALIAS_LEVEL: f64 = 1e-9;
-
-/// Called with what is done and of how much; an error from it ends the work.
-pub type Progress<'a> = &'a dyn Fn(usize, usize) -> Result<()>;
 
 /// A normal distribution over frequencies.
 struct Spread {

@@ -19,7 +19,7 @@ pub use file::{Payload, read, seal};
 pub use kept::{Kept, count, positive};
 pub use key::{Format, Key};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::memory;
 use crate::output;
 use serde::{Serialize, de::DeserializeOwned};
@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::SystemTime;
 
-/// Most bytes that the folder holds unless `--cache-size` says otherwise: 2 GiB.
+/// Most bytes that the folder holds unless [`set_limit`] says otherwise: 2 GiB.
 pub const DEFAULT_LIMIT: u64 = 2 << 30;
 
 /// Permissions of kept files.
@@ -121,7 +121,7 @@ impl Store {
                     memory::in_words(size),
                     memory::in_words(self.limit)
                 ),
-                "give a larger --cache-size",
+                Remedy::LargerCache,
             ));
         }
         folder::prepare(&self.folder)?;

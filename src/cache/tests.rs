@@ -1,4 +1,5 @@
 use super::*;
+use crate::error::Remedy;
 use serde::Deserialize;
 use std::fs::{self, File};
 use std::time::{Duration, SystemTime};
@@ -210,8 +211,8 @@ fn the_limit_holds_after_every_save_and_a_file_that_is_saved_again_counts_once()
         folder.save(&Key::named(&i.to_string()), 100 * (i % 13)).unwrap();
         assert!(folder.store.contents().unwrap().total().bytes <= 10_000, "{i}");
     }
-    let refused = folder.save(&key, 5000).unwrap_err().to_string();
-    assert!(refused.contains("--cache-size"), "{refused}");
+    let refused = folder.save(&key, 5000).unwrap_err();
+    assert_eq!(refused.remedies(), [Remedy::LargerCache], "{refused}");
     assert!(folder.store.contents().unwrap().total().files > 1, "nothing goes for what does not fit");
 }
 

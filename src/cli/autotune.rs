@@ -1,6 +1,7 @@
 //! Autotuning: the most accurate setting that keeps a frame rate, found by timing each candidate.
 
 use super::benchmark::{BenchmarkOptions, BenchmarkScene};
+use super::remedies::in_options;
 use super::say;
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
@@ -44,7 +45,7 @@ pub fn tune(fps: f64, scene: &BenchmarkScene, options: &BenchmarkOptions) -> Res
         let rate = match frame_rate(scene, &options) {
             Ok(rate) => rate,
             Err(error) => {
-                say(&format_args!("{flags}: not possible here ({error})"));
+                say(&format_args!("{flags}: not possible here ({})", in_options(&error)));
                 refused = Some(error);
                 continue;
             }

@@ -13,6 +13,7 @@ mod peaks;
 mod prepare;
 mod profile;
 mod range;
+mod remedies;
 mod render;
 mod scale;
 mod surface;
@@ -22,6 +23,7 @@ mod usage;
 mod verbosity;
 #[cfg(feature = "viewer")]
 mod view;
+mod view_command;
 mod write;
 
 use crate::error::{Error, Result};
@@ -86,7 +88,7 @@ pub fn main() -> ExitCode {
     match usage::parse(std::env::args_os()).and_then(|arguments| arguments.map_or(Ok(()), run)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            print(&error);
+            print(&remedies::in_options(&error));
             ExitCode::from(error.exit_code())
         }
     }

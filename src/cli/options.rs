@@ -3,6 +3,7 @@
 mod preparation;
 mod surface;
 
+pub use preparation::as_options;
 pub use surface::SurfaceOptions;
 
 use super::say;

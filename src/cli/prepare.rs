@@ -1,5 +1,6 @@
 //! What commands need before they can shade: a device, and a source, from the cache or made with a progress bar.
 
+use super::remedies::in_options;
 use super::verbosity::detail;
 use super::verbosity::quiet;
 use super::{check_validation, say, validation};
@@ -60,7 +61,7 @@ pub fn source(field: &HeightField, settings: &Settings, device: &Arc<Device>) ->
         start.elapsed().as_secs_f64()
     ));
     if let Some(note) = made.note {
-        say(&note);
+        say(&in_options(&note));
     }
     Ok(made.source)
 }
@@ -87,7 +88,7 @@ pub fn for_each_window(
         let device = device(wish)?;
         Ok(opened.get_or_init(|| device).clone())
     };
-    setup::for_each_window(field, settings, &open, &progress, &|note| say(&note), ask)?;
+    setup::for_each_window(field, settings, &open, &progress, &|note| say(&in_options(note)), ask)?;
     bar.finish_and_clear();
     opened.get().map_or(Ok(()), |device| finish(device))
 }

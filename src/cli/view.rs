@@ -119,6 +119,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         },
         device: arguments.device.wish(),
         validation: validation(),
+        command_line: super::view_command::render,
     })?;
     check_validation(&messages)
 }

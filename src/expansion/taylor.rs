@@ -1,7 +1,7 @@
 //! The Taylor expansion of \[Single 2014\] C.1, about the middle height: b_n = tⁿ, c_n = (i z a)ⁿ/n!.
 
 use super::Expansion;
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use rustfft::num_complex::Complex64;
 
 /// Unit roundoff of f32, in which the layers are stored and summed.
@@ -81,7 +81,7 @@ pub fn terms_for(x: f64, tolerance: f64, roundoff: f64) -> Result<usize> {
                  cancel, and 32-bit floats leave {rounding:.1e} of that",
                 x.exp()
             ),
-            "use --basis optimal, a larger --tolerance, or a surface of a smaller height range (--level plane helps tilted scans)",
+            [Remedy::OptimalBasis, Remedy::LargerTolerance, Remedy::LevelPlane],
         ));
     }
     let mut term = 1.0;
@@ -93,7 +93,7 @@ pub fn terms_for(x: f64, tolerance: f64, roundoff: f64) -> Result<usize> {
     }
     Err(Error::failed(
         format!("no number of Taylor terms leaves room for rounding within {tolerance:.1e}"),
-        "ask for a larger --tolerance",
+        Remedy::LargerTolerance,
     ))
 }
 

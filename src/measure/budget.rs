@@ -45,7 +45,10 @@ impl ErrorBudget {
         let known_by_rule = "from the quadrature rule";
         let (quadrature, known) = match shading.wavelengths {
             None => (shading.quadrature(), known_by_rule),
-            Some(_) => (f64::NAN, "unknown: the number of wavelengths is given; --error measures the total"),
+            Some(_) => (
+                f64::NAN,
+                "unknown: the number of wavelengths is given; a comparison with the reference measures the total",
+            ),
         };
         let part = |what, error, known: &str| Part { what, error, known: known.to_owned() };
         let bounds = format!(

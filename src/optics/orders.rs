@@ -19,7 +19,7 @@ use super::coherence::periodic_factor;
 use super::color::xyz_to_linear_srgb;
 use super::quadrature::{SPAN, density_table};
 use super::spectrum::{Illuminant, LONGEST, SHORTEST};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use glam::{DVec2, DVec3};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
@@ -247,9 +247,9 @@ impl Repeats {
         Err(Error::failed(
             format!(
                 "the colour of one direction would take {count:.0} wavelengths through {n} × {m} repeats, the limit is \
-                 {MAX_WAVELENGTHS}"
+                 {MAX_WAVELENGTHS}; single wavelengths have none"
             ),
-            "ask for fewer --coherence repeats; eval answers single wavelengths through any number",
+            Remedy::FewerRepeats,
         ))
     }
 

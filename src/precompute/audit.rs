@@ -1,7 +1,7 @@
 //! The judge of the layers: terms against the transform of e^{izh} itself, where directions can see it.
 
 use super::texels::Texels;
-use super::transform::{PaddedAxis, Pair, Spectrum, Transformer};
+use super::transform::{PaddedAxis, Spectrum, TermPair, Transformer};
 use crate::error::{Error, Result};
 use crate::expansion::Expansion;
 use rustfft::num_complex::{Complex32, Complex64};
@@ -82,7 +82,7 @@ impl Audit {
     }
 
     /// Takes a pair of terms in: by kept column and row.
-    pub fn add(&mut self, pair: &Pair) {
+    pub fn add(&mut self, pair: &TermPair) {
         for plane in &mut self.planes {
             let stored = |v: Complex64| Complex32::new(v.re as f32, v.im as f32);
             let pairs = plane.texels.iter().map(|&[c, r]| pair.at(c, r));

@@ -7,8 +7,8 @@ use super::kernel::Interpolation;
 use super::pairs::PairRule;
 use super::plan::{Plan, bands_of, too_large};
 use super::texels::Texels;
-use super::transform::{Pair, Transformer};
-use crate::error::{Error, Result};
+use super::transform::{TermPair, Transformer};
+use crate::error::{Error, Remedy, Result};
 use crate::expansion::optimal::Optimal;
 use crate::expansion::taylor::{F32_ROUNDOFF, Taylor, terms_for};
 use crate::expansion::{Basis, Expansion, HeightScale};
@@ -154,7 +154,7 @@ pub fn compute_at(
                 "spectra of any size that is sensible leave more than {:.0e} between their samples",
                 budget.interpolation
             ),
-            "ask for a larger --tolerance, or use --method reference",
+            [Remedy::LargerTolerance, Remedy::ReferenceMethod],
         ));
     }
     let Plan { plane: [x, y] } = Plan::new(field, settings, interpolation, shift)?;
@@ -216,7 +216,7 @@ pub fn compute_at(
                 settings.basis.name(),
                 budget.expansion
             ),
-            "ask for a larger --tolerance, or use --basis optimal or --method reference",
+            [Remedy::LargerTolerance, Remedy::OptimalBasis, Remedy::ReferenceMethod],
         ));
     }
     progress(steps(made), steps(made))?;
@@ -281,7 +281,7 @@ fn most_terms(family: &dyn Expansion, settings: &Settings, z_max: f64) -> usize 
 }
 
 /// One pair of terms as RGBA `texels`, row by row, each of `columns` from kept column `first_column` on.
-fn pack(pair: &Pair, columns: usize, first_column: usize, texels: &mut [f32]) {
+fn pack(pair: &TermPair, columns: usize, first_column: usize, texels: &mut [f32]) {
     texels.par_chunks_mut(columns * 4).enumerate().for_each(|(row, out)| {
         for (column, texel) in out.chunks_mut(4).enumerate() {
             let [a, b] = pair.at(first_column + column, row);

@@ -3,7 +3,7 @@
 use super::kernel::Interpolation;
 use super::layers::Settings;
 use super::transform::{PaddedAxis, Samples, Transformer};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::memory;
 use crate::surface::HeightField;
 
@@ -44,7 +44,7 @@ impl Plan {
                     "the spectra would be {} texels long, the device holds {}",
                     longest, settings.side_limit
                 ),
-                "ask for a shorter --coherence or a larger --tolerance, or use --method reference",
+                [Remedy::ShorterCoherence, Remedy::LargerTolerance, Remedy::ReferenceMethod],
             ));
         }
         plan.checked(&own, settings).map(|()| plan)
@@ -70,7 +70,7 @@ pub(super) fn too_large(bytes: f64, settings: &Settings) -> Error {
             bytes / f64::from(1 << 30),
             settings.memory_limit as f64 / f64::from(1 << 30)
         ),
-        "ask for a shorter --coherence, a larger --tolerance or fewer --terms, or use --method reference",
+        [Remedy::ShorterCoherence, Remedy::LargerTolerance, Remedy::FewerTerms, Remedy::ReferenceMethod],
     )
 }
 

@@ -192,14 +192,14 @@ impl Spectrum {
 
 /// The spectra of two functions of the height.
 #[derive(Debug)]
-pub enum Pair {
+pub enum TermPair {
     /// Of real functions, which are the real and the imaginary part of the one that was transformed.
     Real(Spectrum),
     /// Of complex functions.
     Complex([Spectrum; 2]),
 }
 
-impl Pair {
+impl TermPair {
     /// Both at a kept column and row.
     pub fn at(&self, column: usize, row: usize) -> [Complex64; 2] {
         match self {
@@ -209,7 +209,7 @@ impl Pair {
     }
 }
 
-impl IntoIterator for Pair {
+impl IntoIterator for TermPair {
     type Item = Spectrum;
     type IntoIter = std::vec::IntoIter<Spectrum>;
 
@@ -284,11 +284,11 @@ impl<'a> Transformer<'a> {
     }
 
     /// The spectra of window · `value`(0 or 1, sample of the patch); real functions share one transform.
-    pub fn pair(&self, real: bool, value: impl Fn(usize, usize) -> Complex64 + Sync) -> Pair {
+    pub fn pair(&self, real: bool, value: impl Fn(usize, usize) -> Complex64 + Sync) -> TermPair {
         if real {
-            Pair::Real(self.spectrum(|i| Complex64::new(value(0, i).re, value(1, i).re)))
+            TermPair::Real(self.spectrum(|i| Complex64::new(value(0, i).re, value(1, i).re)))
         } else {
-            Pair::Complex([0, 1].map(|n| self.spectrum(|i| value(n, i))))
+            TermPair::Complex([0, 1].map(|n| self.spectrum(|i| value(n, i))))
         }
     }
 

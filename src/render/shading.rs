@@ -1,6 +1,6 @@
 //! What is asked of the optics, whichever way it is computed.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::expansion::taylor::{F32_ROUNDOFF, rounding_bound};
 use crate::expansion::{Basis, HeightScale};
 use crate::optics::coherence::{Beyond, Coherence, Windows};
@@ -148,8 +148,8 @@ impl Shading {
             return Ok(());
         }
         Err(Error::usage(
-            "--coherence repeats takes its wavelengths where the orders are",
-            "leave --wavelengths away, or use --coherence gaussian:LENGTH",
+            "a finite grating takes its wavelengths where the orders are",
+            [Remedy::AutomaticWavelengths, Remedy::GaussianCoherence],
         ))
     }
 
@@ -160,8 +160,8 @@ impl Shading {
     pub fn layer_settings(&self, shortest: f64, device: &Candidate) -> Result<Settings> {
         let Coherence::Gaussian { length } = self.coherence else {
             return Err(Error::usage(
-                "a window is Gaussian, and --coherence repeats has none",
-                "use --coherence gaussian:LENGTH",
+                "a window is Gaussian, and a finite grating has none",
+                Remedy::GaussianCoherence,
             ));
         };
         self.windowed_settings(length / 4.0, shortest, device)
@@ -175,7 +175,7 @@ impl Shading {
         if self.windows != Windows::ONE {
             return Err(Error::usage(
                 "spectra through a window are of one window",
-                "use --windows all or --windows 1x1, or --method reference",
+                [Remedy::AllWindows, Remedy::OneWindow, Remedy::ReferenceMethod],
             ));
         }
         Ok(Settings {

@@ -11,7 +11,7 @@ pub const UV_BINS: usize = 256;
 
 /// A table of four floats an entry, row by row: a texture.
 #[derive(Clone, Debug)]
-pub struct Table {
+pub struct TableTexture {
     /// Entries along a row, and rows.
     pub size: [usize; 2],
     /// All entries.
@@ -24,7 +24,7 @@ pub struct Combs {
     /// Row of `nodes` and number of nodes for each bin of |(u, v)|.
     pub bins: Vec<[i32; 2]>,
     /// A comb a row: XYZ weight and wavenumber of every node.
-    pub nodes: Table,
+    pub nodes: TableTexture,
 }
 
 impl Combs {
@@ -62,13 +62,13 @@ impl Combs {
     pub fn densities(colours: &Colours) -> Self {
         let values: Vec<[f32; 4]> =
             colours.densities.iter().map(|d| d.as_vec3().extend(0.0).to_array()).collect();
-        Self { nodes: Table { size: [values.len(), 1], values }, ..Self::none() }
+        Self { nodes: TableTexture { size: [values.len(), 1], values }, ..Self::none() }
     }
 
     /// No wavelengths: their sum is made already.
     pub fn none() -> Self {
         // Devices bind no empty textures.
-        let nodes = Table { size: [1, 1], values: vec![[0.0; 4]] };
+        let nodes = TableTexture { size: [1, 1], values: vec![[0.0; 4]] };
         Self { bins: vec![[0, 0]; UV_BINS], nodes }
     }
 
@@ -84,13 +84,13 @@ impl Combs {
     }
 }
 
-fn table(combs: &[Comb]) -> Table {
+fn table(combs: &[Comb]) -> TableTexture {
     let columns = combs.iter().map(|c| c.weights.len()).max().unwrap_or(1);
     let mut values = vec![[0.0; 4]; columns * combs.len()];
     for (row, comb) in values.chunks_mut(columns).zip(combs) {
         row.iter_mut().zip(rows(comb)).for_each(|(slot, node)| *slot = node);
     }
-    Table { size: [columns, combs.len()], values }
+    TableTexture { size: [columns, combs.len()], values }
 }
 
 fn rows(comb: &Comb) -> impl Iterator<Item = [f32; 4]> {

@@ -3,7 +3,7 @@
 use super::{InUse, Method, Progress, Settings, Target, check, source};
 use crate::brdf::mean::Mean;
 use crate::brdf::{Brdf, DirectSum, MeanReference};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::optics::coherence::Windows;
 use crate::optics::reference::Reference;
 use crate::render::device_brdf::DeviceBrdf;
@@ -25,7 +25,7 @@ pub fn for_each_window(
     settings: &Settings,
     device: &dyn Fn() -> Result<Arc<Device>>,
     progress: &Progress<'_>,
-    note: &dyn Fn(&str),
+    note: &dyn Fn(&Error),
     mut ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
 ) -> Result<()> {
     let shading = &settings.shading;
@@ -53,8 +53,8 @@ pub fn for_each_window(
         let cached = n * m <= CACHED_WINDOWS;
         let settings = Settings { shading: one.clone(), shift, cached, ..settings.clone() };
         let made = source(field, &settings, Target::from(&device), &mut InUse::default(), progress)?;
-        if let Some(text) = &made.note {
-            note(text);
+        if let Some(error) = &made.note {
+            note(error);
         }
         let mut brdf = DeviceBrdf::new(&device, &made.source, &one)?;
         drop(made);

@@ -7,7 +7,7 @@ pub use brdf::for_each_window;
 pub use picture::{PictureSettings, picture};
 
 use crate::cache::{Kept, Key, Store};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::orders::Repeats;
 use crate::optics::spectrum::{MIDDLE, SHORTEST};
@@ -91,7 +91,7 @@ pub struct Made {
     /// The source.
     pub source: Source,
     /// For the user.
-    pub note: Option<String>,
+    pub note: Option<Error>,
 }
 
 /// Data that is still in use somewhere, for requests that share it.
@@ -120,8 +120,8 @@ pub fn source(
     check(settings)?;
     match (settings.method, shading.coherence) {
         (Method::Reference, _) => Err(Error::usage(
-            "--method reference has no device to shade on",
-            "use --method spectral or --method table",
+            "the f64 reference has no device to shade on",
+            [Remedy::SpectralMethod, Remedy::TableMethod],
         )),
         (Method::Table, _) => {
             let (table, note) = table(field, settings, target, in_use, progress)?;
@@ -155,7 +155,7 @@ fn layers(
     target: Target<'_>,
     in_use: &mut InUse,
     progress: &Progress<'_>,
-) -> Result<(Arc<Layers>, Option<String>)> {
+) -> Result<(Arc<Layers>, Option<Error>)> {
     let own = settings.shading.windowed_settings(sigma, settings.shortest, target.limits)?;
     let key = precompute::cache::key(field, &own, settings.shift)?;
     let wanted = Wanted {
@@ -176,7 +176,7 @@ fn powers(
     target: Target<'_>,
     in_use: &mut InUse,
     progress: &Progress<'_>,
-) -> Result<(Arc<PowerSpectra>, Option<String>)> {
+) -> Result<(Arc<PowerSpectra>, Option<Error>)> {
     let own = settings.power_settings(target.limits)?;
     let wanted = Wanted {
         key: Key::new(&PowerSpectra::FORMAT, &own, field)?,
@@ -195,7 +195,7 @@ fn table(
     target: Target<'_>,
     in_use: &mut InUse,
     progress: &Progress<'_>,
-) -> Result<(Arc<ColorTable>, Option<String>)> {
+) -> Result<(Arc<ColorTable>, Option<Error>)> {
     let own = settings.table_settings(target.limits);
     let wanted = Wanted {
         key: Key::new(&ColorTable::FORMAT, &(settings.power_settings(target.limits)?, &own), field)?,
@@ -229,7 +229,7 @@ impl Wanted {
         in_use: &mut InUse,
         known: impl Fn(&mut InUse) -> &mut Known<T>,
         make: impl FnOnce(&mut InUse) -> Result<T>,
-    ) -> Result<(Arc<T>, Option<String>)> {
+    ) -> Result<(Arc<T>, Option<Error>)> {
         if let Some(data) = find(known(in_use), &self.key) {
             return Ok((data, None));
         }
@@ -241,7 +241,7 @@ impl Wanted {
                 let made = make(in_use)?;
                 let outcome = store.map_or(Ok(()), |store| store.save_kept(&self.key, &made));
                 let name = self.name;
-                (made, outcome.err().map(|e| format!("{name} cannot be kept for next time: {e}")))
+                (made, outcome.err().map(|e| e.at(format!("{name} cannot be kept for next time"))))
             }
         };
         let data = Arc::new(data);
@@ -273,15 +273,15 @@ pub fn check(settings: &Settings) -> Result<()> {
     match (settings.method, shading.windows) {
         (_, Windows::All) if !gaussian => Err(Error::usage(
             "a finite grating stands at one place, and a mean over all windows is of Gaussian coherence",
-            "use --windows 1x1, or --coherence gaussian:LENGTH",
+            [Remedy::OneWindow, Remedy::GaussianCoherence],
         )),
         (Method::Table, Windows::Grid(_)) => Err(Error::usage(
             "a colour table holds the mean over all windows",
-            "use --windows all, or --method spectral",
+            [Remedy::AllWindows, Remedy::SpectralMethod],
         )),
         (_, Windows::All) if shading.terms.is_some() => Err(Error::usage(
-            "--terms are those of the expansion for one window",
-            "add --windows 1x1, or leave --terms away",
+            "the number of terms is that of the expansion for one window",
+            [Remedy::OneWindow, Remedy::AutomaticTerms],
         )),
         _ => Ok(()),
     }
@@ -298,10 +298,7 @@ impl Settings {
     /// Standard deviation of the coherence window that the mean is of \[µm\].
     fn power_sigma(&self) -> Result<f64> {
         self.shading.coherence.sigma().ok_or_else(|| {
-            Error::usage(
-                "the mean over all windows is of Gaussian coherence",
-                "use --coherence gaussian:LENGTH",
-            )
+            Error::usage("the mean over all windows is of Gaussian coherence", Remedy::GaussianCoherence)
         })
     }
 

@@ -1,6 +1,6 @@
 //! The height field: a sampled patch of surface, in micrometres.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 
 /// The longest side, in samples, that is accepted. Keeps every index product far from overflow and a field within
 /// a few gigabytes of memory.
@@ -33,7 +33,7 @@ impl HeightField {
         if !pixel_size.iter().all(|d| d.is_finite() && *d > 0.0) {
             return Err(Error::usage(
                 format!("the pixel size {} x {} um is not positive", pixel_size[0], pixel_size[1]),
-                "give the distance between samples, as in --pixel-size 97.66nm",
+                Remedy::PixelSize,
             ));
         }
         if let Some(i) = heights.iter().position(|h| !h.is_finite()) {

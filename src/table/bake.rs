@@ -5,7 +5,7 @@ use super::pieces::choose_pieces;
 use super::specular::Specular;
 use super::sums::{CUBIC, Scratch, Spectrum, Sums};
 use super::{ColorTable, Header, TableSettings};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::memory;
 use crate::optics::spectrum::BLUE;
 use crate::spectra::power::PowerSpectra;
@@ -99,7 +99,7 @@ fn check_room(grid: &Grid, pieces: usize, settings: &TableSettings) -> Result<()
                 grid.side,
                 bytes as f64 / MIB
             ),
-            "ask for a larger --tolerance, look from farther away, or use --method spectral",
+            [Remedy::LargerTolerance, Remedy::FartherCamera, Remedy::SpectralMethod],
         ));
     }
     // The finest level in 32-bit floats and the one after it stand beside all levels in 16-bit floats.

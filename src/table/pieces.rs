@@ -2,7 +2,7 @@
 
 use super::sums::{CUBIC, Scratch, Spectrum, Sums};
 use super::{LARGEST_W, TableSettings};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::spectra::power::read::{Reader, Square};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -70,7 +70,7 @@ pub fn choose_pieces(reader: &Reader, spectrum: &Spectrum, settings: &TableSetti
     }
     Err(Error::failed(
         format!("{MOST_PIECES} cubics do not hold the colours of so high a surface"),
-        "ask for a larger --tolerance, or use --method spectral",
+        [Remedy::LargerTolerance, Remedy::SpectralMethod],
     ))
 }
 

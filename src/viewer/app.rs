@@ -1,9 +1,9 @@
 //! The event loop: window events in, redraws out.
 
 use super::event::Event;
-use super::start::{RENDER, Start};
+use super::start::Start;
 use super::window::ViewerWindow;
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::vk::instance::Instance;
 use std::sync::Arc;
 use std::time::Instant;
@@ -49,7 +49,7 @@ impl App {
             .with_min_inner_size(PhysicalSize::new(1, 1));
         let opened = events
             .create_window(attributes)
-            .map_err(|e| Error::failed(format!("the display gives no window ({e})"), RENDER))?;
+            .map_err(|e| Error::failed(format!("the display gives no window ({e})"), Remedy::PictureFile))?;
         let (proxy, instance) = (self.proxy.clone(), &mut self.instance);
         self.window = Some(ViewerWindow::new(&self.start, Arc::new(opened), proxy, instance)?);
         Ok(())

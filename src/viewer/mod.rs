@@ -6,6 +6,7 @@
 mod app;
 pub mod atlas;
 mod compare;
+mod controls;
 mod error_probe;
 mod event;
 mod frame;
@@ -32,11 +33,11 @@ mod text_dump;
 mod window;
 mod worker;
 
-pub use start::Start;
+pub use settings::{OpticsSettings, ViewSettings};
+pub use start::{CommandLine, Start};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::vk::instance::Instance;
-use start::RENDER;
 use std::sync::Arc;
 use winit::event_loop::EventLoop;
 
@@ -48,7 +49,7 @@ pub fn run(start: Start) -> Result<Vec<String>> {
     check_display(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()))?;
     let no_display = |e: &dyn std::fmt::Display| {
         let cause = without_source(&e.to_string());
-        Error::failed(format!("the display cannot be opened ({cause})"), RENDER)
+        Error::failed(format!("the display cannot be opened ({cause})"), Remedy::PictureFile)
     };
     let events = EventLoop::with_user_event().build().map_err(|e| no_display(&e))?;
     let mut app = app::App::new(start, events.create_proxy());
@@ -73,7 +74,10 @@ fn check_display(named: impl Fn(&str) -> bool) -> Result<()> {
     if anywhere_else || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named) {
         return Ok(());
     }
-    Err(Error::failed("there is no display for a window: neither DISPLAY nor WAYLAND_DISPLAY is set", RENDER))
+    Err(Error::failed(
+        "there is no display for a window: neither DISPLAY nor WAYLAND_DISPLAY is set",
+        Remedy::PictureFile,
+    ))
 }
 
 #[cfg(test)]
@@ -85,7 +89,7 @@ mod tests {
         let e = check_display(|_| false);
         if cfg!(target_os = "linux") {
             let e = e.unwrap_err();
-            assert!(e.exit_code() == 1 && e.to_string().contains("diffract render"), "{e}");
+            assert!(e.exit_code() == 1 && e.remedies() == [Remedy::PictureFile], "{e}");
         }
         assert!(check_display(|name| name == "WAYLAND_DISPLAY").is_ok());
     }

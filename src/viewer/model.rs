@@ -1,6 +1,7 @@
 //! The state that panel, input and background threads share: what the user has set, and what there is to show.
 
 use super::compare::{self, Compare};
+use super::controls::in_controls;
 use super::error_probe::ProbeStatus;
 use super::frame::{LoadedScene, RenderedFrame};
 use super::graph::History;
@@ -262,6 +263,6 @@ impl Model {
 
     /// Shows an error to the user.
     pub fn report(&mut self, error: &Error) {
-        self.message = Some(Message { text: error.to_string(), is_error: true });
+        self.message = Some(Message { text: in_controls(error), is_error: true });
     }
 }

@@ -10,7 +10,7 @@ use crate::vk::device::Device;
 use crate::vk::image::Image;
 use crate::vk::semaphore::Semaphore;
 use crate::vk::surface::Surface;
-use crate::vk::swapchain::{Shown, Swapchain};
+use crate::vk::swapchain::{Presented, Swapchain};
 use ash::vk;
 use std::sync::Arc;
 use winit::window::Window;
@@ -108,12 +108,12 @@ impl Presenter {
         frame.commands.wait()?;
         frame.resources.clear();
         let index = match swapchain.acquire(&frame.acquired)? {
-            Shown::Done(index) => index,
-            Shown::Outdated => {
+            Presented::Done(index) => index,
+            Presented::Outdated => {
                 self.outdated = true;
                 return Ok(false);
             }
-            Shown::Lost => return self.recreate_surface(),
+            Presented::Lost => return self.recreate_surface(),
         };
         self.next = (self.next + 1) % FRAMES_IN_FLIGHT;
         if let Some(ShownPictures { images: [left, right], .. }) = pictures_shown {
@@ -137,12 +137,12 @@ impl Presenter {
         };
         frame.commands.start(record, Some(&frame.acquired), Some(swapchain.drawn(index)))?;
         match swapchain.present(index)? {
-            Shown::Done(()) => Ok(true),
-            Shown::Outdated => {
+            Presented::Done(()) => Ok(true),
+            Presented::Outdated => {
                 self.outdated = true;
                 Ok(true)
             }
-            Shown::Lost => self.recreate_surface(),
+            Presented::Lost => self.recreate_surface(),
         }
     }
 
@@ -151,14 +151,14 @@ impl Presenter {
         self.frames.iter_mut().try_for_each(|frame| frame.commands.wait())?;
         let size: [u32; 2] = self.window.inner_size().into();
         match Swapchain::new(&self.device, &self.surface, size, self.mode, self.swapchain.take())? {
-            Shown::Done(swapchain) => {
+            Presented::Done(swapchain) => {
                 // A window without area needs a swapchain once it has one.
                 self.outdated = swapchain.is_none();
                 self.swapchain = swapchain;
                 Ok(())
             }
-            Shown::Outdated => Ok(()),
-            Shown::Lost => self.recreate_surface().map(drop),
+            Presented::Outdated => Ok(()),
+            Presented::Lost => self.recreate_surface().map(drop),
         }
     }
 

@@ -1,15 +1,13 @@
-//! The user's settings, what a change of them requires, and the equivalent command line.
+//! The user's settings, and what a change of them requires.
 
 use crate::error::Result;
 use crate::expansion::Basis;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::spectrum::Illuminant;
-use crate::picture_file::quoted;
 use crate::render::shading::{Purpose, Shading};
 use crate::scene::{Camera, Light, Scene};
 use crate::setup::Method;
 use crate::surface::Source;
-use crate::surface::prepare::{self, Level, Step};
 use glam::Vec3;
 
 /// How the diffraction is computed.
@@ -123,8 +121,13 @@ impl ViewSettings {
     }
 
     /// The number of wavelengths that `optics` sets. Through repeats it has no effect: the wavelengths are those of the orders.
-    fn wavelengths(&self, optics: &OpticsSettings) -> Option<usize> {
+    pub fn wavelengths(&self, optics: &OpticsSettings) -> Option<usize> {
         optics.wavelengths.filter(|_| !self.repeats())
+    }
+
+    /// A vector as an option takes it, so that the same numbers are read again.
+    pub fn triple(v: Vec3) -> String {
+        format!("{},{},{}", v.x, v.y, v.z)
     }
 
     /// Whether the coherence is a finite number of copies of the patch.
@@ -140,82 +143,6 @@ impl ViewSettings {
         let c = &self.camera;
         Camera::looking(c.eye(), c.target, c.field_of_view).unwrap_or(*c)
     }
-
-    /// The `diffract render` that draws the picture of these settings at `size` into `output`. What is the default, or
-    /// `scene`'s own, is left out.
-    pub fn command(&self, scene: &Scene, size: [u32; 2], output: &str) -> String {
-        let mut words = vec!["diffract render".to_owned(), quoted(&self.scene)];
-        let mut option = |name: &str, value: String| words.push(format!("--{name} {}", quoted(&value)));
-        let s = &self.surface;
-        let own = s.name == scene.surface;
-        if !own {
-            option("surface", s.name.to_string_lossy().into_owned());
-        }
-        if let Some([x, y]) = s.pixel_size.filter(|p| !own || Some(*p) != scene.pixel_size) {
-            option("pixel-size", format!("{x}umx{y}um"));
-        }
-        if let Some(height) = s.height.filter(|h| !own || Some(*h) != scene.full_height) {
-            option("height", format!("{height}um"));
-        }
-        if let Some(channel) = &s.channel {
-            option("channel", channel.clone());
-        }
-        let own_steps: &[Step] = if own { &scene.prepare } else { &[] };
-        if s.prepare != own_steps {
-            // Without a step the scene's own would stay.
-            let none = [Step::Level(Level::None)];
-            let steps = if s.prepare.is_empty() { &none[..] } else { &s.prepare };
-            words.push(prepare::as_options(steps));
-        }
-        let mut option = |name: &str, value: String| words.push(format!("--{name} {}", quoted(&value)));
-        if s.seed != 1 {
-            option("seed", s.seed.to_string());
-        }
-        option("method", self.method(&self.optics).name().to_owned());
-        option("windows", self.windows(&self.optics).to_string());
-        if self.windows(&self.optics) == Windows::All {
-            option("beyond", self.beyond.name().to_owned());
-        } else {
-            option("basis", self.optics.basis.name().to_owned());
-        }
-        // As the viewer draws, until it sums samples.
-        option("samples", "1".to_owned());
-        option("tolerance", format!("{:e}", self.optics.tolerance));
-        if let Some(terms) = self.optics.terms.filter(|_| self.windows(&self.optics) != Windows::All) {
-            option("terms", terms.to_string());
-        }
-        if let Some(wavelengths) = self.wavelengths(&self.optics) {
-            option("wavelengths", wavelengths.to_string());
-        }
-        let coherence = match self.coherence {
-            Coherence::Gaussian { length } => format!("gaussian:{length}um"),
-            Coherence::Repeats([n, m]) => format!("grating:{n}x{m}"),
-        };
-        option("coherence", coherence);
-        option("ior", self.ior.to_string());
-        option("illuminant", self.illuminant.clone());
-        for light in &self.lights {
-            option("light", format!("{},{},{}", light.theta, light.phi, light.intensity));
-        }
-        option("exposure", self.exposure.to_string());
-        if self.base_color != scene.base_color {
-            option("base-color", triple(self.base_color));
-        }
-        if self.camera != scene.camera {
-            option("eye", triple(self.camera.eye()));
-            option("target", triple(self.camera.target));
-            if self.camera.field_of_view != scene.camera.field_of_view {
-                option("field-of-view", format!("{}deg", f64::from(self.camera.field_of_view).to_degrees()));
-            }
-        }
-        option("size", format!("{}x{}", size[0], size[1]));
-        words.push(format!("-o {}", quoted(output)));
-        words.join(" ")
-    }
-}
-
-fn triple(v: Vec3) -> String {
-    format!("{},{},{}", v.x, v.y, v.z)
 }
 
 #[cfg(test)]
@@ -276,42 +203,17 @@ mod tests {
     }
 
     #[test]
-    fn the_command_line_names_what_differs_and_quotes_it() {
-        let (mut s, scene) = settings();
-        let plain = s.command(&scene, [64, 48], "a.png");
-        let expected = "diffract render plate --method spectral --windows 1x1 --basis taylor --samples 1 --tolerance 1e-2 ";
-        assert!(plain.starts_with(expected), "{plain}");
-        assert!(plain.ends_with("--size 64x48 -o a.png"), "{plain}");
-        assert!(!plain.contains("--eye") && !plain.contains("--surface") && !plain.contains("--seed"));
-        let by_table = OpticsSettings {
-            method: Method::Table,
-            terms: Some(9),
-            windows: Windows::All,
-            ..s.optics.clone()
-        };
-        let table = ViewSettings { optics: by_table, ..s.clone() }.command(&scene, [64, 48], "a.png");
-        let expected = "--method table --windows all --beyond copies --samples 1 --tolerance 1e-2";
-        assert!(table.contains(expected), "{table}");
-        assert!(!table.contains("--terms") && !table.contains("--basis"), "{table}");
-        let through = Coherence::Repeats([3, 7]);
-        // A finite grating stands at one place, so that there is no mean and no table of it.
-        let named = OpticsSettings {
+    fn a_finite_grating_has_no_mean_and_the_wavelengths_of_its_orders() {
+        let (s, _) = settings();
+        let optics = OpticsSettings {
             method: Method::Table,
             windows: Windows::All,
             wavelengths: Some(9),
             ..s.optics.clone()
         };
-        let repeats = ViewSettings { coherence: through, optics: named, ..s.clone() };
-        let told = repeats.command(&scene, [64, 48], "a.png");
-        assert!(told.contains("--coherence grating:3x7") && !told.contains("--wavelengths"), "{told}");
-        assert!(told.contains("--method spectral --windows 1x1"), "{told}");
+        let repeats = ViewSettings { coherence: Coherence::Repeats([3, 7]), optics, ..s };
         assert_eq!(repeats.shading(&repeats.optics).unwrap().wavelengths, None);
-        s.surface.name = "my scan's.png".into();
-        s.surface.pixel_size = Some([0.09, 0.1]);
-        s.camera.phi += 0.25;
-        let told = s.command(&scene, [64, 48], "a.png");
-        assert!(told.contains("--surface 'my scan'\\''s.png' --pixel-size 0.09umx0.1um"), "{told}");
-        assert!(told.contains("--eye ") && told.contains("--target "), "{told}");
+        assert_eq!(repeats.windows(&repeats.optics), Windows::ONE);
     }
 
     #[test]
@@ -323,7 +225,7 @@ mod tests {
             s.camera.phi = 0.013 * x;
             s.camera.theta = 0.006 * x + 0.01;
             s.camera.distance = 1.0 + 0.037 * x;
-            let eye = triple(s.camera.eye());
+            let eye = ViewSettings::triple(s.camera.eye());
             let parsed = crate::units::triple(&eye).unwrap().map(|x| x as f32);
             let named = Camera::looking(parsed.into(), s.camera.target, s.camera.field_of_view).unwrap();
             assert_eq!(named, s.shown_camera(&scene), "{eye}");

@@ -9,8 +9,8 @@ use crate::surface::Source;
 use crate::vk::selection::DeviceChoice;
 use ash::vk;
 
-/// Remedy where no window can be opened.
-pub const RENDER: &str = "draw into a file with `diffract render -o picture.png` instead";
+/// Writes the command that draws a picture of settings of a scene, at a size \[pixels\], into a file. The words are the caller's.
+pub type CommandLine = fn(&ViewSettings, &Scene, [u32; 2], &str) -> String;
 
 /// The options of `diffract view`.
 #[derive(Clone, Debug)]
@@ -53,6 +53,8 @@ pub struct Start {
     pub device: DeviceChoice,
     /// Whether to enable validation layers.
     pub validation: bool,
+    /// How the command of a saved picture is written.
+    pub command_line: CommandLine,
 }
 
 impl Start {

@@ -14,11 +14,11 @@ use super::prepared::ROLES;
 use super::presenter::{Presenter, ShownPictures};
 use super::render_thread::RenderThread;
 use super::settings::ViewSettings;
-use super::start::{RENDER, Start};
+use super::start::{CommandLine, Start};
 use super::text_dump::TextDump;
 use super::worker::Worker;
 use super::{input, overlay, panel, style};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::render::window::Place;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
@@ -132,6 +132,7 @@ pub struct ViewerWindow {
     motion: Motion,
     schedule: Schedule,
     saves: Vec<PendingSave>,
+    write_command: CommandLine,
     proxy: EventLoopProxy<Event>,
     device: Arc<Device>,
     window: Arc<Window>,
@@ -147,7 +148,7 @@ impl ViewerWindow {
     ) -> Result<Self> {
         let display = window
             .display_handle()
-            .map_err(|e| Error::failed(format!("the display is gone ({e})"), RENDER))?
+            .map_err(|e| Error::failed(format!("the display is gone ({e})"), Remedy::PictureFile))?
             .as_raw();
         let opened = Arc::new(Instance::for_windows(start.validation, display)?);
         *instance = Some(opened.clone());
@@ -167,6 +168,7 @@ impl ViewerWindow {
             motion: Motion { last: settings, changed: None, continuous: false },
             schedule: Schedule { wake: None, presented: Instant::now() },
             saves: Vec::new(),
+            write_command: start.command_line,
             proxy,
             device,
             window,
@@ -209,10 +211,14 @@ impl ViewerWindow {
         self.model.actions.close
     }
 
-    /// The `diffract render` command of what is shown.
+    /// The command that draws what is shown.
     pub fn command(&self) -> String {
-        let size = self.model.size.map(|n| n.max(1));
-        self.model.shown().command(&self.model.loaded.scene, size, "picture.png")
+        self.command_line(self.model.size.map(|n| n.max(1)), "picture.png")
+    }
+
+    /// The command that draws what is shown, at `size`, into `output`.
+    fn command_line(&self, size: [u32; 2], output: &str) -> String {
+        (self.write_command)(&self.model.shown(), &self.model.loaded.scene, size, output)
     }
 
     /// When a frame has to be drawn even without an event.

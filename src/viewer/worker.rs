@@ -52,7 +52,7 @@ pub enum WorkerReply {
         of: usize,
     },
     /// A setting is ready, with a note for the user if there is one.
-    Ready(Role, Arc<Prepared>, Option<String>),
+    Ready(Role, Arc<Prepared>, Option<Error>),
     /// The newest request of a role failed.
     Failed(Role, Error),
 }
@@ -177,7 +177,7 @@ impl Preparer {
         &mut self,
         request: &Request,
         progress: &setup::Progress<'_>,
-    ) -> Result<(Arc<Prepared>, Option<String>)> {
+    ) -> Result<(Arc<Prepared>, Option<Error>)> {
         let field = self.field(&request.surface)?;
         let target = Target { limits: &self.limits, device: self.device.as_ref() };
         let mut settings = request.settings.clone();

@@ -10,7 +10,7 @@ use super::image::Image;
 use super::pipeline::Pipeline;
 use super::queries::Timestamps;
 use super::semaphore::Semaphore;
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use ash::vk;
 use std::ops::Range;
 use std::sync::Arc;
@@ -132,7 +132,7 @@ impl Commands {
                 }
                 Err(vk::Result::TIMEOUT) => Err(Error::failed(
                     "the Vulkan device did not finish within ten minutes",
-                    "ask for a smaller --size or a larger --tolerance",
+                    [Remedy::SmallerPicture, Remedy::LargerTolerance],
                 )),
                 Err(c) => Err(failure("finish the work", c)),
             }

@@ -4,7 +4,7 @@ use super::failure;
 use super::hazards::EventLog;
 use super::instance::Instance;
 use super::selection::{self, Candidate, DeviceChoice};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedies, Result};
 use crate::memory;
 use ash::{ext, vk};
 use gpu_allocator::MemoryLocation;
@@ -273,6 +273,6 @@ fn poisoned() -> Error {
 fn memory_failure(name: &str, error: &gpu_allocator::AllocationError) -> Error {
     Error::failed(
         format!("the Vulkan device has no memory for the resource \"{name}\" ({error})"),
-        if memory::is_limited() { super::LIFT_LIMIT } else { super::LESS_MEMORY },
+        if memory::is_limited() { Remedies::from(super::LIFT_LIMIT) } else { super::LESS_MEMORY.into() },
     )
 }

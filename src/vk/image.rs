@@ -3,7 +3,7 @@
 use super::device::Device;
 use super::failure;
 use super::hazards::{Event, Resource};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocation;
@@ -104,7 +104,7 @@ impl Image {
                     "the {name} of {} x {} texels in {layers} layers is larger than `{}` holds ({} x {} in {} layers)",
                     size[0], size[1], limits.name, limits.max_side, limits.max_side, limits.max_layers
                 ),
-                "ask for a smaller --size, a larger --tolerance or a shorter --coherence",
+                [Remedy::SmallerPicture, Remedy::LargerTolerance, Remedy::ShorterCoherence],
             ));
         }
         let info = vk::ImageCreateInfo::default()

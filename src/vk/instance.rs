@@ -2,7 +2,7 @@
 
 use super::failure;
 use super::mask::Mask;
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::memory;
 use ash::{ext, vk};
 use std::ffi::{CStr, c_char, c_void};
@@ -92,7 +92,7 @@ impl Instance {
             }
             vk::Result::ERROR_EXTENSION_NOT_PRESENT => Error::failed(
                 "this machine's Vulkan cannot show windows on this display",
-                "draw into a file with `diffract render` instead",
+                Remedy::PictureFile,
             ),
             code => failure("start", code),
         })?;

@@ -23,25 +23,32 @@ pub mod surface;
 #[cfg(feature = "viewer")]
 pub mod swapchain;
 
-use crate::error::Error;
+use crate::error::{Error, Remedies, Remedy};
 use crate::memory;
 use ash::vk;
+use std::borrow::Cow;
 
 /// What to do where a device has no memory.
-const LESS_MEMORY: &str = "ask for a smaller --size, a larger --tolerance or a shorter --coherence, or use another --device (see \
-                           `diffract devices`)";
+const LESS_MEMORY: [Remedy; 4] =
+    [Remedy::SmallerPicture, Remedy::LargerTolerance, Remedy::ShorterCoherence, Remedy::OtherDevice];
 /// What to do where a driver fails and this process may not have all of the machine's memory.
-const LIFT_LIMIT: &str =
-    "raise this process' limit of memory (ulimit -v), or ask for a smaller --size or a larger --tolerance";
+const LIFT_LIMIT: [Remedy; 3] = [
+    Remedy::Words(Cow::Borrowed("raise this process' limit of memory (ulimit -v)")),
+    Remedy::SmallerPicture,
+    Remedy::LargerTolerance,
+];
 
 /// Turns a Vulkan result code into an error: what was being done, and what helps.
 pub fn failure(doing: &str, code: vk::Result) -> Error {
-    let remedy = match code {
+    let remedy: Remedies = match code {
         // Drivers fail in many ways where they get no memory.
-        _ if memory::is_limited() => LIFT_LIMIT,
-        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => LESS_MEMORY,
-        vk::Result::ERROR_DEVICE_LOST => "try again; if it recurs, update the driver or use --device cpu",
-        _ => "see `diffract devices`, update the driver, or use --device cpu",
+        _ if memory::is_limited() => LIFT_LIMIT.into(),
+        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => LESS_MEMORY.into(),
+        vk::Result::ERROR_DEVICE_LOST => {
+            [Remedy::Words("try again; if it recurs, update the driver".into()), Remedy::SoftwareDevice]
+                .into()
+        }
+        _ => [Remedy::Words("update the driver".into()), Remedy::OtherDevice, Remedy::SoftwareDevice].into(),
     };
     Error::failed(format!("Vulkan could not {doing} ({code})"), remedy)
 }

@@ -3,7 +3,7 @@
 use super::failure;
 use super::instance::{API_VERSION, INSTALL, Instance};
 use super::mask::Mask;
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use ash::vk;
 
 /// What choosing needs to know about a Vulkan device.
@@ -56,7 +56,7 @@ impl DeviceChoice {
         match text.trim() {
             "" => Err(Error::usage(
                 "the device has no name",
-                "give a name, a number of `diffract devices`, or cpu",
+                "give a name, a number of the list of devices, or cpu",
             )),
             "cpu" => Ok(Self::Cpu),
             number if number.bytes().all(|b| b.is_ascii_digit()) => {
@@ -68,7 +68,7 @@ impl DeviceChoice {
 }
 
 fn no_such(wish: &str) -> Error {
-    Error::usage(format!("there is no device `{wish}`"), "see `diffract devices` for what there is")
+    Error::usage(format!("there is no device `{wish}`"), Remedy::OtherDevice)
 }
 
 /// Every Vulkan device, in the loader's order.
@@ -203,7 +203,7 @@ pub fn choose(candidates: &[Candidate], wish: &DeviceChoice) -> Result<(usize, S
         }
         Err(Error::failed(
             format!("`{}` lacks {}", c.name, c.missing.join(", ")),
-            "update its driver or name another of `diffract devices`",
+            [Remedy::Words("update its driver".into()), Remedy::OtherDevice],
         ))
     };
     match wish {

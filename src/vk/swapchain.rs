@@ -5,13 +5,13 @@ use super::failure;
 use super::image::Image;
 use super::semaphore::Semaphore;
 use super::surface::Surface;
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use ash::{khr, vk};
 use std::sync::Arc;
 
 /// Result of acquiring or presenting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown<T> {
+pub enum Presented<T> {
     /// Success.
     Done(T),
     /// The window has changed: the swapchain must be recreated.
@@ -44,19 +44,19 @@ impl Swapchain {
         size: [u32; 2],
         mode: vk::PresentModeKHR,
         old: Option<Self>,
-    ) -> Result<Shown<Option<Self>>> {
+    ) -> Result<Presented<Option<Self>>> {
         let physical = device.candidate().raw;
         let asked = surface
             .capabilities(physical)
             .and_then(|c| Ok((c, surface.formats(physical)?, surface.present_modes(physical)?)));
         let (capabilities, formats, modes) = match asked {
             Ok(all) => all,
-            Err(vk::Result::ERROR_SURFACE_LOST_KHR) => return Ok(Shown::Lost),
+            Err(vk::Result::ERROR_SURFACE_LOST_KHR) => return Ok(Presented::Lost),
             Err(c) => return Err(failure("ask what the window can show", c)),
         };
         let extent = extent(&capabilities, size);
         if extent.width == 0 || extent.height == 0 {
-            return Ok(Shown::Done(None));
+            return Ok(Presented::Done(None));
         }
         let format = format(&formats)?;
         let mode = if modes.contains(&mode) { mode } else { vk::PresentModeKHR::FIFO };
@@ -80,8 +80,8 @@ impl Swapchain {
         // SAFETY: surface and old swapchain are live and no other thread uses them; `info` is within the capabilities.
         let raw = match unsafe { functions.create_swapchain(&info, None) } {
             Ok(raw) => raw,
-            Err(vk::Result::ERROR_SURFACE_LOST_KHR) => return Ok(Shown::Lost),
-            Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => return Ok(Shown::Outdated),
+            Err(vk::Result::ERROR_SURFACE_LOST_KHR) => return Ok(Presented::Lost),
+            Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => return Ok(Presented::Outdated),
             Err(c) => return Err(failure("make a swapchain", c)),
         };
         drop(old);
@@ -103,7 +103,7 @@ impl Swapchain {
             own.images.push(Image::borrowed(device, "swapchain image", image, format.format, size)?);
             own.drawn.push(Semaphore::new(device, "image drawn")?);
         }
-        Ok(Shown::Done(Some(own)))
+        Ok(Presented::Done(Some(own)))
     }
 
     /// The format of every swapchain of `surface`.
@@ -121,9 +121,9 @@ impl Swapchain {
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn acquire(&self, acquired: &Semaphore) -> Result<Shown<usize>> {
+    pub fn acquire(&self, acquired: &Semaphore) -> Result<Presented<usize>> {
         if self.device.loses_surface() {
-            return Ok(Shown::Lost);
+            return Ok(Presented::Lost);
         }
         // SAFETY: the semaphore is unsignalled: the work that waited for it is done.
         let next = unsafe {
@@ -131,9 +131,9 @@ impl Swapchain {
         };
         match next {
             // A swapchain that no longer fits can still be shown; presenting says so again.
-            Ok((index, _)) => Ok(Shown::Done(index as usize)),
-            Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => Ok(Shown::Outdated),
-            Err(vk::Result::ERROR_SURFACE_LOST_KHR) => Ok(Shown::Lost),
+            Ok((index, _)) => Ok(Presented::Done(index as usize)),
+            Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => Ok(Presented::Outdated),
+            Err(vk::Result::ERROR_SURFACE_LOST_KHR) => Ok(Presented::Lost),
             Err(c) => Err(failure("get an image of the window", c)),
         }
     }
@@ -142,7 +142,7 @@ impl Swapchain {
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn present(&self, index: usize) -> Result<Shown<()>> {
+    pub fn present(&self, index: usize) -> Result<Presented<()>> {
         let (semaphores, swapchains, indices) = ([self.drawn[index].raw()], [self.raw], [index as u32]);
         let info = vk::PresentInfoKHR::default()
             .wait_semaphores(&semaphores)
@@ -151,9 +151,9 @@ impl Swapchain {
         // SAFETY: the image was acquired, and submitted work signals its semaphore; the queue is locked.
         let shown = self.device.with_queue(|queue| unsafe { self.functions.queue_present(queue, &info) })?;
         match shown {
-            Ok(false) => Ok(Shown::Done(())),
-            Ok(true) | Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => Ok(Shown::Outdated),
-            Err(vk::Result::ERROR_SURFACE_LOST_KHR) => Ok(Shown::Lost),
+            Ok(false) => Ok(Presented::Done(())),
+            Ok(true) | Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => Ok(Presented::Outdated),
+            Err(vk::Result::ERROR_SURFACE_LOST_KHR) => Ok(Presented::Lost),
             Err(c) => Err(failure("show an image in the window", c)),
         }
     }
@@ -207,10 +207,7 @@ fn format(formats: &[vk::SurfaceFormatKHR]) -> Result<vk::SurfaceFormatKHR> {
         wanted.contains(&f.format) && f.color_space == vk::ColorSpaceKHR::SRGB_NONLINEAR
     };
     formats.iter().find(fits).copied().ok_or_else(|| {
-        Error::failed(
-            "the window takes no 8-bit sRGB picture",
-            "draw into a file with `diffract render`, or try another --device",
-        )
+        Error::failed("the window takes no 8-bit sRGB picture", [Remedy::PictureFile, Remedy::OtherDevice])
     })
 }
 

@@ -119,7 +119,7 @@ fn steps_act_in_the_order_of_the_command_line_and_are_told() {
     );
     assert_eq!(row(&more, "samples"), "800 x 800");
     let e = sandbox.run(["surface", "info", "blaze", "--crop", "1mm"]).refused(1);
-    assert!(e.contains("--crop 1mm: the field of 20um x 20um"), "{e}");
+    assert!(e.contains("crop 1mm: the field of 20um x 20um"), "{e}");
 }
 
 #[test]

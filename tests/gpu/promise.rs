@@ -1,7 +1,7 @@
 //! The promise of a tolerance, over many surfaces and settings.
 //!
 //! What is held to it is the relative L2 error over directions, as of a picture. The RMS of each direction's own relative error
-//! is printed beside it: between the orders of small gratings it can exceed the tolerance (docs/MEASUREMENTS.md).
+//! is printed beside it: between the orders of small gratings it can exceed the tolerance (docs/ACCURACY.md).
 
 use crate::device::with_device;
 use crate::evaluation::{layers, queries, window};

@@ -20,6 +20,11 @@ impl PreparationOptions {
     }
 }
 
+/// The options that repeat `steps`: `--level plane --crop 40um`.
+pub fn as_options(steps: &[Step]) -> String {
+    steps.iter().map(|step| format!("--{step}")).collect::<Vec<_>>().join(" ")
+}
+
 /// What the help says of a step's option.
 fn help(word: &str) -> &'static str {
     match word {
@@ -103,7 +108,7 @@ mod tests {
             "--crop 40um --level plane --invert --level rows --despike --rotate -12.5deg --despike",
             "--invert --taper 5um --tile blend --destripe --deconvolve-tip 10nm --resample 50nm --crop 20umx10um+1um+2um",
         ] {
-            assert_eq!(prepare::as_options(&parsed(line).unwrap().unwrap()), line);
+            assert_eq!(as_options(&parsed(line).unwrap().unwrap()), line);
         }
     }
 

@@ -1,9 +1,10 @@
 //! The worked example of docs/PREPARING.md: a surface that is known, what a bad scan would make of it, and how each step brings it back.
 //! The page and its figure are written from here; a test compares them.
 
+use crate::cli::options::as_options;
 use crate::figure::{Axis, ColorMap, ColorScale, Figure, Panel, Raster};
 use crate::random::Random;
-use crate::surface::prepare::{Step, apply_all, as_options, describe};
+use crate::surface::prepare::{Step, apply_all, describe};
 use crate::surface::synth::{Kind, Spec, generate};
 use crate::surface::tiling::Verdict;
 use crate::surface::{HeightField, Statistics};

@@ -7,6 +7,7 @@ pub use figure::figure;
 
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimits, fps};
 use super::options::{CacheOptions, DeviceOptions, SurfaceOptions, check_lights, coherence, ior, tolerance};
+use super::remedies::in_options;
 use super::{prepare, say, write};
 use crate::error::{Error, Result};
 use crate::files::Files;
@@ -153,7 +154,7 @@ impl<'a> Sweep<'a> {
             }
             match self.measure(&flags) {
                 Ok(row) => self.add(row)?,
-                Err(error) => self.impossible.push((flags, error.to_string())),
+                Err(error) => self.impossible.push((flags, in_options(&error))),
             }
         }
         bar.finish_and_clear();
@@ -194,7 +195,7 @@ impl<'a> Sweep<'a> {
             match baselines.measure(series, &mut self.references) {
                 Ok(None) => {}
                 Ok(Some(row)) => self.add(Measurement { frame: self.frame.clone(), ..row })?,
-                Err(error) => self.impossible.push((series.to_owned(), error.to_string())),
+                Err(error) => self.impossible.push((series.to_owned(), in_options(&error))),
             }
         }
         Ok(())

@@ -8,7 +8,7 @@ use crate::optics::geometry::Pair;
 use crate::precompute::Layers;
 use crate::precompute::kernel::Kernel;
 use crate::precompute::texels::Texels;
-use crate::render::tables::Table;
+use crate::render::tables::TableTexture;
 use crate::render::upload;
 use crate::vk::buffer::Buffer;
 use crate::vk::device::Device;
@@ -124,7 +124,7 @@ pub(super) fn settings(
     device: &Arc<Device>,
     (layers, sigma): (&Layers, f64),
     ior: f64,
-    nodes: &Table,
+    nodes: &TableTexture,
 ) -> Result<Bound> {
     let block = uniform(device, "spectra block", &spectra_block(layers, sigma, ior))?;
     let nodes = numbers(device, "nodes", nodes)?;
@@ -132,7 +132,7 @@ pub(super) fn settings(
 }
 
 /// A table as a texture.
-pub(super) fn numbers(device: &Arc<Device>, name: &str, table: &Table) -> Result<Image> {
+pub(super) fn numbers(device: &Arc<Device>, name: &str, table: &TableTexture) -> Result<Image> {
     upload::texture(device, name, FLOATS, table.size, None, bytemuck::cast_slice(&table.values))
 }
 

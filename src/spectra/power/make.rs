@@ -4,7 +4,7 @@ use super::chebyshev::{coefficients_from_values, nodes, polynomials};
 use super::orders::{OrderGrid, OrderPowers, Transform};
 use super::texture::{self, FrequencyGrid, Levels, PER_TEXEL};
 use super::{Beyond, Blur};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::memory;
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::kernel::Kernel;
@@ -133,7 +133,7 @@ pub fn power_spectra(
         if series_error > settings.series_error {
             return Err(Error::failed(
                 format!("{terms} terms in z leave a relative error of {series_error:.1e} on this surface"),
-                "ask for a larger --tolerance, or use --method reference",
+                [Remedy::LargerTolerance, Remedy::ReferenceMethod],
             ));
         }
         let (levels, unit) = texture::levels(&orders, &series, &grid);
@@ -209,7 +209,7 @@ fn check_room(
                 bytes as f64 / MIB,
                 settings.memory_limit as f64 / MIB
             ),
-            "ask for a larger --tolerance, or a shorter --coherence",
+            [Remedy::LargerTolerance, Remedy::ShorterCoherence],
         ));
     }
     let working = orders.count() * terms * size_of::<f64>() + 4 * grid.size[0] * grid.size[1] * 16;

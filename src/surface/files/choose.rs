@@ -1,7 +1,7 @@
 //! Which channel of a file is the surface.
 
 use super::scan::{Channel, Quantity, Scan};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 
 /// Words in the names of channels that are the surface, without spaces and in lower case.
 const HEIGHTS: [&str; 6] = ["height", "topo", "zsensor", "zpiezo", "zscan", "surface"];
@@ -55,7 +55,7 @@ pub fn choose(scan: &Scan, name: Option<&str>) -> Result<usize> {
         .or_else(|| channels.iter().position(|c| matches!(c.quantity, Quantity::Code { .. })))
         .ok_or_else(|| {
             let names = names(channels);
-            Error::usage("no channel of it is a height", format!("name one with --channel: {names}"))
+            Error::usage(format!("no channel of it is a height: {names}"), Remedy::Channel)
         })
 }
 

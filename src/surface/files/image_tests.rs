@@ -1,5 +1,6 @@
 use super::super::{Wish, read as read_file};
 use super::*;
+use crate::error::Remedy;
 use ::image::{self, GrayImage, ImageBuffer, Luma, RgbImage, Rgba};
 use std::fs;
 use std::path::PathBuf;
@@ -259,7 +260,7 @@ fn float_samples_are_heights_and_wide_integers_are_codes() {
     let codes = [0_u32.to_le_bytes(), u32::MAX.to_le_bytes()].concat();
     let long = file(&folder, "long.tif", &tiff(2, 1, 32, 1, &codes));
     assert_eq!(read(&long, PIXEL, 0.5).unwrap().heights(), [0.0, 0.5]);
-    assert!(read_file(&long, &wish).unwrap_err().to_string().contains("--height"));
+    assert_eq!(read_file(&long, &wish).unwrap_err().remedies(), [Remedy::FullHeight]);
 }
 
 #[test]

@@ -31,7 +31,7 @@ pub mod x3p;
 pub mod xyz;
 
 use super::HeightField;
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::{input, memory};
 use scan::{Quantity, Scan};
 use sidecar::Sidecar;
@@ -156,10 +156,7 @@ pub fn recognise<'a>(bytes: &'a [u8], extension: &str) -> Result<Scan<'a>> {
 /// The heights of the chosen channel of `scan`, with the scales that `wish` or the sidecar give.
 fn assemble(mut scan: Scan, wish: &Wish, sidecar: impl FnOnce() -> Result<Sidecar>) -> Result<Topography> {
     if let Some(height) = wish.height.filter(|h| !h.is_finite() || *h < 0.0) {
-        return Err(Error::usage(
-            format!("the full height {height} um cannot be"),
-            "give what the largest grey code means, as in --height 434.7nm",
-        ));
+        return Err(Error::usage(format!("the full height {height} um cannot be"), Remedy::FullHeight));
     }
     let chosen = choose::choose(&scan, wish.channel)?;
     let info = |c: &scan::Channel| ChannelInfo { name: c.name.clone(), unit: c.unit.clone(), size: c.size };
@@ -175,17 +172,17 @@ fn assemble(mut scan: Scan, wish: &Wish, sidecar: impl FnOnce() -> Result<Sideca
         // A line has no distance of lines: it is as wide as its samples.
         (None, [Some(x), None]) if size[1] == 1 => Spacing::Metres([x, x]),
         (None, [None, Some(y)]) if size[0] == 1 => Spacing::Metres([y, y]),
-        _ => return Err(missing("distance of samples", "--pixel-size", "97.66nm")),
+        _ => return Err(missing("distance of samples", Remedy::PixelSize)),
     };
     let height = wish.height.or(beside.height);
     if quantity == Quantity::Other && height.is_none() {
         let unit = choose::unit(&channels[chosen].unit);
         return Err(Error::usage(
             format!("the channel `{}` is in {unit}, which is no length", channels[chosen].name),
-            "name another with --channel, or add --height, as in --height 434.7nm",
+            [Remedy::Channel, Remedy::FullHeight],
         ));
     }
-    let needed = || missing("scale of heights", "--height", "434.7nm");
+    let needed = || missing("scale of heights", Remedy::FullHeight);
     let coded = matches!(quantity, Quantity::Code { .. });
     let code_height = if coded { height.ok_or_else(needed)? } else { 0.0 };
     let samples = channel.samples()?;
@@ -212,8 +209,8 @@ fn range_becomes(height: f64, samples: &[f64]) -> f64 {
     if factor.is_finite() { factor } else { UM }
 }
 
-fn missing(what: &str, option: &str, example: &str) -> Error {
-    Error::usage(format!("the file carries no {what}"), format!("add {option}, as in {option} {example}"))
+fn missing(what: &str, remedy: Remedy) -> Error {
+    Error::usage(format!("the file carries no {what}"), remedy)
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64) -> Vec<String>
     if spacing.iter().any(|d| !(SPACINGS.0..=SPACINGS.1).contains(d)) {
         let [x, y] = spacing.map(in_words);
         questions.push(format!(
-            "samples lie {x} x {y} apart: is the lateral unit right? (--pixel-size overrides it)"
+            "samples lie {x} x {y} apart: is the lateral unit right? (a pixel size overrides it)"
         ));
     }
     let side = (size[0] as f64 * spacing[0]).max(size[1] as f64 * spacing[1]);
@@ -22,7 +22,7 @@ pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64) -> Vec<String>
     if range > HIGHEST || range > 0.0 && !(RELIEFS.0..=RELIEFS.1).contains(&relief) {
         let (range, side) = (in_words(range), in_words(side));
         questions.push(format!(
-            "heights span {range} over a patch of {side}: is their unit right? (--height overrides it)"
+            "heights span {range} over a patch of {side}: is their unit right? (a full height overrides it)"
         ));
     }
     questions

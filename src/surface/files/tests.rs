@@ -1,4 +1,5 @@
 use super::*;
+use crate::error::Remedy;
 use std::fs;
 
 const PIXEL: Option<[f64; 2]> = Some([0.01, 0.01]);
@@ -23,14 +24,14 @@ fn content_decides_and_a_wrong_extension_does_no_harm() {
 }
 
 #[test]
-fn a_scale_that_is_missing_is_asked_for_by_its_option() {
+fn a_scale_that_is_missing_is_asked_for() {
     let matrix = b"1e-9 2e-9\n3e-9 4e-9\n";
     let said = |e: Result<Topography>| {
         let e = e.unwrap_err();
         assert_eq!(e.exit_code(), 2);
-        e.to_string()
+        e.remedies().to_vec()
     };
-    assert!(said(from_bytes(matrix, "txt", &Wish::default())).contains("--pixel-size"));
+    assert_eq!(said(from_bytes(matrix, "txt", &Wish::default())), [Remedy::PixelSize]);
     assert!(from_bytes(matrix, "txt", &wish(PIXEL, None)).is_ok());
     let codes = [
         &b"\x93NUMPY\x01\x00\x42\x00{'descr': '|u1', 'fortran_order': False, 'shape': (1, 2), }     \n"[..],
@@ -40,7 +41,7 @@ fn a_scale_that_is_missing_is_asked_for_by_its_option() {
     let length = codes.len() - 10 - 2;
     let mut codes = codes;
     codes[8] = length as u8;
-    assert!(said(from_bytes(&codes, "npy", &wish(PIXEL, None))).contains("--height"));
+    assert_eq!(said(from_bytes(&codes, "npy", &wish(PIXEL, None))), [Remedy::FullHeight]);
     let read = from_bytes(&codes, "npy", &wish(PIXEL, Some(0.51))).unwrap();
     assert!((read.summary().range[1] - 0.51e-6).abs() < 1e-18);
     assert!((read.origin().unwrap().quantisation.unwrap() - 2e-9).abs() < 1e-20, "a step of 8 bits");
@@ -62,8 +63,9 @@ fn options_override_what_a_file_says() {
 #[test]
 fn a_channel_in_volts_needs_a_height_and_gaps_are_told() {
     let text = "# A: Phase\n# W: 2 \u{b5}m\n# H: 2 \u{b5}m\n# U: deg\n10 20\n30 nan\n";
-    let e = from_bytes(text.as_bytes(), "txt", &Wish::default()).unwrap_err().to_string();
-    assert!(e.contains("Phase") && e.contains("--channel") && e.contains("--height"), "{e}");
+    let e = from_bytes(text.as_bytes(), "txt", &Wish::default()).unwrap_err();
+    assert!(e.to_string().contains("Phase"), "{e}");
+    assert_eq!(e.remedies(), [Remedy::Channel, Remedy::FullHeight]);
     let scan = from_bytes(text.as_bytes(), "txt", &wish(None, Some(0.2))).unwrap();
     let origin = scan.origin().unwrap();
     assert!(origin.warnings.iter().any(|line| line.contains("1 of 4 samples")), "{:?}", origin.warnings);

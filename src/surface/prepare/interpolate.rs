@@ -11,14 +11,14 @@ const BETA: f64 = 8.0;
 
 /// What lies beyond the ends of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Beyond {
+pub(super) enum EdgeRule {
     /// The line again: the field tiles.
     Copies,
     /// The line turned about its end by half a turn, which goes on with a slope as it is.
     Turned,
 }
 
-impl Beyond {
+impl EdgeRule {
     /// What suits a field along `axis`.
     pub(super) fn of(tiling: &Tiling, axis: usize) -> Self {
         if tiling.joins(axis) { Self::Copies } else { Self::Turned }
@@ -81,7 +81,7 @@ impl Resampler {
     }
 
     /// The new samples of `line`.
-    pub(super) fn apply<'a>(&'a self, line: &[f64], beyond: Beyond) -> impl Iterator<Item = f64> + use<'a> {
+    pub(super) fn apply<'a>(&'a self, line: &[f64], beyond: EdgeRule) -> impl Iterator<Item = f64> + use<'a> {
         let extended = beyond.extended(line, self.pad);
         let sum = move |(first, weights): &(usize, Vec<f64>)| -> f64 {
             weights.iter().zip(&extended[*first..]).map(|(w, h)| w * h).sum()
@@ -216,11 +216,11 @@ mod tests {
     #[test]
     fn beyond_its_ends_a_line_goes_on_in_copies_or_with_its_slope() {
         let line = [0.0, 1.0, 3.0];
-        let copies: Vec<f64> = (-3..6).map(|i| Beyond::Copies.sample(&line, i)).collect();
+        let copies: Vec<f64> = (-3..6).map(|i| EdgeRule::Copies.sample(&line, i)).collect();
         assert_eq!(copies, [0.0, 1.0, 3.0, 0.0, 1.0, 3.0, 0.0, 1.0, 3.0]);
-        let turned: Vec<f64> = (-4..9).map(|i| Beyond::Turned.sample(&line, i)).collect();
+        let turned: Vec<f64> = (-4..9).map(|i| EdgeRule::Turned.sample(&line, i)).collect();
         assert_eq!(turned, [-6.0, -5.0, -3.0, -1.0, 0.0, 1.0, 3.0, 5.0, 6.0, 7.0, 9.0, 11.0, 12.0]);
-        assert_eq!(Beyond::Turned.sample(&[5.0], -7), 5.0);
+        assert_eq!(EdgeRule::Turned.sample(&[5.0], -7), 5.0);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Preparing a height field: levelling, cleaning, cutting, and making its edges meet.
 //!
 //! A [`Step`] is one operation with its settings. Steps are applied in the order in which the user names them, each to the result of the
-//! one before. A step has the same words on the command line (`--level plane`), in scene files (`"level plane"`) and in the record of what
+//! one before. A step has the same words on the command line, in scene files (`"level plane"`) and in the record of what
 //! was done, and [`Step::parse`] reads what [`Step`]'s `Display` writes: the record repeats the preparation.
 
 mod crop;
@@ -78,7 +78,7 @@ impl Step {
             Self::Tile(tile) => tile.apply(field),
             Self::Invert => invert::apply(field),
         };
-        apply().map_err(|e| e.at(format!("--{self}")))
+        apply().map_err(|e| e.at(self))
     }
 
     /// Whether the step leaves every field as it is.
@@ -101,11 +101,6 @@ pub fn describe(steps: &[Step]) -> String {
         return "none".to_owned();
     }
     steps.iter().map(Step::to_string).collect::<Vec<_>>().join(", ")
-}
-
-/// The options of the command line that repeat the steps: `--level plane --crop 40um`.
-pub fn as_options(steps: &[Step]) -> String {
-    steps.iter().map(|step| format!("--{step}")).collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]
@@ -137,7 +132,6 @@ mod tests {
             "levelled before, the part has an offset"
         );
         assert_eq!(describe(&parse(&["level mean", "crop 1um"])), "level mean, crop 1um");
-        assert_eq!(as_options(&parse(&["level mean", "invert"])), "--level mean --invert");
         assert_eq!(describe(&[]), "none");
     }
 
@@ -157,6 +151,6 @@ mod tests {
     #[test]
     fn an_error_names_its_step() {
         let e = Step::parse("crop 40um").unwrap().apply(&field(4, 4, |x, _| x)).unwrap_err().to_string();
-        assert!(e.starts_with("--crop 40um: "), "{e}");
+        assert!(e.starts_with("crop 40um: "), "{e}");
     }
 }

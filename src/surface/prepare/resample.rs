@@ -1,6 +1,6 @@
 //! Another distance between samples over the same patch.
 
-use super::interpolate::{Beyond, Resampler, transposed};
+use super::interpolate::{EdgeRule, Resampler, transposed};
 use crate::error::{Error, Result};
 use crate::memory;
 use crate::surface::{HeightField, MAX_SIDE, tiling};
@@ -24,15 +24,15 @@ pub(super) fn apply(field: &HeightField, spacing: [f64; 2]) -> Result<HeightFiel
     let largest = columns.max(field.columns()) as u64 * rows.max(field.rows()) as u64;
     memory::ensure_room(3 * largest * size_of::<f64>() as u64, &format!("{columns} x {rows} samples"))?;
     let tiling = tiling::tiles(field);
-    let across = along_rows(field.heights(), field.columns(), columns, Beyond::of(&tiling, 0));
+    let across = along_rows(field.heights(), field.columns(), columns, EdgeRule::of(&tiling, 0));
     let turned = transposed(columns, &across);
-    let both = along_rows(&turned, field.rows(), rows, Beyond::of(&tiling, 1));
+    let both = along_rows(&turned, field.rows(), rows, EdgeRule::of(&tiling, 1));
     let pixel_size = [patch[0] / columns as f64, patch[1] / rows as f64];
     HeightField::new(columns, rows, pixel_size, transposed(rows, &both))
 }
 
 /// Rows of `old` samples as rows of `new` ones.
-fn along_rows(heights: &[f64], old: usize, new: usize, beyond: Beyond) -> Vec<f64> {
+fn along_rows(heights: &[f64], old: usize, new: usize, beyond: EdgeRule) -> Vec<f64> {
     if old == new {
         return heights.to_vec();
     }

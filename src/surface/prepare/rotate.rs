@@ -217,6 +217,6 @@ mod tests {
     #[test]
     fn a_surface_without_grooves_asks_for_the_angle() {
         let e = Step::parse("rotate auto").unwrap().apply(&field(60, 60, |x, y| x * x + y)).err();
-        assert!(e.as_ref().is_some_and(|e| e.to_string().contains("--rotate auto: no grooves")), "{e:?}");
+        assert!(e.as_ref().is_some_and(|e| e.to_string().contains("rotate auto: no grooves")), "{e:?}");
     }
 }

@@ -1,7 +1,7 @@
 //! Making the edges of a field meet: by mirror images, or by blending one edge into the other.
 
 use super::words::{about, length};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::surface::{HeightField, MAX_SIDE, statistics};
 use crate::units;
 use rayon::prelude::*;
@@ -57,7 +57,7 @@ fn mirrored(field: &HeightField) -> Result<HeightField> {
     if 2 * columns.max(rows) > MAX_SIDE {
         return Err(Error::failed(
             format!("the mirrored field has more than {MAX_SIDE} samples on a side"),
-            "give --tile blend, or crop the field before",
+            [Remedy::BlendTile, Remedy::Words("crop the field before".into())],
         ));
     }
     crate::memory::ensure_room(4 * size_of_val(field.heights()) as u64, "the mirrored field")?;

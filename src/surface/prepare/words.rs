@@ -56,7 +56,7 @@ impl Step {
         Self::from_option(word, value.trim())
     }
 
-    /// The step of the option `--word value`; `value` is empty where the step takes none.
+    /// The step of `word` with `value`; `value` is empty where the step takes none.
     ///
     /// # Errors
     /// As [`Step::parse`].

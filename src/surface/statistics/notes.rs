@@ -54,7 +54,7 @@ fn levelling(field: &HeightField, statistics: &Statistics) -> Result<Option<Stri
     let dusty = highest - lowest > DUSTY * core_range(levelled.heights());
     Ok((dusty && highest - lowest > RAISED * (high - low)).then(|| {
         format!(
-            "dust: --level plane raises the height range from {} to {}; a few samples set it, not the tilt",
+            "dust: `level plane` raises the height range from {} to {}; a few samples set it, not the tilt",
             nm(high - low),
             nm(highest - lowest)
         )
@@ -87,7 +87,7 @@ fn seams(statistics: &Statistics) -> Option<String> {
     let tiling = &statistics.tiling;
     (tiling.verdict != Verdict::Tiles).then(|| {
         format!(
-            "seams: copies do not join (steps across them {:.1} and {:.1} times the nearest inside); --tile or --taper makes them",
+            "seams: copies do not join (steps across them {:.1} and {:.1} times the nearest inside); `tile` or `taper` makes them",
             tiling.ratio[0], tiling.ratio[1]
         )
     })
@@ -117,7 +117,7 @@ mod tests {
             let pit = if in_row && x > 9.75 { 0.45 } else { 0.0 };
             0.05 * x + 0.001 * (7.0 * x + 5.0 * y).sin() + particle - pit
         }));
-        assert!(dusty.contains("--level plane raises the height range from 49"), "{dusty}");
+        assert!(dusty.contains("`level plane` raises the height range from 49"), "{dusty}");
         assert!(dusty.contains("seams: ") && !dusty.contains("quantisation"), "{dusty}");
         let codes = notes_of(&field(90, 90, |x, y| 0.002 * (40.0 * (x * y).sin()).round()));
         assert!(codes.contains("multiples of 2.000 nm (81 levels), an error of 0.577 nm RMS"), "{codes}");

@@ -64,7 +64,7 @@ impl ViewerWindow {
             Some(request) => {
                 let stem = save::free_name(Path::new(""));
                 let name = stem.with_extension("png").to_string_lossy().into_owned();
-                let command = self.model.shown().command(&self.model.loaded.scene, request.size, &name);
+                let command = self.command_line(request.size, &name);
                 self.saves.push(PendingSave { stem, with_exr: format == SaveAs::PngAndExr, command });
                 self.threads.render.submit(Job::Picture(request));
                 self.model.say(format!("saving {name}"));

@@ -4,6 +4,7 @@ use super::{PendingSave, ViewerWindow};
 use crate::error::Result;
 use crate::picture_file::{self, Format, Notes};
 use crate::render::picture::Picture;
+use crate::viewer::controls::in_controls;
 use crate::viewer::error_probe::{ErrorProbe, Probe};
 use crate::viewer::event::Event;
 use crate::viewer::frame::RenderedFrame;
@@ -53,7 +54,7 @@ impl ViewerWindow {
                 }
                 model.sources.progress[role as usize] = None;
                 if let Some(note) = note {
-                    model.say(note);
+                    model.say(in_controls(&note));
                 }
                 match role {
                     Role::Own => self.apply(prepared),

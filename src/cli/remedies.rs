@@ -1,0 +1,56 @@
+//! What helps against an error, in options of the command line.
+
+use crate::error::{Error, Remedy};
+use std::borrow::Cow;
+
+/// The error in one line that names options.
+pub fn in_options(error: &Error) -> String {
+    error.in_words(option)
+}
+
+/// What to type for `remedy`.
+fn option(remedy: &Remedy) -> Cow<'_, str> {
+    Cow::Borrowed(match remedy {
+        Remedy::Words(words) => words,
+        Remedy::LargerTolerance => "ask for a larger --tolerance",
+        Remedy::SmallerPicture => "ask for a smaller --size",
+        Remedy::AllWindows => "use --windows all",
+        Remedy::OneWindow => "use --windows 1x1",
+        Remedy::SpectralMethod => "use --method spectral",
+        Remedy::TableMethod => "use --method table",
+        Remedy::ReferenceMethod => "use --method reference",
+        Remedy::OptimalBasis => "use --basis optimal",
+        Remedy::FewerTerms => "ask for fewer --terms",
+        Remedy::AutomaticTerms => "leave --terms away",
+        Remedy::AutomaticWavelengths => "leave --wavelengths away",
+        Remedy::ShorterCoherence => "ask for a shorter --coherence",
+        Remedy::GaussianCoherence => "use --coherence gaussian:LENGTH",
+        Remedy::FewerRepeats => "ask for fewer --coherence repeats",
+        Remedy::PixelSize => "give the distance between samples, as in --pixel-size 97.66nm",
+        Remedy::FullHeight => "give what the largest grey code means, as in --height 434.7nm",
+        Remedy::Channel => "name one with --channel",
+        Remedy::LevelPlane => "use --level plane, which helps tilted scans",
+        Remedy::BlendTile => "use --tile blend",
+        Remedy::LargerCache => "give a larger --cache-size",
+        Remedy::OtherDevice => "name a --device that `diffract devices` lists",
+        Remedy::SoftwareDevice => "use --device cpu",
+        Remedy::PictureFile => "draw into a file with `diffract render -o picture.png`",
+        other => return Cow::Owned(other.to_string()),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_remedy_names_its_option() {
+        let error = Error::failed("too large", [Remedy::LargerTolerance, Remedy::ReferenceMethod]);
+        let line = "too large; ask for a larger --tolerance, or use --method reference";
+        assert_eq!(in_options(&error), line);
+        assert_eq!(
+            in_options(&Error::usage("a", "b").or(Remedy::FartherCamera)),
+            "a; b, or look from farther away"
+        );
+    }
+}

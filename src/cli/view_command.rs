@@ -1,0 +1,179 @@
+//! The command line that draws what the window shows.
+
+use super::options::as_options;
+use crate::optics::coherence::{Coherence, Windows};
+use crate::picture_file::quoted;
+use crate::scene::Scene;
+use crate::surface::Source;
+use crate::surface::prepare::{Level, Step};
+use crate::viewer::ViewSettings;
+
+/// The `diffract render` that draws the picture of `settings` at `size` \[pixels\] into `output`. What is the default, or `scene`'s own, is
+/// left out.
+pub fn render(settings: &ViewSettings, scene: &Scene, size: [u32; 2], output: &str) -> String {
+    let mut words = Words(vec!["diffract render".to_owned(), quoted(&settings.scene)]);
+    words.surface(&settings.surface, scene);
+    words.optics(settings);
+    for light in &settings.lights {
+        words.option("light", format!("{},{},{}", light.theta, light.phi, light.intensity));
+    }
+    words.option("exposure", settings.exposure.to_string());
+    if settings.base_color != scene.base_color {
+        words.option("base-color", ViewSettings::triple(settings.base_color));
+    }
+    let camera = &settings.camera;
+    if *camera != scene.camera {
+        words.option("eye", ViewSettings::triple(camera.eye()));
+        words.option("target", ViewSettings::triple(camera.target));
+        if camera.field_of_view != scene.camera.field_of_view {
+            words.option("field-of-view", format!("{}deg", f64::from(camera.field_of_view).to_degrees()));
+        }
+    }
+    words.option("size", format!("{}x{}", size[0], size[1]));
+    words.0.push(format!("-o {}", quoted(output)));
+    words.0.join(" ")
+}
+
+/// A command line as it grows.
+struct Words(Vec<String>);
+
+impl Words {
+    fn option(&mut self, name: &str, value: impl AsRef<str>) {
+        self.0.push(format!("--{name} {}", quoted(value.as_ref())));
+    }
+
+    fn surface(&mut self, surface: &Source, scene: &Scene) {
+        let own = surface.name == scene.surface;
+        if !own {
+            self.option("surface", surface.name.to_string_lossy());
+        }
+        if let Some([x, y]) = surface.pixel_size.filter(|p| !own || Some(*p) != scene.pixel_size) {
+            self.option("pixel-size", format!("{x}umx{y}um"));
+        }
+        if let Some(height) = surface.height.filter(|h| !own || Some(*h) != scene.full_height) {
+            self.option("height", format!("{height}um"));
+        }
+        if let Some(channel) = &surface.channel {
+            self.option("channel", channel);
+        }
+        let own_steps: &[Step] = if own { &scene.prepare } else { &[] };
+        if surface.prepare != own_steps {
+            // Without a step the scene's own would stay.
+            let none = [Step::Level(Level::None)];
+            let steps = if surface.prepare.is_empty() { &none[..] } else { &surface.prepare };
+            self.0.push(as_options(steps));
+        }
+        if surface.seed != 1 {
+            self.option("seed", surface.seed.to_string());
+        }
+    }
+
+    fn optics(&mut self, settings: &ViewSettings) {
+        let optics = &settings.optics;
+        let windows = settings.windows(optics);
+        self.option("method", settings.method(optics).name());
+        self.option("windows", windows.to_string());
+        if windows == Windows::All {
+            self.option("beyond", settings.beyond.name());
+        } else {
+            self.option("basis", optics.basis.name());
+        }
+        // As the viewer draws, until it sums samples.
+        self.option("samples", "1");
+        self.option("tolerance", format!("{:e}", optics.tolerance));
+        if let Some(terms) = optics.terms.filter(|_| windows != Windows::All) {
+            self.option("terms", terms.to_string());
+        }
+        if let Some(wavelengths) = settings.wavelengths(optics) {
+            self.option("wavelengths", wavelengths.to_string());
+        }
+        let coherence = match settings.coherence {
+            Coherence::Gaussian { length } => format!("gaussian:{length}um"),
+            Coherence::Repeats([n, m]) => format!("grating:{n}x{m}"),
+        };
+        self.option("coherence", coherence);
+        self.option("ior", settings.ior.to_string());
+        self.option("illuminant", &settings.illuminant);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expansion::Basis;
+    use crate::optics::coherence::Beyond;
+    use crate::setup::Method;
+    use crate::viewer::OpticsSettings;
+
+    fn settings() -> (ViewSettings, Scene) {
+        let scene = Scene::open("plate").unwrap();
+        let surface = Source {
+            name: scene.surface.clone(),
+            pixel_size: None,
+            height: None,
+            channel: None,
+            prepare: Vec::new(),
+            seed: 1,
+        };
+        let optics = OpticsSettings {
+            method: Method::Spectral,
+            windows: Windows::ONE,
+            basis: Basis::Taylor,
+            tolerance: 1e-2,
+            terms: None,
+            wavelengths: None,
+        };
+        let settings = ViewSettings {
+            scene: "plate".to_owned(),
+            surface,
+            optics,
+            coherence: Coherence::SUNLIGHT,
+            beyond: Beyond::Copies,
+            ior: 1.5,
+            illuminant: "d65".to_owned(),
+            lights: scene.lights.clone(),
+            exposure: scene.exposure,
+            base_color: scene.base_color,
+            camera: scene.camera,
+        };
+        (settings, scene)
+    }
+
+    #[test]
+    fn the_command_line_names_what_differs_and_quotes_it() {
+        let (mut s, scene) = settings();
+        let plain = render(&s, &scene, [64, 48], "a.png");
+        let expected = "diffract render plate --method spectral --windows 1x1 --basis taylor --samples 1 --tolerance 1e-2 ";
+        assert!(plain.starts_with(expected), "{plain}");
+        assert!(plain.ends_with("--size 64x48 -o a.png"), "{plain}");
+        assert!(!plain.contains("--eye") && !plain.contains("--surface") && !plain.contains("--seed"));
+        let by_table = OpticsSettings {
+            method: Method::Table,
+            terms: Some(9),
+            windows: Windows::All,
+            ..s.optics.clone()
+        };
+        let table = render(&ViewSettings { optics: by_table, ..s.clone() }, &scene, [64, 48], "a.png");
+        let expected = "--method table --windows all --beyond copies --samples 1 --tolerance 1e-2";
+        assert!(table.contains(expected), "{table}");
+        assert!(!table.contains("--terms") && !table.contains("--basis"), "{table}");
+        let through = Coherence::Repeats([3, 7]);
+        // A finite grating stands at one place, so that there is no mean and no table of it.
+        let named = OpticsSettings {
+            method: Method::Table,
+            windows: Windows::All,
+            wavelengths: Some(9),
+            ..s.optics.clone()
+        };
+        let repeats = ViewSettings { coherence: through, optics: named, ..s.clone() };
+        let told = render(&repeats, &scene, [64, 48], "a.png");
+        assert!(told.contains("--coherence grating:3x7") && !told.contains("--wavelengths"), "{told}");
+        assert!(told.contains("--method spectral --windows 1x1"), "{told}");
+        s.surface.name = "my scan's.png".into();
+        s.surface.pixel_size = Some([0.09, 0.1]);
+        s.camera.phi += 0.25;
+        let told = render(&s, &scene, [64, 48], "a.png");
+        assert!(told.contains("--surface 'my scan'\\''s.png' --pixel-size 0.09umx0.1um"), "{told}");
+        assert!(told.contains("--eye ") && told.contains("--target "), "{told}");
+    }
+}

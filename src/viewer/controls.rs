@@ -1,0 +1,44 @@
+//! What helps against an error, in controls of the panel.
+
+use crate::error::{Error, Remedy};
+use std::borrow::Cow;
+
+/// The error in one line that names controls.
+pub fn in_controls(error: &Error) -> String {
+    error.in_words(control)
+}
+
+/// What to change in the window for `remedy`.
+fn control(remedy: &Remedy) -> Cow<'_, str> {
+    Cow::Borrowed(match remedy {
+        Remedy::Words(words) => words,
+        Remedy::LargerTolerance => "choose a larger `tolerance`",
+        Remedy::SmallerPicture => "make the window smaller",
+        Remedy::AllWindows => "set `windows` to `mean`",
+        Remedy::OneWindow => "set `windows` to `one`",
+        Remedy::SpectralMethod => "set `method` to `spectral`",
+        Remedy::TableMethod => "set `method` to `table`",
+        Remedy::OptimalBasis => "set `basis` to `optimal`",
+        Remedy::FewerTerms => "set fewer `terms`",
+        Remedy::AutomaticTerms => "uncheck `terms`",
+        Remedy::AutomaticWavelengths => "uncheck `wavelengths`",
+        Remedy::ShorterCoherence => "set a smaller `length` of the coherence",
+        Remedy::GaussianCoherence => "set `coherence` to `gaussian`",
+        Remedy::FewerRepeats => "set fewer `copies`",
+        Remedy::PixelSize => "set `sample`",
+        Remedy::FullHeight => "set `full height`",
+        Remedy::LevelPlane => "set `level` to `plane`",
+        other => return Cow::Owned(other.to_string()),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_remedy_names_its_control() {
+        let error = Error::failed("too large", [Remedy::LargerTolerance, Remedy::ReferenceMethod]);
+        assert_eq!(in_controls(&error), "too large; choose a larger `tolerance`, or take the f64 reference");
+    }
+}
