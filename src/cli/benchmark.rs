@@ -179,8 +179,8 @@ impl BenchmarkScene {
         let mut settings = Settings::new(method, shading.clone());
         if setup::averages_footprints(&settings) {
             let sample = Sampling::ONE.sample(0);
-            settings.least_footprint =
-                prepare::least_footprint(&self.device, &self.scene, &self.view, self.size, &sample)?;
+            settings.footprints =
+                prepare::footprint_sizes(&self.device, &self.scene, &self.view, self.size, &sample)?;
         }
         let source = prepare::source(&self.field, &settings, &self.device)?;
         let (painter, directions) = self.painter(&source, &shading)?;

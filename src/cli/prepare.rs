@@ -6,13 +6,14 @@ use super::verbosity::quiet;
 use super::{check_validation, say, validation};
 use crate::brdf::Brdf;
 use crate::error::Result;
+use crate::optics::footprint::FootprintSizes;
 use crate::optics::sampling::{self, Limit};
 use crate::render::footprints;
 use crate::render::frame::View;
 use crate::render::sampling::Sample;
 use crate::render::source::Source;
 use crate::scene::Scene;
-use crate::setup::{self, InUse, Settings, Target};
+use crate::setup::{self, InUse, Settings};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
@@ -47,7 +48,7 @@ pub fn source(field: &HeightField, settings: &Settings, device: &Arc<Device>) ->
     let start = Instant::now();
     let bar = progress_bar("spectra");
     let progress = |what, done, of| show(&bar, what, done, of);
-    let made = setup::source(field, settings, Target::from(device), &mut InUse::default(), &progress)?;
+    let made = setup::source(field, settings, device.candidate(), &mut InUse::default(), &progress)?;
     bar.finish_and_clear();
     let (extent, summary) = (made.source.extent(), made.source.summary(&settings.shading));
     const MIB: f64 = 1024.0 * 1024.0;
@@ -93,20 +94,23 @@ pub fn for_each_window(
     opened.get().map_or(Ok(()), |device| finish(device))
 }
 
-/// The least standard deviation of (u, v) that a source for a picture of `size` pixels of `view` has to resolve.
+/// How large the footprints of a picture of `size` pixels of `view` are.
 ///
 /// # Errors
 /// Where the device is lost or has no room.
-pub fn least_footprint(
+pub fn footprint_sizes(
     device: &Arc<Device>,
     scene: &Scene,
     view: &View,
     size: [u32; 2],
     sample: &Sample,
-) -> Result<f64> {
-    let least = footprints::least(device, &scene.mesh, view, size, sample)?;
-    detail(&format_args!("pixels are averaged over standard deviations of (u, v) from {least:.1e} on"));
-    Ok(least)
+) -> Result<FootprintSizes> {
+    let sizes = footprints::sizes(device, &scene.mesh, view, size, sample)?;
+    detail(&format_args!(
+        "pixels are averaged over standard deviations of (u, v) from {:.1e} on",
+        sizes.shorter
+    ));
+    Ok(sizes)
 }
 
 fn show(bar: &ProgressBar, what: &'static str, done: usize, of: usize) -> Result<()> {

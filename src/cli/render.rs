@@ -112,8 +112,7 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
         let mut settings = Settings::new(method, shading.clone());
         if setup::averages_footprints(&settings) {
             let sample = sampling.sample(0);
-            settings.least_footprint =
-                prepare::least_footprint(&device, scene, &view, arguments.size, &sample)?;
+            settings.footprints = prepare::footprint_sizes(&device, scene, &view, arguments.size, &sample)?;
         }
         prepare::source(field, &settings, &device)?
     };

@@ -38,6 +38,15 @@ impl Covariance {
     }
 }
 
+/// How large the footprints of a picture's pixels are: what a source has to resolve, and how much rows of taps average.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FootprintSizes {
+    /// Standard deviation of (u, v) along the shorter axis that nine of ten pixels exceed; 0 where single directions are asked for.
+    pub shorter: f64,
+    /// Standard deviation along the longer axis that three of four pixels exceed.
+    pub longer: f64,
+}
+
 /// Which of the samples of a pixel is shaded. The taps of [`MOST_SHARED`] samples together are as close as those of a single one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Share {

@@ -129,16 +129,6 @@ impl Kernel {
     }
 }
 
-/// The kernel to read along a line with, where the other axis is read at its bins, and L/σ along the line, for an RMS relative
-/// intensity error of at most `tolerance`, or the finest there is.
-pub fn along_lines(tolerance: f64) -> (Kernel, f64) {
-    let allowed = tolerance / SPECKLE;
-    let linear = Kernel::Linear.smallest_ratio(allowed, MOST_MIXED).map(|ratio| (Kernel::Linear, ratio));
-    linear.unwrap_or_else(|| {
-        (Kernel::Cubic, Kernel::Cubic.smallest_ratio(allowed, MOST_CUBIC).unwrap_or(MOST_CUBIC))
-    })
-}
-
 /// A kernel for each axis, and the padded lengths that they need.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interpolation {

@@ -8,6 +8,7 @@ use super::sampling::Sample;
 use super::shading::Shading;
 use super::source::{ClassicalGrating, Source};
 use crate::error::Result;
+use crate::optics::footprint::FootprintSizes;
 use crate::scene::Mesh;
 use crate::vk::device::Device;
 use glam::DVec3;
@@ -72,11 +73,17 @@ fn quantile(values: &[f64], share: f64) -> f64 {
     values.get((share.clamp(0.0, 1.0) * last as f64).round() as usize).copied().unwrap_or(0.0)
 }
 
-/// The least standard deviation of (u, v) that the finest level of a source has to resolve for a `sample` of `view` with `size` pixels.
+/// How large the footprints of a `sample` of `view` with `size` pixels are.
 ///
 /// # Errors
 /// Where the device is lost or has no room.
-pub fn least(device: &Arc<Device>, mesh: &Mesh, view: &View, size: [u32; 2], sample: &Sample) -> Result<f64> {
+pub fn sizes(
+    device: &Arc<Device>,
+    mesh: &Mesh,
+    view: &View,
+    size: [u32; 2],
+    sample: &Sample,
+) -> Result<FootprintSizes> {
     let source = Source::ClassicalGrating(ClassicalGrating::default());
     let lights = view.lights.len();
     let mut painter =
@@ -84,22 +91,25 @@ pub fn least(device: &Arc<Device>, mesh: &Mesh, view: &View, size: [u32; 2], sam
     painter.ask_for_footprints()?;
     let directions: Vec<_> =
         (0..lights).map(|light| painter.directions_of(view, light, sample)).collect::<Result<_>>()?;
-    Ok(least_read(&directions))
+    Ok(sizes_of(&directions))
 }
 
-/// The standard deviation of (u, v) along the shorter axis of its footprint that nine of ten pixels of `directions` (one entry per light) exceed.
-/// Finer levels are not needed along the longer axis.
-pub fn least_read(directions: &[Directions]) -> f64 {
-    const BELOW: f64 = 0.1;
-    let mut read: Vec<f64> = directions
-        .iter()
-        .flat_map(|seen| {
-            let shaded = |i: &usize| seen.light[*i][2] > 0.0 && seen.view[*i][2] > 0.0;
-            (0..seen.view.len()).filter(shaded).map(|i| seen.covariance(i).axes()[1].sqrt())
-        })
-        .collect();
-    read.sort_by(f64::total_cmp);
-    quantile(&read, BELOW)
+/// How large the footprints of shaded pixels in `directions` (one entry per light) are.
+pub fn sizes_of(directions: &[Directions]) -> FootprintSizes {
+    const BELOW_SHORTER: f64 = 0.1;
+    const BELOW_LONGER: f64 = 0.25;
+    let [mut longer, mut shorter] = [Vec::new(), Vec::new()];
+    for seen in directions {
+        let shaded = |i: &usize| seen.light[*i][2] > 0.0 && seen.view[*i][2] > 0.0;
+        for i in (0..seen.view.len()).filter(shaded) {
+            let axes = seen.covariance(i).axes().map(f64::sqrt);
+            longer.push(axes[0]);
+            shorter.push(axes[1]);
+        }
+    }
+    longer.sort_by(f64::total_cmp);
+    shorter.sort_by(f64::total_cmp);
+    FootprintSizes { shorter: quantile(&shorter, BELOW_SHORTER), longer: quantile(&longer, BELOW_LONGER) }
 }
 
 /// The median area of the surface that a covered pixel of `view` shows \[units of the scene, squared\]; `None` where no pixel shows the

@@ -1,6 +1,6 @@
 //! The BRDF of a height field by the method that is asked for.
 
-use super::{InUse, Method, Progress, Settings, Target, check, source};
+use super::{InUse, Method, Progress, Settings, check, source};
 use crate::brdf::mean::Mean;
 use crate::brdf::{Brdf, DirectSum, MeanReference};
 use crate::error::{Error, Result};
@@ -52,7 +52,7 @@ pub fn for_each_window(
         let shift = [f64::from(i) / f64::from(n) * patch[0], f64::from(j) / f64::from(m) * patch[1]];
         let cached = n * m <= CACHED_WINDOWS;
         let settings = Settings { shading: one.clone(), shift, cached, ..settings.clone() };
-        let made = source(field, &settings, Target::from(&device), &mut InUse::default(), progress)?;
+        let made = source(field, &settings, device.candidate(), &mut InUse::default(), progress)?;
         if let Some(error) = &made.note {
             note(error);
         }

@@ -1,6 +1,6 @@
 //! A picture of a scene in one call.
 
-use super::{InUse, Method, Settings, Target, averages_footprints, source};
+use super::{InUse, Method, Settings, averages_footprints, source};
 use crate::error::Result;
 use crate::render::footprints;
 use crate::render::frame::{Shown, View};
@@ -52,9 +52,9 @@ pub fn picture(
     let PictureSettings { size, sampling, .. } = *settings;
     let mut optics = settings.optics.clone();
     if averages_footprints(&optics) {
-        optics.least_footprint = footprints::least(device, &scene.mesh, &view, size, &sampling.sample(0))?;
+        optics.footprints = footprints::sizes(device, &scene.mesh, &view, size, &sampling.sample(0))?;
     }
-    let made = source(field, &optics, Target::from(device), &mut InUse::default(), &|_, _, _| Ok(()))?;
+    let made = source(field, &optics, device.candidate(), &mut InUse::default(), &|_, _, _| Ok(()))?;
     let (source, shading, lights) = (&made.source, &optics.shading, view.lights.len());
     let mut painter = Painter::new(device, source, shading, &scene.mesh, &pigment, size, lights)?;
     if source.has_limits(shading) {

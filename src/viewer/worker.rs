@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::render::footprints;
 use crate::render::frame::View;
 use crate::render::sampling::Sampling;
-use crate::setup::{self, InUse, Target};
+use crate::setup::{self, InUse};
 use crate::surface::{HeightField, Source as Surface};
 use crate::vk::device::Device;
 use crate::vk::selection::Candidate;
@@ -179,15 +179,14 @@ impl Preparer {
         progress: &setup::Progress<'_>,
     ) -> Result<(Arc<Prepared>, Option<Error>)> {
         let field = self.field(&request.surface)?;
-        let target = Target { limits: &self.limits, device: self.device.as_ref() };
         let mut settings = request.settings.clone();
         if let (Some(device), Some(picture)) = (&self.device, &request.picture)
             && setup::averages_footprints(&settings)
         {
             let (mesh, sample) = (&picture.loaded.scene.mesh, Sampling::ONE.sample(0));
-            settings.least_footprint = footprints::least(device, mesh, &picture.view, picture.size, &sample)?;
+            settings.footprints = footprints::sizes(device, mesh, &picture.view, picture.size, &sample)?;
         }
-        let made = setup::source(&field, &settings, target, &mut self.in_use, progress)?;
+        let made = setup::source(&field, &settings, &self.limits, &mut self.in_use, progress)?;
         let (shaded_from, shading) = (made.source, request.settings.shading.clone());
         let prepared = Prepared { number: request.number, field, shaded_from, shading };
         Ok((Arc::new(prepared), made.note))

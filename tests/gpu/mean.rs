@@ -6,10 +6,10 @@ use crate::measure::{channel, per_direction};
 use diffract::brdf::mean::{Mean, TabulatedMean};
 use diffract::measure::error;
 use diffract::optics::coherence::{Coherence, Windows};
-use diffract::optics::footprint::{Covariance, MOST_SIDES};
+use diffract::optics::footprint::{Covariance, FootprintSizes, MOST_SIDES};
 use diffract::optics::spectrum::SHORTEST;
 use diffract::render::evaluator::Evaluator;
-use diffract::render::footprints::least_read;
+use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
 use diffract::render::picture::{Directions, Painter};
 use diffract::render::pigment::Pigment;
@@ -31,16 +31,16 @@ fn shading(length: f64, tolerance: f64) -> Shading {
     Shading { coherence, windows: Windows::All, tolerance, ..Shading::default() }
 }
 
-/// What is shaded from, for pixels that average over standard deviations of (u, v) from `least_footprint` on.
+/// What is shaded from, for pixels with these `footprints`.
 pub fn source(
     device: &Arc<Device>,
     field: &HeightField,
     shading: &Shading,
     method: Method,
-    least_footprint: f64,
+    footprints: FootprintSizes,
 ) -> Source {
     let settings =
-        setup::Settings { cached: false, least_footprint, ..setup::Settings::new(method, shading.clone()) };
+        setup::Settings { cached: false, footprints, ..setup::Settings::new(method, shading.clone()) };
     let target = Target::from(device);
     setup::source(field, &settings, target, &mut InUse::default(), &|_, _, _| Ok(())).unwrap().source
 }
@@ -78,7 +78,7 @@ fn colours_meet_their_tolerance(method: Method, tolerances: &[f64]) {
             for &tolerance in tolerances {
                 let shading = shading(length, tolerance);
                 let answers = |field: &HeightField| {
-                    let source = source(device, field, &shading, method, 0.0);
+                    let source = source(device, field, &shading, method, FootprintSizes::default());
                     let mut evaluator = Evaluator::new(device, &source, &shading).unwrap();
                     evaluator.cosine_weighted(&queries).unwrap()
                 };
@@ -118,7 +118,7 @@ fn single_wavelengths_by_power_spectra_meet_their_tolerance_and_tables_refuse_th
         for tolerance in [1e-1, 1e-2] {
             let shading = shading(16.0, tolerance);
             let answers = |field: &HeightField| -> Vec<f64> {
-                let source = source(device, field, &shading, Method::Spectral, 0.0);
+                let source = source(device, field, &shading, Method::Spectral, FootprintSizes::default());
                 let mut evaluator = Evaluator::new(device, &source, &shading).unwrap();
                 evaluator.cosine_weighted(&queries).unwrap().iter().map(|f| f.x).collect()
             };
@@ -128,7 +128,7 @@ fn single_wavelengths_by_power_spectra_meet_their_tolerance_and_tables_refuse_th
             assert!(per_direction(&answers(&higher(&field)), &exact, FLOOR) > 2.0 * tolerance);
         }
         let shading = shading(16.0, 1e-1);
-        let table = source(device, &field, &shading, Method::Table, 0.0);
+        let table = source(device, &field, &shading, Method::Table, FootprintSizes::default());
         let mut evaluator = Evaluator::new(device, &table, &shading).unwrap();
         assert!(evaluator.cosine_weighted(&queries[..1]).is_err(), "a table holds colours");
     });
@@ -157,7 +157,7 @@ fn pictures_are_the_reference_picture(method: Method, allowed: f64) {
     let shading = shading(16.0, 2e-2).for_pictures();
     with_device(|device| {
         let seen = directions(device, &scene, &view);
-        let source = source(device, &field, &shading, method, least_read(&seen));
+        let source = source(device, &field, &shading, method, sizes_of(&seen));
         let mesh = &scene.mesh;
         let mut painter =
             Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE, view.lights.len())
@@ -217,7 +217,7 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
         };
         let mut directions = new(&probe);
         directions.ask_for_footprints().unwrap();
-        let least = least_read(&[directions.directions_of(&view, 0, &sampling.sample(0)).unwrap()]);
+        let least = sizes_of(&[directions.directions_of(&view, 0, &sampling.sample(0)).unwrap()]);
         let mut seen = |sample: &Sample| Ok(vec![directions.directions_of(&view, 0, sample)?]);
         let exact =
             reference_mean(&field, &shading, &view, &sampling, &mut seen, &|_| true, &|_, _| Ok(())).unwrap();
@@ -249,7 +249,7 @@ fn a_turntable_does_not_shimmer() {
     with_device(|device| {
         let first = directions(device, &scene, &view_of(0));
         let pixels = error::sample(&covered(&first), COMPARED);
-        let source = source(device, &field, &shading, Method::Table, least_read(&first));
+        let source = source(device, &field, &shading, Method::Table, sizes_of(&first));
         let mesh = &scene.mesh;
         let mut painter = Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE, 1).unwrap();
         let reference = PixelReference::new(&field, &shading, &|_, _| Ok(())).unwrap();
@@ -288,7 +288,7 @@ fn the_work_of_a_table_is_three_samples_for_each_tap() {
     let shading = shading(8.0, 1e-1).for_pictures();
     with_device(|device| {
         let seen = directions(device, &scene, &view);
-        let source = source(device, &field, &shading, Method::Table, least_read(&seen));
+        let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
         let points = [Directions { footprints: Vec::new(), ..seen[0].clone() }];
         assert_eq!(source.cost(&shading, &points).samples_per_pixel(), 3.0);
         // A row along the longer axis, and two sparser ones beside it.
