@@ -6,6 +6,7 @@ use crate::mean::source;
 use diffract::error::{Remedy, Result};
 use diffract::measure::profile;
 use diffract::optics::coherence::{Coherence, Windows};
+use diffract::optics::footprint::FootprintSizes;
 use diffract::precompute::{Settings, compute};
 use diffract::render::difference::DifferencePass;
 use diffract::render::evaluator::Evaluator;
@@ -77,7 +78,8 @@ fn a_picture_of_the_mean_fails_cleanly_at_each_of_its_allocations_and_succeeds_a
     let scene = Scene::open("plate").unwrap();
     with_device(|device| {
         for method in [Method::Table, Method::Spectral] {
-            let source = source(device, &field, &shading, method, 1e-2);
+            let source =
+                source(device, &field, &shading, method, FootprintSizes { shorter: 1e-2, longer: 1e-2 });
             let paint = || paint(device, &source, &shading, &scene);
             let expected = paint().unwrap();
             let (allocations, picture) = with_each_allocation_failing(device, paint);

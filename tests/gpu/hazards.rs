@@ -4,6 +4,7 @@ use crate::device::with_device;
 use crate::evaluation::{colours, grating, layers, patch, shading, window};
 use crate::mean::source;
 use diffract::optics::coherence::Windows;
+use diffract::optics::footprint::FootprintSizes;
 use diffract::render::difference::DifferencePass;
 use diffract::render::evaluator::Evaluator;
 use diffract::render::frame::{Shown, View};
@@ -121,7 +122,16 @@ fn pictures_from_spectra_tables_and_windows_have_all_their_barriers() {
             let mut recordings = vec![recorded(device, || draw(&window(&layers), &one))];
             for method in [Method::Table, Method::Spectral] {
                 recordings.push(recorded(device, || {
-                    draw(&source(device, &field, &mean(), method, 1e-2), &mean());
+                    draw(
+                        &source(
+                            device,
+                            &field,
+                            &mean(),
+                            method,
+                            FootprintSizes { shorter: 1e-2, longer: 1e-2 },
+                        ),
+                        &mean(),
+                    );
                 }));
             }
             for events in &recordings {

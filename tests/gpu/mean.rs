@@ -18,7 +18,7 @@ use diffract::render::sampling::{Sample, Sampling};
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::{Light, Scene};
-use diffract::setup::{self, InUse, Method, Target};
+use diffract::setup::{self, InUse, Method};
 use diffract::surface::HeightField;
 use diffract::surface::synth::Kind;
 use diffract::vk::device::Device;
@@ -41,8 +41,9 @@ pub fn source(
 ) -> Source {
     let settings =
         setup::Settings { cached: false, footprints, ..setup::Settings::new(method, shading.clone()) };
-    let target = Target::from(device);
-    setup::source(field, &settings, target, &mut InUse::default(), &|_, _, _| Ok(())).unwrap().source
+    setup::source(field, &settings, device.candidate(), &mut InUse::default(), &|_, _, _| Ok(()))
+        .unwrap()
+        .source
 }
 
 fn mean<'a>(field: &'a HeightField, shading: &Shading) -> Mean<'a> {
