@@ -67,6 +67,7 @@ fn picture() -> Vec<Event> {
         made(HOST),
         image(Nothing, ColorAttachment),
         used(IMAGE, ColorAttachment),
+        Event::Ended,
         image(ColorAttachment, ShaderRead),
         Event::Bound(vec![(IMAGE, ShaderRead)]),
         Event::Work,
@@ -121,11 +122,11 @@ fn every_scope_that_is_left_out_is_noticed() {
             picture(),
             &[
                 (2, &[2, 3]),
-                (4, &[0, 1, 2, 3]),
-                (7, &[0, 2]),
-                (8, &[0, 2, 3]),
-                (11, &[0, 1, 2, 3]),
-                (14, &[0, 1, 2, 3]),
+                (5, &[0, 1, 2, 3]),
+                (8, &[0, 2]),
+                (9, &[0, 2, 3]),
+                (12, &[0, 1, 2, 3]),
+                (15, &[0, 1, 2, 3]),
             ],
         ),
     ];
@@ -157,7 +158,7 @@ fn what_is_wrong_is_named() {
     events.remove(4);
     assert_eq!(check(&events), ["Buffer(1): no barrier between TransferWrite and VertexRead"]);
     let mut events = picture();
-    events.remove(7);
+    events.remove(8);
     let found = check(&events);
     assert!(
         found.contains(&"Image(1): its layout changes and nothing waits for ShaderRead".into()),
