@@ -341,6 +341,8 @@ impl DisplayPass {
         record.images(&[
             (&target.radiance, Access::ColorAttachment, Access::ShaderRead),
             (into, Access::Nothing, Access::ColorAttachment),
+            // The pass before stored it.
+            (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
         ]);
         let background = Some(displayed(shown.background));
         record.render_over(&[(into, background)], &geometry.depth, |draw| self.draw(draw, 1, shown));

@@ -379,6 +379,7 @@ impl Recorder<'_> {
         draw(self);
         // SAFETY: rendering was begun above.
         unsafe { self.device.cmd_end_rendering(self.raw) };
+        self.events.note(|| Event::Ended);
     }
 
     /// Draws indexed triangles.

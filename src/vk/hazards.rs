@@ -8,7 +8,8 @@
 //!   the destination scopes of that barrier and of later ones. A fence makes nothing visible: not to the host, not to later work.
 //! - A change of layout is a write that happens in its barrier.
 //!
-//! Commands that are recorded by raw handles (the panel of the window) are not seen.
+//! Passes that share a descriptor set use parts of it. What a pass draws into counts as unused by its shaders, which may not read it;
+//! validation sees those that do. Commands that are recorded by raw handles (the panel of the window) are not seen.
 
 use super::access::Access;
 use ash::vk::{self, AccessFlags2 as A, ImageLayout, PipelineStageFlags2 as S};
@@ -63,6 +64,8 @@ pub enum Event {
     Work,
     /// A resource was used, all of it or a part.
     Used(Resource, Access, Option<Part>),
+    /// The pass that drew into attachments ended.
+    Ended,
     /// A barrier over all memory.
     Barrier(Scopes),
     /// A barrier on an image, between two layouts.
@@ -173,6 +176,8 @@ struct State {
 struct Replay {
     states: HashMap<Resource, State>,
     bound: Vec<(Resource, Access)>,
+    /// What the pass that is open draws into.
+    attachments: Vec<Resource>,
     findings: Vec<String>,
 }
 
@@ -186,10 +191,18 @@ impl Replay {
             Event::Bound(accesses) => self.bound.clone_from(accesses),
             Event::Work => {
                 for (resource, access) in self.bound.clone() {
-                    self.use_of(resource, access, None);
+                    if !self.attachments.contains(&resource) {
+                        self.use_of(resource, access, None);
+                    }
                 }
             }
-            Event::Used(resource, access, part) => self.use_of(*resource, *access, *part),
+            Event::Used(resource, access, part) => {
+                if matches!(access, Access::ColorAttachment | Access::DepthAttachment) {
+                    self.attachments.push(*resource);
+                }
+                self.use_of(*resource, *access, *part);
+            }
+            Event::Ended => self.attachments.clear(),
             Event::Barrier(scopes) => {
                 for past in self.states.values_mut().flat_map(|state| &mut state.past) {
                     past.pass(scopes);

@@ -203,7 +203,7 @@ fn a_face_of_millions_of_corners_is_refused_with_little_more_memory_than_its_fil
         format!("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf{}\n", " 1 2 3 4".repeat(corners / 4)),
     );
     let render = ["render", "face.obj", "--size", "8x6", "-o", "o.png"];
-    let line = limited(&sandbox, "ulimit -v 200000", &render).refused(1);
+    let line = limited(&sandbox, "ulimit -v 400000", &render).refused(1);
     assert!(line.contains(&format!("line 5: a face has {corners} corners")), "{line}");
 }
 

@@ -43,7 +43,7 @@ fn assert_clean(events: &[Event], accesses: &[Access]) {
         };
         assert!(events.iter().any(has), "{access:?} is not in {} events", events.len());
     }
-    assert_eq!(check(events), [String::new(); 0], "{} events", events.len());
+    assert_eq!(check(events), [""; 0], "{} events", events.len());
 }
 
 /// Fails unless `events` without all barriers that `is` names have a finding.
