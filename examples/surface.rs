@@ -25,10 +25,10 @@ fn main() -> Result<()> {
         println!("{:.0} nm: brightest at {:.2} degrees", wavelength * 1e3, angles[brightest]);
     }
 
-    // The colour of the same surface from some angles, in white light, two stops darker than a mirror image would be shown.
+    // The colour of the same surface from some angles, in white light, five stops darker than a mirror image would be shown.
     let pairs = [25.0, 31.0, 37.0].map(|angle| pair(&angle));
     for (pair, xyz) in pairs.iter().zip(surface.xyz(&pairs)?) {
-        let [r, g, b] = display(xyz_to_linear_srgb(xyz), -2.0);
+        let [r, g, b] = display(xyz_to_linear_srgb(xyz), -5.0);
         println!("{:.0} degrees: #{r:02x}{g:02x}{b:02x}", pair.view.z.acos().to_degrees());
     }
     Ok(())

@@ -4,16 +4,17 @@
 //! cut into fans, which suits convex ones. If a single face has no texture coordinates, those of the whole file are
 //! projected as [`Corner::uv`] says, so that one rule holds for all of it; normals likewise become smooth ones.
 //!
-//! A file is read twice. The first pass counts, so that limits and memory are checked before anything is taken; the second
-//! reads into what the first found.
+//! A file is read twice. The first pass judges every line and counts, so that limits and memory are checked before a mesh is made; the second is
+//! tobj's, of the lines that make the mesh.
 
 use super::corner::Corner;
 use super::mesh::{MAX_TRIANGLES, Mesh, Progress};
 use crate::error::{Error, Result};
 use crate::memory;
 use std::borrow::Cow;
+use std::cell::RefCell;
 use std::fs::{self, File};
-use std::io::Read;
+use std::io::{self, BufReader, Read};
 use std::path::Path;
 
 /// The largest file that is read, in bytes.
@@ -62,24 +63,60 @@ fn parse(bytes: &[u8], progress: &Progress<'_>) -> Result<Mesh> {
     if bytes.contains(&0) {
         return Err(not_an_obj());
     }
-    let mut sizes = Sizes::default();
-    each_line(bytes, "counting faces", progress, |line| sizes.line(line))?;
-    if sizes.counts == [0; 3] && sizes.faces == 0 {
-        return Err(not_an_obj());
+    // The lines that make the mesh.
+    memory::ensure_room(2 * bytes.len() as u64, "the text of the mesh")?;
+    let survey = Survey::of(bytes, progress)?;
+    memory::ensure_room(survey.triangles as u64 * BYTES_PER_TRIANGLE, "the triangles of the mesh")?;
+    let models = models(&survey.geometry, progress)?;
+    Mesh::build(models.iter().flat_map(|m| triangles(&m.mesh, &survey)).collect(), progress)
+}
+
+/// What tobj reads of `geometry`, or the error of `progress`.
+fn models(geometry: &str, progress: &Progress<'_>) -> Result<Vec<tobj::Model>> {
+    let stopped = RefCell::new(None);
+    let text = ToldText { text: geometry.as_bytes(), done: 0, told: 0, progress, stopped: &stopped };
+    progress(READING, 0, geometry.len())?;
+    let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
+    let no_materials = |_: &Path| Err(tobj::LoadError::GenericFailure);
+    let read = tobj::load_obj_buf(&mut BufReader::new(text), &options, no_materials);
+    if let Some(error) = stopped.into_inner() {
+        return Err(error);
     }
-    memory::ensure_room(sizes.triangles as u64 * BYTES_PER_TRIANGLE + sizes.bytes(), "the mesh")?;
-    let mut geometry = Geometry::of(&sizes);
-    each_line(bytes, "reading faces", progress, |line| geometry.line(line))?;
-    if sizes.faces == 0 {
-        let remedy = "export it with faces; a point cloud has no surface";
-        return Err(Error::failed("the OBJ has no faces", remedy));
+    let (models, _) =
+        read.map_err(|e| Error::failed(e.to_string(), "export the mesh as Wavefront OBJ again"))?;
+    Ok(models)
+}
+
+/// What the second pass is called.
+const READING: &str = "reading faces";
+
+/// Text that tells how much of it was read, and ends where that is answered with an error.
+struct ToldText<'a> {
+    text: &'a [u8],
+    done: usize,
+    told: usize,
+    progress: &'a Progress<'a>,
+    stopped: &'a RefCell<Option<Error>>,
+}
+
+impl Read for ToldText<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = (&self.text[self.done..]).read(buffer)?;
+        self.done += count;
+        if self.done - self.told >= REPORT_EVERY {
+            self.told = self.done;
+            if let Err(error) = (self.progress)(READING, self.done, self.text.len()) {
+                *self.stopped.borrow_mut() = Some(error);
+                return Err(io::Error::other("stopped"));
+            }
+        }
+        Ok(count)
     }
-    Mesh::build(geometry.into_triangles(), progress)
 }
 
 /// The bytes of the file, if it is one and not too large.
 fn read(path: &Path) -> Result<Vec<u8>> {
-    let failed = |e: std::io::Error| Error::failed(format!("cannot read the mesh ({e})"), "check the path");
+    let failed = |e: io::Error| Error::failed(format!("cannot read the mesh ({e})"), "check the path");
     let about = fs::metadata(path).map_err(failed)?;
     if !about.is_file() {
         let what = if about.is_dir() { "this is a directory" } else { "this is not a plain file" };
@@ -114,13 +151,13 @@ fn each_line(
     text: &[u8],
     what: &'static str,
     progress: &Progress<'_>,
-    mut act: impl FnMut(&[u8]) -> Result<()>,
+    mut act: impl FnMut(usize, &[u8]) -> Result<()>,
 ) -> Result<()> {
     let (mut start, mut number, mut reported) = (0, 1, 0);
     progress(what, 0, text.len())?;
     while start < text.len() {
         let (line, length, ends) = next_line(&text[start..]);
-        act(&line).map_err(|e| e.at(format!("line {number}")))?;
+        act(number, &line).map_err(|e| e.at(format!("line {number}")))?;
         (start, number) = (start + length, number + ends);
         if start - reported >= REPORT_EVERY {
             progress(what, start, text.len())?;
@@ -159,216 +196,168 @@ fn next_line(text: &[u8]) -> (Cow<'_, [u8]>, usize, usize) {
     }
 }
 
-/// The words of a line.
-fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
-    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+/// The beginning of a word, quoted.
+fn quoted(word: &str) -> String {
+    format!("{:?}", word.chars().take(SHOWN).collect::<String>())
 }
 
-/// The beginning of a word, quoted.
-fn quoted(word: &[u8]) -> String {
-    format!("{:?}", String::from_utf8_lossy(&word[..word.len().min(SHOWN)]))
+/// What a first pass finds. tobj trusts indices and invents what faces lack, so each line is judged before it sees it.
+#[derive(Default)]
+struct Survey {
+    /// The lines that make the mesh, as they are, without what tobj would act upon besides.
+    geometry: String,
+    /// Numbers of v, vt and vn lines so far.
+    counts: [usize; 3],
+    /// The largest index of each kind, and its line.
+    largest: [(usize, usize); 3],
+    /// Whether a face has no vt, no vn.
+    lacks: [bool; 3],
+    triangles: usize,
 }
 
 const TAGS: [&str; 3] = ["v", "vt", "vn"];
 
-/// The kind of data in a line that starts with `tag`: an index of [`TAGS`].
-fn kind(tag: &[u8]) -> Option<usize> {
-    TAGS.iter().position(|known| known.as_bytes() == tag)
-}
-
-/// How much there is in a file.
-#[derive(Default)]
-struct Sizes {
-    /// Numbers of v, vt and vn lines.
-    counts: [usize; 3],
-    faces: usize,
-    triangles: usize,
-}
-
-impl Sizes {
-    fn line(&mut self, line: &[u8]) -> Result<()> {
-        let mut words = words(line);
-        match words.next() {
-            Some(b"f") => self.face(words.count()),
-            Some(tag) => {
-                if let Some(kind) = kind(tag) {
-                    self.counts[kind] += 1;
-                }
-                Ok(())
-            }
-            None => Ok(()),
+impl Survey {
+    fn of(text: &[u8], progress: &Progress<'_>) -> Result<Self> {
+        let mut survey = Self::default();
+        each_line(text, "counting faces", progress, |number, line| {
+            survey.line(number, &String::from_utf8_lossy(line))
+        })?;
+        if survey.counts == [0; 3] && survey.triangles == 0 {
+            return Err(not_an_obj());
         }
+        if survey.triangles == 0 {
+            return Err(Error::failed(
+                "the OBJ has no faces",
+                "export it with faces; a point cloud has no surface",
+            ));
+        }
+        for kind in 0..3 {
+            let (index, line) = survey.largest[kind];
+            if index > survey.counts[kind] {
+                let e = no_such(index as i64, kind, survey.counts[kind]);
+                return Err(e.at(format!("line {line}")));
+            }
+        }
+        Ok(survey)
     }
 
-    fn face(&mut self, corners: usize) -> Result<()> {
+    fn line(&mut self, number: usize, line: &str) -> Result<()> {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let kept = match words.first() {
+            // A fourth number is a weight; more are colours, which would only be refused for odd counts.
+            Some(&"v") => self.numbers(0, 3, &words[1..]).map(|()| if words.len() == 5 { 5 } else { 4 })?,
+            Some(&"vt") => self.numbers(1, 2, &words[1..]).map(|()| 3)?,
+            Some(&"vn") => self.numbers(2, 3, &words[1..]).map(|()| 4)?,
+            Some(&"f") => self.face(number, &words[1..]).map(|()| words.len())?,
+            _ => return Ok(()),
+        };
+        for word in &words[..kept] {
+            self.geometry.push_str(word);
+            self.geometry.push(' ');
+        }
+        self.geometry.push('\n');
+        Ok(())
+    }
+
+    /// A line of at least `least` numbers.
+    fn numbers(&mut self, kind: usize, least: usize, words: &[&str]) -> Result<()> {
+        // A position may have a weight, which is a number as well.
+        let checked = if kind == 0 && words.len() == 4 { 4 } else { least };
+        for word in words.iter().take(checked) {
+            if !word.parse::<f32>().is_ok_and(f32::is_finite) {
+                return Err(Error::failed(
+                    format!("{} is not a finite number", quoted(word)),
+                    "repair the line",
+                ));
+            }
+        }
+        if checked == 4 && words[3].parse() == Ok(0f32) {
+            return Err(Error::failed("the weight of a position is 0", "repair the line"));
+        }
+        if words.len() < least {
+            let what = format!("\"{}\" needs {least} numbers and has {}", TAGS[kind], words.len());
+            return Err(Error::failed(what, "the file may be cut short; export it again"));
+        }
+        self.counts[kind] += 1;
+        Ok(())
+    }
+
+    fn face(&mut self, number: usize, words: &[&str]) -> Result<()> {
+        let corners = words.len();
         if corners > MAX_CORNERS {
             return Err(Error::failed(
                 format!("a face has {corners} corners, more than {MAX_CORNERS}"),
                 "cut large faces into triangles before exporting",
             ));
         }
-        self.faces += 1;
-        self.triangles += corners.saturating_sub(2);
-        if self.triangles > MAX_TRIANGLES {
-            let what = format!("more than {MAX_TRIANGLES} triangles");
-            return Err(Error::failed(what, "simplify the mesh first"));
-        }
-        Ok(())
-    }
-
-    /// What positions, texture coordinates and normals take.
-    fn bytes(&self) -> u64 {
-        let [v, vt, vn] = self.counts.map(|count| count as u64);
-        size_of::<f32>() as u64 * (3 * v + 2 * vt + 3 * vn)
-    }
-}
-
-/// Indices of position, texture coordinate and normal, from 0; [`NONE`] where a corner has none.
-type Indices = [u32; 3];
-const NONE: u32 = u32::MAX;
-
-/// What the lines of a file hold.
-struct Geometry {
-    /// Numbers of v, vt and vn lines in the whole file, and in the lines so far.
-    totals: [usize; 3],
-    counts: [usize; 3],
-    positions: Vec<[f32; 3]>,
-    uvs: Vec<[f32; 2]>,
-    normals: Vec<[f32; 3]>,
-    triangles: Vec<[Indices; 3]>,
-    /// Whether a face has no v, no vt, no vn.
-    lacks: [bool; 3],
-}
-
-impl Geometry {
-    /// Room for `sizes`.
-    fn of(sizes: &Sizes) -> Self {
-        Self {
-            totals: sizes.counts,
-            counts: [0; 3],
-            positions: Vec::with_capacity(sizes.counts[0]),
-            uvs: Vec::with_capacity(sizes.counts[1]),
-            normals: Vec::with_capacity(sizes.counts[2]),
-            triangles: Vec::with_capacity(sizes.triangles),
-            lacks: [false; 3],
-        }
-    }
-
-    fn line(&mut self, line: &[u8]) -> Result<()> {
-        let mut words = words(line);
-        let Some(tag) = words.next() else { return Ok(()) };
-        if tag == b"f" {
-            return self.face(words);
-        }
-        let Some(kind) = kind(tag) else { return Ok(()) };
-        match kind {
-            0 => self.positions.push(position(words)?),
-            1 => self.uvs.push(numbers(kind, &mut words)?),
-            _ => self.normals.push(numbers(kind, &mut words)?),
-        }
-        self.counts[kind] += 1;
-        Ok(())
-    }
-
-    /// A face as a fan.
-    fn face<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>) -> Result<()> {
-        let (mut first, mut last) = ([NONE; 3], [NONE; 3]);
-        let mut corners = 0;
         for word in words {
-            let corner = self.corner(word)?;
-            match corners {
-                0 => first = corner,
-                1 => {}
-                _ => self.triangles.push([first, last, corner]),
-            }
-            last = corner;
-            corners += 1;
+            self.corner(number, word)?;
         }
         if corners < 3 {
             let what = format!("a face needs 3 corners and has {corners}");
             return Err(Error::failed(what, "the file may be cut short; export it again"));
         }
+        self.triangles += corners - 2;
+        if self.triangles > MAX_TRIANGLES {
+            return Err(Error::failed(
+                format!("more than {MAX_TRIANGLES} triangles"),
+                "simplify the mesh first",
+            ));
+        }
         Ok(())
     }
 
     /// One of `v`, `v/vt`, `v//vn`, `v/vt/vn`, counted from 1, or back from the latest with −1.
-    fn corner(&mut self, word: &[u8]) -> Result<Indices> {
+    fn corner(&mut self, number: usize, word: &str) -> Result<()> {
         let malformed = || {
-            let what = format!("{} is not a corner of a face", quoted(word));
-            Error::failed(what, "write it as v, v/vt, v//vn or v/vt/vn")
+            Error::failed(
+                format!("{} is not a corner of a face", quoted(word)),
+                "write it as v, v/vt, v//vn or v/vt/vn",
+            )
         };
-        let mut indices = [NONE; 3];
-        for (kind, part) in word.split(|&b| b == b'/').enumerate() {
+        let mut given = [false; 3];
+        for (kind, part) in word.split('/').enumerate() {
             if kind > 2 || (kind == 0 && part.is_empty()) {
                 return Err(malformed());
             }
             if part.is_empty() {
                 continue;
             }
-            let index: i64 = number(part).ok_or_else(malformed)?;
-            let (count, total) = (self.counts[kind] as i64, self.totals[kind] as i64);
-            let from_zero = if index < 0 { count.saturating_add(index) } else { index - 1 };
-            if !(0..total).contains(&from_zero) {
-                return Err(no_such(index, kind, if index > 0 { total } else { count }));
+            let index: i64 = part.parse().map_err(|_| malformed())?;
+            let count = self.counts[kind];
+            if index == 0 || (index < 0 && index.unsigned_abs() > count as u64) {
+                return Err(no_such(index, kind, count));
             }
-            indices[kind] = from_zero as u32; // a file of MAX_BYTES has fewer lines
+            if index > self.largest[kind].0 as i64 {
+                self.largest[kind] = (index as usize, number);
+            }
+            given[kind] = true;
         }
-        for (lacks, index) in self.lacks.iter_mut().zip(indices) {
-            *lacks |= index == NONE;
+        for (lacks, given) in self.lacks.iter_mut().zip(given) {
+            *lacks |= !given;
         }
-        Ok(indices)
-    }
-
-    /// The triangles, each attribute looked up by its own index.
-    fn into_triangles(self) -> Vec<[Corner; 3]> {
-        let [_, no_uv, no_normal] = self.lacks;
-        let corner = |[v, vt, vn]: Indices| Corner {
-            position: self.positions[v as usize],
-            normal: (!no_normal).then(|| self.normals[vn as usize]),
-            uv: (!no_uv).then(|| self.uvs[vt as usize]),
-        };
-        self.triangles.iter().map(|triangle| triangle.map(corner)).collect()
+        Ok(())
     }
 }
 
-/// Three numbers, divided by a weight where exactly one more follows. More are colours.
-fn position<'a>(mut words: impl Iterator<Item = &'a [u8]>) -> Result<[f32; 3]> {
-    let position = numbers(0, &mut words)?;
-    match (words.next(), words.next()) {
-        (Some(word), None) => match finite(word)? {
-            0.0 => Err(Error::failed("the weight of a position is 0", "repair the line")),
-            weight => Ok(position.map(|x| x / weight)),
-        },
-        _ => Ok(position),
-    }
-}
-
-/// The first `N` numbers of a line of data of `kind`.
-fn numbers<'a, const N: usize>(kind: usize, words: &mut impl Iterator<Item = &'a [u8]>) -> Result<[f32; N]> {
-    let mut values = [0.0; N];
-    for (i, value) in values.iter_mut().enumerate() {
-        let Some(word) = words.next() else {
-            let what = format!("\"{}\" needs {N} numbers and has {i}", TAGS[kind]);
-            return Err(Error::failed(what, "the file may be cut short; export it again"));
-        };
-        *value = finite(word)?;
-    }
-    Ok(values)
-}
-
-fn finite(word: &[u8]) -> Result<f32> {
-    number(word)
-        .filter(|value: &f32| value.is_finite())
-        .ok_or_else(|| Error::failed(format!("{} is not a finite number", quoted(word)), "repair the line"))
-}
-
-fn number<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
-    std::str::from_utf8(word).ok()?.parse().ok()
-}
-
-fn no_such(index: i64, kind: usize, count: i64) -> Error {
+fn no_such(index: i64, kind: usize, count: usize) -> Error {
     let what = format!("a face asks for \"{}\" number {index} of {count}", TAGS[kind]);
     Error::failed(what, "count from 1, or back from -1; the file may be cut short")
+}
+
+/// The triangles of one tobj mesh, each attribute looked up by its own index.
+fn triangles<'a>(mesh: &'a tobj::Mesh, survey: &Survey) -> impl Iterator<Item = [Corner; 3]> + use<'a> {
+    let [_, no_uv, no_normal] = survey.lacks;
+    let corner = move |k: usize| {
+        let three = |values: &[f32], i: u32| [0, 1, 2].map(|c| values[3 * i as usize + c]);
+        Corner {
+            position: three(&mesh.positions, mesh.indices[k]),
+            normal: (!no_normal).then(|| three(&mesh.normals, mesh.normal_indices[k])),
+            uv: (!no_uv).then(|| [0, 1].map(|c| mesh.texcoords[2 * mesh.texcoord_indices[k] as usize + c])),
+        }
+    };
+    (0..mesh.indices.len() / 3).map(move |t| [3 * t, 3 * t + 1, 3 * t + 2].map(corner))
 }
 
 #[cfg(test)]
