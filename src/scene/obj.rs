@@ -243,7 +243,16 @@ impl Survey {
     }
 
     fn line(&mut self, number: usize, line: &str) -> Result<()> {
-        let words: Vec<&str> = line.split_whitespace().collect();
+        // The corners of a face are counted before they are listed: a list takes eight times the text.
+        let corners = line.split_whitespace().skip(1).count();
+        if corners > MAX_CORNERS && line.split_whitespace().next() == Some("f") {
+            return Err(Error::failed(
+                format!("a face has {corners} corners, more than {MAX_CORNERS}"),
+                "cut large faces into triangles before exporting",
+            ));
+        }
+        // No other line has so many words that count.
+        let words: Vec<&str> = line.split_whitespace().take(MAX_CORNERS + 1).collect();
         let kept = match words.first() {
             // A fourth number is a weight; more are colours, which would only be refused for odd counts.
             Some(&"v") => self.numbers(0, 3, &words[1..]).map(|()| if words.len() == 5 { 5 } else { 4 })?,
@@ -285,12 +294,6 @@ impl Survey {
 
     fn face(&mut self, number: usize, words: &[&str]) -> Result<()> {
         let corners = words.len();
-        if corners > MAX_CORNERS {
-            return Err(Error::failed(
-                format!("a face has {corners} corners, more than {MAX_CORNERS}"),
-                "cut large faces into triangles before exporting",
-            ));
-        }
         for word in words {
             self.corner(number, word)?;
         }
