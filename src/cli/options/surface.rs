@@ -6,6 +6,7 @@ use crate::cli::say;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use crate::surface::files::Topography;
+use crate::surface::files::plausible::OVERRIDDEN_BY_HEIGHT;
 use crate::surface::synth::Kind;
 use crate::surface::{HeightField, Source};
 use crate::units;
@@ -58,7 +59,7 @@ impl SurfaceOptions {
     pub fn read(&self, source: &Source) -> Result<Topography> {
         let scan = source.read()?;
         // What the user names is not asked about.
-        let asked = |warning: &&String| !(self.height.is_some() && warning.contains("--height overrides it"));
+        let asked = |warning: &&String| !(self.height.is_some() && warning.ends_with(OVERRIDDEN_BY_HEIGHT));
         for warning in scan.origin().into_iter().flat_map(|origin| &origin.warnings).filter(asked) {
             say(&format_args!("{}: {warning}", source.name.display()));
         }

@@ -7,6 +7,9 @@ const HIGHEST: f64 = 1e-3;
 /// Ranges of heights over the longer side of the patch that surfaces have: a polished mirror's, and a deep trench's.
 const RELIEFS: (f64, f64) = (1e-7, 3.0);
 
+/// How a question about heights ends. Who names the full height need not be asked.
+pub const OVERRIDDEN_BY_HEIGHT: &str = "(a full height overrides it)";
+
 /// A line about each scale that no surface of a microscope has: `size` samples, `spacing` apart \[m\], heights over a range
 /// of `range` \[m\].
 pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64) -> Vec<String> {
@@ -22,7 +25,7 @@ pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64) -> Vec<String>
     if range > HIGHEST || range > 0.0 && !(RELIEFS.0..=RELIEFS.1).contains(&relief) {
         let (range, side) = (in_words(range), in_words(side));
         questions.push(format!(
-            "heights span {range} over a patch of {side}: is their unit right? (a full height overrides it)"
+            "heights span {range} over a patch of {side}: is their unit right? {OVERRIDDEN_BY_HEIGHT}"
         ));
     }
     questions
