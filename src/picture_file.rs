@@ -80,7 +80,7 @@ pub fn write(path: &Path, format: Format, picture: &Picture, notes: &Notes) -> R
 /// Writes `picture` to `path` in the format that its name asks for, without notes.
 ///
 /// # Errors
-/// As [`Format::of`] and [`write`].
+/// As [`Format::of`] and [`write()`].
 pub fn save(path: impl AsRef<Path>, picture: &Picture) -> Result<()> {
     let path = path.as_ref();
     write(path, Format::of(path)?, picture, &Notes::default())

@@ -23,6 +23,7 @@ mod usage;
 mod verbosity;
 #[cfg(feature = "viewer")]
 mod view;
+#[cfg(feature = "viewer")]
 mod view_command;
 mod write;
 

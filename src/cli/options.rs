@@ -3,6 +3,7 @@
 mod preparation;
 mod surface;
 
+#[cfg(any(feature = "viewer", test))] // for what the viewer saves
 pub use preparation::as_options;
 pub use surface::SurfaceOptions;
 

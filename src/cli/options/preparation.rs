@@ -21,6 +21,7 @@ impl PreparationOptions {
 }
 
 /// The options that repeat `steps`: `--level plane --crop 40um`.
+#[cfg(any(feature = "viewer", test))]
 pub fn as_options(steps: &[Step]) -> String {
     steps.iter().map(|step| format!("--{step}")).collect::<Vec<_>>().join(" ")
 }
