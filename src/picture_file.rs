@@ -120,11 +120,11 @@ fn exr(file: &mut (impl Write + Seek), picture: &Picture, notes: &Notes) -> std:
     let [width, height] = picture.size.map(|n| n as usize);
     let mut all = notes.all().into_iter();
     let mut attributes = LayerAttributes::named("");
-    attributes.software_name = all.next().and_then(|(_, software)| latin(&software));
+    attributes.software_name = all.next().and_then(|(_, software)| ascii(&software));
     // One attribute: the library writes attributes of one's own in an order that changes from run to run.
     let comments: Vec<String> =
         all.map(|(name, value)| if name == "Comment" { value } else { format!("{name}: {value}") }).collect();
-    attributes.comments = latin(&comments.join("\n"));
+    attributes.comments = ascii(&comments.join("\n"));
     let channels = SpecificChannels::rgba(|at: exr::math::Vec2<usize>| {
         let [r, g, b, a] = picture.radiance[at.y() * width + at.x()];
         (r, g, b, a)
@@ -135,10 +135,17 @@ fn exr(file: &mut (impl Write + Seek), picture: &Picture, notes: &Notes) -> std:
     image.write().to_buffered(file).map_err(IoError::other)
 }
 
-/// `text` in the letters that EXR has; others as `\u{…}`.
-fn latin(text: &str) -> Option<Text> {
-    let letter =
-        |c: char| if u8::try_from(c).is_ok() { c.to_string() } else { c.escape_unicode().to_string() };
+/// `text` in ASCII. EXR says nothing of other letters, and some readers refuse a file that has them: signs of formulas are written out, other
+/// letters as `\u{…}`.
+fn ascii(text: &str) -> Option<Text> {
+    let letter = |c: char| match c {
+        '°' => "deg".to_owned(),
+        '²' => "^2".to_owned(),
+        'λ' => "lambda".to_owned(),
+        'σ' => "sigma ".to_owned(),
+        c if c.is_ascii() => c.to_string(),
+        c => c.escape_unicode().to_string(),
+    };
     Text::new_or_none(text.chars().map(letter).collect::<String>())
 }
 
@@ -189,7 +196,8 @@ mod tests {
         let own = &meta.headers[0].own_attributes;
         assert!(own.software_name.as_ref().unwrap().to_string().starts_with("diffract "));
         let comments = own.comments.as_ref().unwrap().to_string();
-        for part in ["diffract render 'plätze'", "\\u{9c57}.png", "\nSurface: a hash\nTolerance: 1e-2"] {
+        for part in ["diffract render 'pl\\u{e4}tze'", "\\u{9c57}.png", "\nSurface: a hash\nTolerance: 1e-2"]
+        {
             assert!(comments.contains(part), "{comments}");
         }
     }
