@@ -12,7 +12,6 @@ use crate::measure::trade::Measurement;
 use crate::optics::coherence::Windows;
 use crate::render::frame::{Shown, View};
 use crate::render::picture::{Directions, Painter, Picture};
-
 use crate::render::pigment::Pigment;
 use crate::render::reference_picture::{covered, displayed, reference_pixels};
 use crate::render::sampling::Sampling;

@@ -100,44 +100,9 @@ impl Words {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::expansion::Basis;
-    use crate::optics::coherence::Beyond;
     use crate::setup::Method;
     use crate::viewer::OpticsSettings;
-
-    fn settings() -> (ViewSettings, Scene) {
-        let scene = Scene::open("plate").unwrap();
-        let surface = Source {
-            name: scene.surface.clone(),
-            pixel_size: None,
-            height: None,
-            channel: None,
-            prepare: Vec::new(),
-            seed: 1,
-        };
-        let optics = OpticsSettings {
-            method: Method::Spectral,
-            windows: Windows::ONE,
-            basis: Basis::Taylor,
-            tolerance: 1e-2,
-            terms: None,
-            wavelengths: None,
-        };
-        let settings = ViewSettings {
-            scene: "plate".to_owned(),
-            surface,
-            optics,
-            coherence: Coherence::SUNLIGHT,
-            beyond: Beyond::Copies,
-            ior: 1.5,
-            illuminant: "d65".to_owned(),
-            lights: scene.lights.clone(),
-            exposure: scene.exposure,
-            base_color: scene.base_color,
-            camera: scene.camera,
-        };
-        (settings, scene)
-    }
+    use crate::viewer::settings_of_a_plate as settings;
 
     #[test]
     fn the_command_line_names_what_differs_and_quotes_it() {

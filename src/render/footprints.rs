@@ -98,18 +98,10 @@ pub fn sizes(
 pub fn sizes_of(directions: &[Directions]) -> FootprintSizes {
     const BELOW_SHORTER: f64 = 0.1;
     const BELOW_LONGER: f64 = 0.25;
-    let [mut longer, mut shorter] = [Vec::new(), Vec::new()];
-    for seen in directions {
-        let shaded = |i: &usize| seen.light[*i][2] > 0.0 && seen.view[*i][2] > 0.0;
-        for i in (0..seen.view.len()).filter(shaded) {
-            let axes = seen.covariance(i).axes().map(f64::sqrt);
-            longer.push(axes[0]);
-            shorter.push(axes[1]);
-        }
-    }
-    longer.sort_by(f64::total_cmp);
-    shorter.sort_by(f64::total_cmp);
-    FootprintSizes { shorter: quantile(&shorter, BELOW_SHORTER), longer: quantile(&longer, BELOW_LONGER) }
+    let all = Distribution::of(directions);
+    // One sample has one filter, whatever the light.
+    let filter = directions.first().map_or(0.0, |seen| seen.filter);
+    FootprintSizes { shorter: filter * all.minor(BELOW_SHORTER), longer: filter * all.major(BELOW_LONGER) }
 }
 
 /// The median area of the surface that a covered pixel of `view` shows \[units of the scene, squared\]; `None` where no pixel shows the

@@ -33,6 +33,8 @@ mod text_dump;
 mod window;
 mod worker;
 
+#[cfg(test)]
+pub(crate) use settings::tests::settings as settings_of_a_plate;
 pub use settings::{OpticsSettings, ViewSettings};
 pub use start::{CommandLine, Start};
 

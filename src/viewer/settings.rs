@@ -146,10 +146,11 @@ impl ViewSettings {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    fn settings() -> (ViewSettings, Scene) {
+    /// One window of the plate's own surface, and its scene.
+    pub(crate) fn settings() -> (ViewSettings, Scene) {
         let scene = Scene::open("plate").unwrap();
         let surface = Source {
             name: scene.surface.clone(),

@@ -198,7 +198,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (sweep, alone) = Sweep::of(arguments, &field)?;
     let windows: Vec<Vec<Found>> = alone.iter().map(|one| find(arguments, one)).collect();
     let mut found = find(arguments, &sweep);
-    spread_over_windows(arguments, &field, &alone, &mut found);
+    spread_over_windows(arguments, &field, &sweep, &alone, &mut found);
     write::text(arguments.output.as_deref(), &report::table(&found)?)?;
     tell(&found, &windows);
     if let Some(path) = &arguments.plot {
@@ -215,18 +215,20 @@ fn find(arguments: &Arguments, sweep: &Sweep) -> Vec<Found> {
     orders.iter().map(|&m| Found::new(m, sweep.peaks(arguments.theta_i, m, apart))).collect()
 }
 
-/// Gives each of the peaks `found` its spread over the windows whose sweeps are `alone`.
-fn spread_over_windows(arguments: &Arguments, field: &HeightField, alone: &[Sweep], found: &mut [Found]) {
+/// Gives each of the peaks `found` in `mean` its spread over the windows whose sweeps are `alone`.
+fn spread_over_windows(
+    arguments: &Arguments,
+    field: &HeightField,
+    mean: &Sweep,
+    alone: &[Sweep],
+    found: &mut [Found],
+) {
     // A single wavelength or window, or a grating that is the same everywhere, has no spread.
     let Some(sigma) = arguments.optics.monochrome(field).coherence.sigma().filter(|_| alone.len() > 1) else {
         return;
     };
-    let without = |left_out: usize| {
-        let others: Vec<&Sweep> =
-            alone.iter().enumerate().filter(|(i, _)| *i != left_out).map(|(_, one)| one).collect();
-        find(arguments, &Sweep::mean(others.into_iter()))
-    };
-    let leave_one_out: Vec<Vec<Found>> = (0..alone.len()).map(without).collect();
+    let leave_one_out: Vec<Vec<Found>> =
+        alone.iter().map(|one| find(arguments, &mean.without(one, alone.len()))).collect();
     // Intensities through Gaussian windows at a distance d correlate by exp(−d²/(2σ²)), whose integral is the area of one independent window.
     let [width, height] = field.patch_size();
     let independent = width * height / (2.0 * PI * sigma * sigma);

@@ -11,7 +11,7 @@ use crate::setup::{Method, Settings};
 use crate::surface::HeightField;
 
 /// The response at every wavelength and angle.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Sweep {
     /// Wavelengths \[µm\], growing.
     pub wavelengths: Vec<f64>,
@@ -44,18 +44,27 @@ impl Sweep {
             let moved = field.moved(samples(i, n, field.columns()), samples(j, m, field.rows()));
             windows.push(Self::through(arguments, &moved, Windows::ONE)?);
         }
-        Ok((Self::mean(windows.iter()), windows))
+        Ok((Self::mean(&windows), windows))
     }
 
-    /// The mean of sweeps of the same wavelengths and angles, one at least.
-    pub fn mean<'a>(mut sweeps: impl ExactSizeIterator<Item = &'a Self>) -> Self {
-        let count = sweeps.len() as f64;
-        let mut mean = sweeps.next().cloned().unwrap_or_default();
-        for sweep in sweeps {
+    /// The mean of `sweeps` of the same wavelengths and angles, one at least.
+    fn mean(sweeps: &[Self]) -> Self {
+        let mut mean = sweeps[0].clone();
+        for sweep in &sweeps[1..] {
             mean.responses.iter_mut().zip(&sweep.responses).for_each(|(sum, f)| *sum += f);
         }
-        mean.responses.iter_mut().for_each(|f| *f /= count);
+        mean.responses.iter_mut().for_each(|f| *f /= sweeps.len() as f64);
         mean
+    }
+
+    /// What is left of this mean of `count` ≥ 2 sweeps without `one` of them.
+    pub fn without(&self, one: &Self, count: usize) -> Self {
+        let mut rest = self.clone();
+        let count = count as f64;
+        // Rounding leaves no response below 0.
+        let left = |mean: f64, f: f64| ((mean * count - f) / (count - 1.0)).max(0.0);
+        rest.responses.iter_mut().zip(&one.responses).for_each(|(mean, f)| *mean = left(*mean, *f));
+        rest
     }
 
     fn through(arguments: &Arguments, field: &HeightField, windows: Windows) -> Result<Self> {
