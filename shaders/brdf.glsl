@@ -13,6 +13,7 @@ struct Pair {
     float w;          // |w|
     float uv;         // |(u, v)|
     float factor;     // 4 pi R G cos(theta_i) / w^2 [1/sr]; 0 below the horizon
+    float cos_half;   // between either direction and the half vector
     float reflectance;
 };
 
@@ -27,6 +28,13 @@ struct Footprint {
 
 const Footprint POINT = Footprint(vec2(0.0), vec2(0.0), 0.0, 1.0);
 
+// Schlick's approximation from the reflectance at normal incidence.
+float schlick(float normal_reflectance, float cosine) {
+    float grazing = 1.0 - cosine;
+    float grazing2 = grazing * grazing;
+    return normal_reflectance + (1.0 - normal_reflectance) * grazing2 * grazing2 * grazing;
+}
+
 Pair pair_of(vec3 light, vec3 view, float normal_reflectance) {
     Pair pair;
     vec3 uvw = -light - view;
@@ -35,10 +43,8 @@ Pair pair_of(vec3 light, vec3 view, float normal_reflectance) {
     pair.uv = length(uvw.xy);
     // 1 + light . view = |(u,v,w)|^2 / 2, which does not cancel near opposite grazing directions.
     float one_plus_dot = 0.5 * dot(uvw, uvw);
-    float cos_half = min(0.5 * length(uvw), 1.0);
-    float grazing = 1.0 - cos_half;
-    float grazing2 = grazing * grazing;
-    pair.reflectance = normal_reflectance + (1.0 - normal_reflectance) * grazing2 * grazing2 * grazing;
+    pair.cos_half = min(0.5 * length(uvw), 1.0);
+    pair.reflectance = schlick(normal_reflectance, pair.cos_half);
     bool above = light.z > HORIZON && view.z > HORIZON;
     pair.factor = above ? 4.0 * PI * pair.reflectance * one_plus_dot * one_plus_dot / (view.z * pair.w * pair.w) : 0.0;
     return pair;

@@ -10,6 +10,8 @@
 
 layout(constant_id = 0) const int LIGHTS = MAX_LIGHTS; // known beforehand, so that only their directions are read
 layout(constant_id = 1) const bool MARKED = true;      // whether directions tell what is covered
+layout(constant_id = 2) const bool OWN_REFLECTANCE = false; // whether the source holds R, and the factor of a pair does not
+layout(constant_id = 3) const float NORMAL_OF_PIGMENT = 0.0; // R0 of what the surface keeps from the pigment, where the source holds R
 
 layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
 
@@ -31,7 +33,8 @@ void main() {
             footprint = footprint_of(i, pixel);
         }
         vec3 diffracted = LINEAR_SRGB_FROM_XYZ * source_xyz(pair, footprint);
-        vec3 pigmented = albedo * ((1.0 - pair.reflectance) * to_light.z / PI);
+        float kept = OWN_REFLECTANCE ? schlick(NORMAL_OF_PIGMENT, pair.cos_half) : pair.reflectance;
+        vec3 pigmented = albedo * ((1.0 - kept) * to_light.z / PI);
         // Below the horizon there is neither.
         sum += pair.factor > 0.0 ? (diffracted + pigmented) * (frame.lights[i].w * PI) : vec3(0.0);
     }

@@ -22,7 +22,8 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
         if (wavenumber > largest) {
             break; // wavenumbers grow
         }
-        xyz += colour_density(wavenumber) * (order.y * wavenumber * wavenumber * power(ray, wavenumber));
+        float reflected = reflectance_at(pair, wavenumber);
+        xyz += colour_density(wavenumber) * (order.y * wavenumber * wavenumber * reflected * power(ray, wavenumber));
     }
     return cosine_weighted(pair, xyz / s.periods);
 }

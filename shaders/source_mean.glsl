@@ -2,6 +2,8 @@
 // the powers of the orders over z^2, blurred by the coherence of the light; coarser levels have twice the blur each.
 // The CPU twin is src/spectra/power/read.rs; the Rust side is src/render/source/mean.rs.
 #include "footprint.glsl"
+#define REFLECTANCE_BINDING 5
+#include "reflectance.glsl"
 
 layout(constant_id = 10) const bool CUBIC = true; // cubic B-spline, else linear
 layout(constant_id = 11) const int LAYERS = 3;    // four terms each
@@ -129,7 +131,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
             float ratio = source.orders + q * q * own / source.finest;
             float level = min(level_of_ratio(ratio), source.last_level);
             float rest = sqrt(max(ratio - exp2(2.0 * level), 0.0) * source.finest) / q;
-            colour += node.rgb * mean_power(pair, toward + rest * across, q, level);
+            colour += node.rgb * reflectance_at(pair, q) * mean_power(pair, toward + rest * across, q, level);
             across = -across;
         }
         float weight = exp(-row.fall * n * n);
@@ -143,7 +145,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     ivec2 comb = combs[min(int(pair.uv * rays * (0.5 * float(UV_BINS))), UV_BINS - 1)];
     for (int j = 0; j < comb.y; ++j) {
         vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
-        sum += node.rgb * specular_power(pair, node.w, c);
+        sum += node.rgb * reflectance_at(pair, node.w) * specular_power(pair, node.w, c);
     }
     return sum * (pair.factor / (4.0 * PI));
 }
@@ -152,7 +154,7 @@ float source_spectral(Pair pair, float wavenumber) {
     float q = wavenumber;
     vec3 none = vec3(0.0);
     float power = mean_power(pair, pair.toward, q, 0.0) + specular_power(pair, q, none);
-    return held(pair.toward * q) ? pair.factor / (4.0 * PI) * power : 0.0;
+    return held(pair.toward * q) ? pair.factor / (4.0 * PI) * reflectance_at(pair, q) * power : 0.0;
 }
 
 vec4 source_reads(vec2 pixel, bool scattered, int samples) {

@@ -2,6 +2,9 @@
 // the 3 x 3 bins nearest to a frequency, weighted by the spectrum of the window. A baseline to compare with. Kinder than the original where
 // that does not change the sum: two terms share a texel, and weights are made once a wavelength. Its twin is src/render/source/thesis.rs.
 
+#define REFLECTANCE_BINDING 3
+#include "reflectance.glsl"
+
 layout(constant_id = 10) const int PAIRS = 1; // pairs of terms
 
 layout(set = 1, binding = 0, std140) uniform Thesis {
@@ -60,7 +63,8 @@ const bool SOURCE_READS_FOOTPRINT = false;
 // q^2 |P|^2 [1/um^2].
 float density_at(Pair pair, float wavenumber) {
     float conjugate = pair.toward.x < 0.0 ? -1.0 : 1.0; // the series holds f_x >= 0
-    return wavenumber * wavenumber * power_of_taps(pair.toward * conjugate, conjugate, pair.w, wavenumber);
+    float reflected = reflectance_at(pair, wavenumber);
+    return wavenumber * wavenumber * reflected * power_of_taps(pair.toward * conjugate, conjugate, pair.w, wavenumber);
 }
 
 float largest_wavenumber(Pair pair) {

@@ -21,7 +21,8 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
         if (wavenumber > largest) {
             break; // wavenumbers grow
         }
-        xyz += weight_and_wavenumber.xyz * (wavenumber * wavenumber * power(ray, wavenumber));
+        float reflected = reflectance_at(pair, wavenumber);
+        xyz += weight_and_wavenumber.xyz * (wavenumber * wavenumber * reflected * power(ray, wavenumber));
     }
     return cosine_weighted(pair, xyz);
 }

@@ -1,6 +1,9 @@
 // Spectra of an expansion's terms on the device, and the amplitude that they add up to: what the sources of a window and of a grating
 // share. The f64 twin is src/optics/reference.rs; the Rust side is src/render/source/spectra.rs.
 
+#define REFLECTANCE_BINDING 5
+#include "reflectance.glsl"
+
 layout(set = 1, binding = 0, std140) uniform Spectra {
     vec2 texture_size;              // texels of a layer along f_x and f_y
     vec2 origin;                    // centre of the texel of f = 0, in texels from the texture's corner
@@ -159,5 +162,6 @@ vec3 cosine_weighted(Pair pair, vec3 powers) {
 // f cos(theta_i) at one wavenumber [1/sr].
 float cosine_weighted_at(Pair pair, float wavenumber) {
     bool seen = wavenumber <= largest_wavenumber(pair);
-    return seen ? cosine_weighted(pair, wavenumber * wavenumber * power(ray_of(pair), wavenumber)) : 0.0;
+    float reflected = reflectance_at(pair, wavenumber);
+    return seen ? cosine_weighted(pair, wavenumber * wavenumber * reflected * power(ray_of(pair), wavenumber)) : 0.0;
 }

@@ -4,12 +4,13 @@
 use super::{Brdf, without_cosine};
 use crate::error::Result;
 use crate::memory;
-use crate::optics::brdf::{cosine_weighted, schlick};
+use crate::optics::brdf::cosine_weighted;
 use crate::optics::coherence::SUNLIGHT_LENGTH;
 use crate::optics::footprint::Covariance;
 use crate::optics::geometry::Pair;
 use crate::optics::nufft::Progress;
 use crate::optics::quadrature::{Nodes, SPAN};
+use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::{Illuminant, LONGEST};
 use crate::spectra::power::chebyshev::{coefficients_from_values, nodes, polynomials};
 use crate::spectra::power::{Beyond, Blur, OrderGrid, Transform};
@@ -52,7 +53,7 @@ impl Spread {
 }
 
 /// A surface whose mean response is asked for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Mean<'a> {
     /// The height field.
     pub field: &'a HeightField,
@@ -60,14 +61,14 @@ pub struct Mean<'a> {
     pub sigma: f64,
     /// How the surface goes on beyond the patch.
     pub beyond: Beyond,
-    /// Refractive index.
-    pub ior: f64,
+    /// What the surface reflects.
+    pub reflectance: Reflectance,
 }
 
 impl<'a> Mean<'a> {
-    /// What a pixel sees of copies of `field`, of refractive index `ior`, in sunlight.
-    pub fn in_sunlight(field: &'a HeightField, ior: f64) -> Self {
-        Self { field, sigma: SUNLIGHT_LENGTH / 4.0, beyond: Beyond::Copies, ior }
+    /// What a pixel sees of copies of `field`, which reflects by `reflectance` (a number is a refractive index), in sunlight.
+    pub fn in_sunlight(field: &'a HeightField, reflectance: impl Into<Reflectance>) -> Self {
+        Self { field, sigma: SUNLIGHT_LENGTH / 4.0, beyond: Beyond::Copies, reflectance: reflectance.into() }
     }
 }
 
@@ -172,7 +173,7 @@ impl Mean<'_> {
             return 0.0;
         }
         let power = self.power(pair.uvw(), 1.0 / wavelength, &Covariance::default());
-        let reflectance = schlick(self.ior, pair.cos_half_angle());
+        let reflectance = self.reflectance.at(wavelength, pair.cos_half_angle());
         reflectance * cosine_weighted(pair, wavelength, 1.0, power) / pair.light.z
     }
 }
@@ -289,7 +290,8 @@ impl<'a> TabulatedMean<'a> {
             return 0.0;
         }
         let power = self.power(pair.uvw(), 1.0 / wavelength, around);
-        schlick(self.mean.ior, pair.cos_half_angle()) * cosine_weighted(pair, wavelength, 1.0, power)
+        let reflectance = self.mean.reflectance.at(wavelength, pair.cos_half_angle());
+        reflectance * cosine_weighted(pair, wavelength, 1.0, power)
     }
 
     /// XYZ of f cos θ_i \[sr⁻¹\] of each pair under `illuminant`, averaged over the covariance beside it.
@@ -376,7 +378,7 @@ impl<'a> MeanReference<'a> {
     fn table(&mut self) -> Result<&TabulatedMean<'a>> {
         let table = match self.table.take() {
             Some(table) => table,
-            None => TabulatedMean::new(self.mean, self.shortest, &|_, _| Ok(()))?,
+            None => TabulatedMean::new(self.mean.clone(), self.shortest, &|_, _| Ok(()))?,
         };
         Ok(self.table.insert(table))
     }
@@ -457,8 +459,8 @@ mod tests {
             [rough(), synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(Kind::Blaze) }).unwrap()]
         {
             for beyond in [Beyond::Copies, Beyond::Alike] {
-                let mean = Mean { field: &field, sigma: 2.0, beyond, ior: 1.5 };
-                let table = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
+                let mean = Mean { field: &field, sigma: 2.0, beyond, reflectance: 1.5.into() };
+                let table = TabulatedMean::new(mean.clone(), 0.38, &|_, _| Ok(())).unwrap();
                 for around in [Covariance::default(), Covariance { uu: 4e-4, uv: 1e-4, vv: 1e-3 }] {
                     for directions in DIRECTIONS {
                         for wavelength in [0.4, 0.55, 0.7] {
@@ -482,7 +484,7 @@ mod tests {
         let field = rough();
         let moved = field.moved(7, 3);
         let of = |field| {
-            let mean = Mean { field, sigma: 0.75, beyond: Beyond::Copies, ior: 1.5 };
+            let mean = Mean { field, sigma: 0.75, beyond: Beyond::Copies, reflectance: 1.5.into() };
             DIRECTIONS.map(|d| mean.brdf(&pair(d), 0.5))
         };
         for (a, b) in of(&field).into_iter().zip(of(&moved)) {
@@ -493,7 +495,7 @@ mod tests {
     #[test]
     fn a_footprint_is_the_average_over_its_directions() {
         let field = rough();
-        let mean = Mean { field: &field, sigma: 1.0, beyond: Beyond::Copies, ior: 1.5 };
+        let mean = Mean { field: &field, sigma: 1.0, beyond: Beyond::Copies, reflectance: 1.5.into() };
         let around = Covariance { uu: 9e-4, uv: 2e-4, vv: 4e-4 };
         let uvw = DVec3::new(0.3, -0.2, -1.6);
         // A grid of directions with the weights of the normal distribution.
@@ -515,7 +517,7 @@ mod tests {
     fn the_mean_over_all_windows_is_what_many_windows_tend_to() {
         let field = rough();
         let coherence = Coherence::Gaussian { length: 3.0 };
-        let mean = Mean { field: &field, sigma: 0.75, beyond: Beyond::Copies, ior: 1.5 };
+        let mean = Mean { field: &field, sigma: 0.75, beyond: Beyond::Copies, reflectance: 1.5.into() };
         for directions in DIRECTIONS {
             let pair = pair(directions);
             let exact = mean.brdf(&pair, 0.55);

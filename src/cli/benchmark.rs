@@ -167,13 +167,21 @@ impl BenchmarkScene {
         self.size[0] as usize * self.size[1] as usize
     }
 
+    /// The optics of `options`, of a surface that is made of what the scene says unless they do.
+    ///
+    /// # Errors
+    /// Where options do not go together or a file cannot be read.
+    pub fn shading(&self, options: &BenchmarkOptions) -> Result<Shading> {
+        Ok(options.optics.material_of(&self.scene, options.optics.for_pictures(&options.colour)?))
+    }
+
     /// Prepares the setting of `options`.
     ///
     /// # Errors
     /// When it does not fit on the device, or for `--method reference`.
     pub fn prepare(&self, options: &BenchmarkOptions) -> Result<Benchmark> {
         check_method(options)?;
-        let shading = options.optics.for_pictures(&options.colour)?;
+        let shading = self.shading(options)?;
         let method = options.optics.picture_method();
         let mut settings = Settings::new(method, shading.clone());
         if setup::averages_footprints(&settings) {

@@ -59,11 +59,8 @@ pub fn optics(options: &OpticsOptions) -> String {
         Windows::Grid([1, 1]) => String::new(),
         Windows::Grid([n, m]) => format!(", {n}×{m} windows"),
     };
-    format!(
-        "{method}; coherence {}{windows}; refractive index {}",
-        coherence(&options.coherence),
-        options.ior
-    )
+    let surface = options.reflectance().unwrap_or_default();
+    format!("{method}; coherence {}{windows}; {surface}", coherence(&options.coherence))
 }
 
 /// Name, size, sample spacing and height of a surface.

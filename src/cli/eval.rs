@@ -59,6 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .reads([&arguments.queries])
         .reads(arguments.surface.files(arguments.surface_name.as_deref()).map(Path::new))
         .reads(arguments.colour.files())
+        .reads(arguments.optics.files())
         .writes(&arguments.output)
         .check()?;
     let table = Table::read(&arguments.queries)?;

@@ -12,6 +12,8 @@ use crate::cache;
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
+use crate::optics::material::Material;
+use crate::optics::reflectance::{Film, Reflectance};
 use crate::optics::spectrum::Illuminant;
 use crate::render::shading::Shading;
 use crate::scene::{Camera, Light, MAX_LIGHTS, Scene};
@@ -20,7 +22,7 @@ use crate::setup::Method;
 use crate::surface::HeightField;
 use crate::units;
 use crate::vk::selection::DeviceChoice;
-use clap::builder::PossibleValue;
+use clap::builder::{OsStringValueParser, PossibleValue, TypedValueParser};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use std::ffi::{OsStr, OsString};
@@ -32,6 +34,8 @@ const TOLERANCES: (f64, f64) = (1e-6, 1.0);
 const MAX_TERMS: usize = 128;
 /// Fewest and most wavelengths that can be named.
 const WAVELENGTHS: (usize, usize) = (4, 4096);
+/// Refractive index of surfaces of which nothing is said.
+const DEFAULT_IOR: f64 = 1.5;
 /// Refractive indices of real materials, with room.
 const IORS: (f64, f64) = (1.0, 10.0);
 /// Coherence lengths that make a window: from less than a wavelength to a laser's.
@@ -85,9 +89,16 @@ pub struct OpticsOptions {
     /// same statistics) [default: copies where the field tiles, else alike]
     #[arg(long, value_name = "copies|alike", value_parser = beyond)]
     pub beyond: Option<Beyond>,
-    /// Refractive index of the surface
-    #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true, default_value = "1.5")]
-    pub ior: f64,
+    /// Refractive index of a surface that reflects by Schlick's approximation, as in the thesis [default: 1.5]
+    #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true)]
+    pub ior: Option<f64>,
+    /// What the surface is made of, for Fresnel's equations at every wavelength: glass, keratin, aluminium, silver, gold, copper, nickel,
+    /// silicon, or a CSV file of wavelength in nm, n and k
+    #[arg(long, value_name = "NAME|FILE", value_parser = OsStringValueParser::new().try_map(Material::from_name_or_file), conflicts_with = "ior")]
+    pub material: Option<Material>,
+    /// A thin transparent film on the surface, of this thickness and refractive index, as in 120nm:1.7
+    #[arg(long, value_name = "LENGTH:N", value_parser = Film::parse, allow_hyphen_values = true)]
+    pub film: Option<Film>,
 }
 
 impl OpticsOptions {
@@ -135,6 +146,29 @@ impl OpticsOptions {
         Ok(())
     }
 
+    /// What the surface reflects, where the options name it.
+    pub fn reflectance(&self) -> Option<Reflectance> {
+        if self.material.is_none() && self.film.is_none() {
+            return self.ior.map(Reflectance::Schlick);
+        }
+        let plain = || Material::constant(self.ior.unwrap_or(DEFAULT_IOR));
+        let material = self.material.clone().unwrap_or_else(plain);
+        Some(Reflectance::Fresnel { material, film: self.film })
+    }
+
+    /// The file that the material is read from, if it is one and not a built-in.
+    pub fn files(&self) -> Option<&OsStr> {
+        let name = self.material.as_ref().map(|material| OsStr::new(&material.name));
+        name.filter(|name| !Material::is_built_in(name))
+    }
+
+    /// `shading` of what `scene` is made of, unless the options name it.
+    pub fn material_of(&self, scene: &Scene, shading: Shading) -> Shading {
+        let of_scene = || scene.reflectance.clone();
+        let reflectance = self.reflectance().or_else(of_scene).unwrap_or_default();
+        Shading { reflectance, ..shading }
+    }
+
     /// Relative error that the user accepts.
     pub fn tolerance(&self) -> f64 {
         self.tolerance.unwrap_or(Shading::default().tolerance)
@@ -177,7 +211,7 @@ impl OpticsOptions {
             coherence: self.coherence,
             windows: self.windows(),
             beyond: self.beyond.unwrap_or_default(),
-            ior: self.ior,
+            reflectance: self.reflectance().unwrap_or_default(),
             tolerance: self.tolerance(),
             basis: self.basis.unwrap_or(unless_named),
             terms: self.terms,

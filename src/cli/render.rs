@@ -72,6 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .reads([&arguments.scene])
         .reads(arguments.surface.files(None))
         .reads(arguments.colour.files())
+        .reads(arguments.optics.files())
         .writes([&arguments.output]);
     files.check()?;
     check_lights(&arguments.view.light)?;
@@ -86,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     files.reads(&scene.files).check()?;
     arguments.view.apply(&mut scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
-    let shading = arguments.optics.beyond_of(&field, shading);
+    let shading = arguments.optics.material_of(&scene, arguments.optics.beyond_of(&field, shading));
     let picture = draw(arguments, &scene, &field, &shading)?;
     picture_file::write(&arguments.output, format, &picture, &captions::notes(&field))
 }

@@ -90,6 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     setup::check(&Settings::new(method, shading.clone()))?;
     let plain = prepare::scene(&arguments.scene)?;
     let mut scene = plain.clone();
+    let shading = arguments.optics.material_of(&scene, shading);
     arguments.view.apply(&mut scene)?;
     let surface = arguments.surface.source(None, Some(&scene), "elaphe")?;
     if surface.kind().is_none() {
@@ -108,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         terms: shading.terms,
         wavelengths: shading.wavelengths,
         coherence: shading.coherence,
-        ior: shading.ior,
+        reflectance: shading.reflectance,
         illuminant: utf8(&arguments.colour.illuminant)?,
         size: arguments.size,
         fps: arguments.fps,

@@ -2,6 +2,7 @@
 
 use super::options::as_options;
 use crate::optics::coherence::{Coherence, Windows};
+use crate::optics::reflectance::Reflectance;
 use crate::picture_file::quoted;
 use crate::scene::Scene;
 use crate::surface::Source;
@@ -92,7 +93,18 @@ impl Words {
             Coherence::Repeats([n, m]) => format!("grating:{n}x{m}"),
         };
         self.option("coherence", coherence);
-        self.option("ior", settings.ior.to_string());
+        match &settings.reflectance {
+            Reflectance::Schlick(ior) => self.option("ior", ior.to_string()),
+            Reflectance::Fresnel { material, film } => {
+                match material.constant_index() {
+                    Some(index) => self.option("ior", index.to_string()),
+                    None => self.option("material", &material.name),
+                }
+                if let Some(film) = film {
+                    self.option("film", film.to_string());
+                }
+            }
+        }
         self.option("illuminant", &settings.illuminant);
     }
 }

@@ -6,13 +6,14 @@ pub mod brdf;
 pub mod coherence;
 pub mod color;
 pub mod footprint;
-
 pub mod geometry;
 pub mod grating;
+pub mod material;
 pub mod nufft;
 pub mod orders;
 pub mod quadrature;
 pub mod reference;
+pub mod reflectance;
 pub mod sampling;
 pub mod spectrum;
 pub mod svd;

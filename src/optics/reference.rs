@@ -8,6 +8,7 @@ use super::brdf;
 use super::coherence::{Axis, Coherence};
 use super::geometry::Pair;
 use super::quadrature::{Nodes, SPAN};
+use super::reflectance::Reflectance;
 use super::spectrum::Illuminant;
 use crate::error::{Error, Result};
 use crate::surface::HeightField;
@@ -34,14 +35,19 @@ pub struct Reference<'a> {
     field: &'a HeightField,
     coherence: Coherence,
     windows: [u32; 2],
-    ior: f64,
+    reflectance: Reflectance,
 }
 
 impl<'a> Reference<'a> {
     /// The direct sum over `field` through `coherence`, averaged over `windows` = \[n, m\] window centres (1 × 1 is the
-    /// thesis), for a dielectric of refractive index `ior`.
-    pub fn new(field: &'a HeightField, coherence: Coherence, windows: [u32; 2], ior: f64) -> Self {
-        Self { field, coherence, windows, ior }
+    /// thesis), for a surface that reflects by `reflectance` (a number is a refractive index).
+    pub fn new(
+        field: &'a HeightField,
+        coherence: Coherence,
+        windows: [u32; 2],
+        reflectance: impl Into<Reflectance>,
+    ) -> Self {
+        Self { field, coherence, windows, reflectance: reflectance.into() }
     }
 
     /// The BRDF \[sr⁻¹\] at `wavelength` \[µm\] (\[Single 2014\] B.12). 0 below the horizon and beyond what the samples
@@ -59,12 +65,13 @@ impl<'a> Reference<'a> {
             return vec![0.0; count];
         }
         let area = self.coherence.area(self.field.patch_size());
-        let reflectance = brdf::schlick(self.ior, pair.cos_half_angle());
+        let cos_half_angle = pair.cos_half_angle();
         self.power(pair.uvw(), first, step, count)
             .into_iter()
             .enumerate()
             .map(|(j, power)| {
                 let wavelength = 1.0 / (first + j as f64 * step);
+                let reflectance = self.reflectance.at(wavelength, cos_half_angle);
                 reflectance * brdf::cosine_weighted(pair, wavelength, area, power)
             })
             .collect()
@@ -73,7 +80,7 @@ impl<'a> Reference<'a> {
     /// f·cos θ_i \[sr⁻¹\] at `wavelength` \[µm\] from |P|² \[µm⁴\].
     pub(super) fn cosine_weighted_of(&self, pair: &Pair, wavelength: f64, power: f64) -> f64 {
         let area = self.coherence.area(self.field.patch_size());
-        let reflectance = brdf::schlick(self.ior, pair.cos_half_angle());
+        let reflectance = self.reflectance.at(wavelength, pair.cos_half_angle());
         reflectance * brdf::cosine_weighted(pair, wavelength, area, power)
     }
 
@@ -108,9 +115,10 @@ impl<'a> Reference<'a> {
     /// XYZ of f·cos θ_i from |P|² \[µm⁴\] at every one of `nodes`.
     pub(super) fn colour_of(&self, pair: &Pair, nodes: &Nodes, power: &[f64]) -> DVec3 {
         let area = self.coherence.area(self.field.patch_size());
-        let reflectance = brdf::schlick(self.ior, pair.cos_half_angle());
+        let cos_half_angle = pair.cos_half_angle();
         let terms = nodes.weights.iter().zip(power).enumerate().map(|(j, (weight, power))| {
             let wavelength = 1.0 / (nodes.first + j as f64 * nodes.step);
+            let reflectance = self.reflectance.at(wavelength, cos_half_angle);
             *weight * (reflectance * brdf::cosine_weighted(pair, wavelength, area, *power))
         });
         terms.sum()

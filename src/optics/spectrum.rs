@@ -85,6 +85,21 @@ impl<const N: usize> Table<N> {
         Ok(table)
     }
 
+    /// First and last wavelength \[nm\].
+    pub fn ends(&self) -> [f64; 2] {
+        [self.wavelengths[0], self.wavelengths[self.wavelengths.len() - 1]]
+    }
+
+    /// Whether all values are as `sane` says.
+    pub fn all(&self, sane: impl FnMut([f64; N]) -> bool) -> bool {
+        self.values.iter().copied().all(sane)
+    }
+
+    /// The table of `of` every value.
+    pub fn map<const M: usize>(self, of: impl FnMut([f64; N]) -> [f64; M]) -> Table<M> {
+        Table { wavelengths: self.wavelengths, values: self.values.into_iter().map(of).collect() }
+    }
+
     /// The values at `wavelength` \[nm\].
     pub fn at(&self, wavelength: f64) -> [f64; N] {
         let above = self.wavelengths.partition_point(|&x| x < wavelength);

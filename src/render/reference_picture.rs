@@ -6,7 +6,6 @@ use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
 use crate::brdf::mean::{Mean, TabulatedMean};
 use crate::error::Result;
-use crate::optics::brdf::schlick;
 use crate::optics::coherence::Windows;
 use crate::optics::color::{self, xyz_to_linear_srgb};
 use crate::optics::footprint::Covariance;
@@ -73,12 +72,13 @@ impl<'a> PixelReference<'a> {
     pub fn new(field: &'a HeightField, shading: &'a Shading, progress: Progress<'_>) -> Result<Self> {
         let by = match (shading.windows, shading.coherence.sigma()) {
             (Windows::All, Some(sigma)) => {
-                let mean = Mean { field, sigma, beyond: shading.beyond, ior: shading.ior };
+                let mean =
+                    Mean { field, sigma, beyond: shading.beyond, reflectance: shading.reflectance.clone() };
                 By::Mean(Box::new(TabulatedMean::new(mean, SHORTEST, progress)?))
             }
             (windows, _) => {
                 let windows = windows.grid().unwrap_or([1, 1]);
-                By::Windows(Reference::new(field, shading.coherence, windows, shading.ior))
+                By::Windows(Reference::new(field, shading.coherence, windows, shading.reflectance.clone()))
             }
         };
         Ok(Self { shading, by })
@@ -121,7 +121,7 @@ impl<'a> PixelReference<'a> {
                 if !pair.above_horizon() {
                     continue;
                 }
-                let reflectance = schlick(self.shading.ior, pair.cos_half_angle());
+                let reflectance = self.shading.reflectance.kept_from_pigment(pair.cos_half_angle());
                 let pigmented = view.base_color.as_dvec3() * ((1.0 - reflectance) * pair.light.z / PI);
                 *color += (xyz_to_linear_srgb(*xyz) + pigmented) * (light.intensity * PI);
             }

@@ -4,6 +4,7 @@ use crate::error::{Error, Remedy, Result};
 use crate::expansion::taylor::{F32_ROUNDOFF, rounding_bound};
 use crate::expansion::{Basis, HeightScale};
 use crate::optics::coherence::{Beyond, Coherence, Windows};
+use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::{Illuminant, SHORTEST};
 use crate::precompute::kernel::SPECKLE;
 use crate::precompute::layers::largest_z;
@@ -47,8 +48,8 @@ pub struct Shading {
     pub windows: Windows,
     /// How the surface goes on beyond the patch, for the mean over all windows.
     pub beyond: Beyond,
-    /// Refractive index of the surface.
-    pub ior: f64,
+    /// What the surface reflects.
+    pub reflectance: Reflectance,
     /// The light's spectrum.
     pub illuminant: Illuminant,
     /// Relative error that the user accepts.
@@ -123,7 +124,7 @@ impl Default for Shading {
             coherence: Coherence::SUNLIGHT,
             windows: Windows::All,
             beyond: Beyond::Copies,
-            ior: 1.5,
+            reflectance: Reflectance::default(),
             illuminant: Illuminant::D65,
             tolerance: 1e-2,
             purpose: Purpose::Directions,

@@ -5,6 +5,8 @@ use super::light::{Light, MAX_LIGHTS};
 use super::{Mesh, Progress, obj, primitives, snake};
 use crate::error::{Error, Result};
 use crate::input;
+use crate::optics::material::Material;
+use crate::optics::reflectance::{Film, Reflectance};
 use crate::surface::prepare::Step;
 use crate::units;
 use glam::{DVec3, Vec3};
@@ -46,6 +48,8 @@ pub struct Scene {
     pub base_color: Vec3,
     /// Pigment texture, multiplied with the base colour.
     pub pigment: Option<PathBuf>,
+    /// What the surface reflects, where the scene says.
+    pub reflectance: Option<Reflectance>,
     /// Exposure of the display \[stops\].
     pub exposure: f64,
     /// What is displayed where nothing is covered, linear sRGB.
@@ -70,6 +74,8 @@ struct File {
     #[serde(default = "black")]
     base_color: Triple<f32>,
     pigment: Option<PathBuf>,
+    material: Option<String>,
+    film: Option<String>,
     #[serde(default)]
     exposure: f64,
     #[serde(default = "dark_grey")]
@@ -201,8 +207,10 @@ impl Scene {
         let pigment = file.pigment.map(|p| folder.join(p));
         let mesh_file = (!BUILT_IN_MESHES.contains(&file.mesh.as_str())).then(|| folder.join(&file.mesh));
         let surface_file = (!built_in_surface).then(|| PathBuf::from(&surface));
+        let material_file =
+            file.material.as_ref().filter(|m| !Material::is_built_in(m)).map(|m| folder.join(m));
         Ok(Self {
-            files: [mesh_file, surface_file, pigment.clone()].into_iter().flatten().collect(),
+            files: [mesh_file, surface_file, material_file, pigment.clone()].into_iter().flatten().collect(),
             mesh: open_mesh(&file.mesh, file.up, folder, progress)?,
             surface,
             pixel_size: file.pixel_size.as_deref().map(units::length_pair).transpose()?,
@@ -212,6 +220,7 @@ impl Scene {
             lights,
             base_color: base_color.into(),
             pigment,
+            reflectance: reflectance(file.material.as_deref(), file.film.as_deref(), folder)?,
             exposure: file.exposure,
             background: background.into(),
             unit: file.scale.as_deref().map_or(Ok(UNIT), units::length)? * METRES_PER_MICROMETRE,
@@ -221,6 +230,25 @@ impl Scene {
 
 /// Meshes that scene files can name instead of a file.
 const BUILT_IN_MESHES: [&str; 4] = ["snake", "plate", "sphere", "disc"];
+
+/// What the surface reflects: a material of that name or in that file, below a film.
+fn reflectance(material: Option<&str>, film: Option<&str>, folder: &Path) -> Result<Option<Reflectance>> {
+    let Some(name) = material else {
+        return match film {
+            None => Ok(None),
+            Some(_) => {
+                Err(Error::failed("a film needs a material below it", "add `material`, as in \"glass\""))
+            }
+        };
+    };
+    let material = if Material::is_built_in(name) {
+        Material::from_name_or_file(name)
+    } else {
+        Material::from_name_or_file(folder.join(name))
+    };
+    let film = film.map(Film::parse).transpose()?;
+    Ok(Some(Reflectance::Fresnel { material: material?, film }))
+}
 
 /// The steps of `prepare`, each as on the command line without the dashes.
 fn steps(words: &[String]) -> Result<Vec<Step>> {

@@ -34,10 +34,11 @@ pub fn for_each_window(
         let illuminant = &shading.illuminant;
         let Windows::Grid(windows) = shading.windows else {
             let sigma = settings.power_sigma()?;
-            let mean = Mean { field, sigma, beyond: shading.beyond, ior: shading.ior };
+            let mean =
+                Mean { field, sigma, beyond: shading.beyond, reflectance: shading.reflectance.clone() };
             return ask(&mut MeanReference::new(mean, illuminant, settings.shortest), 1.0);
         };
-        let reference = Reference::new(field, shading.coherence, windows, shading.ior);
+        let reference = Reference::new(field, shading.coherence, windows, shading.reflectance.clone());
         return ask(&mut DirectSum { reference, illuminant: &shading.illuminant }, 1.0);
     }
     let device = device()?;

@@ -355,6 +355,7 @@ impl Settings {
         let tolerance = self.shading.tolerance;
         TableSettings {
             illuminant: self.shading.illuminant.clone(),
+            reflectance: Some(&self.shading.reflectance).filter(|r| r.is_spectral()).cloned(),
             wavelengths: self.shading.wavelengths,
             quadrature_error: self.shading.quadrature(),
             reading_error: READING_SHARE * self.shading.gain() * self.over_footprints() * tolerance,

@@ -56,8 +56,10 @@ pub fn bake(
         }
     }
     progress(side, side)?;
-    let specular = Specular::new(&reader.header, &settings.illuminant);
-    Ok(ColorTable { header: Header { grid, pieces, unit, specular, coherence_blur, cubic_error }, levels })
+    let specular = Specular::new(&reader.header, settings);
+    let holds_reflectance = settings.reflectance.is_some();
+    let header = Header { grid, pieces, unit, specular, coherence_blur, cubic_error, holds_reflectance };
+    Ok(ColorTable { header, levels })
 }
 
 /// Sums the texels of `rows`, the first of which is row `first`.

@@ -39,7 +39,7 @@ impl Kept for ColorTable {
 /// Whether `header` is such as this program makes: what follows divides by its numbers, counts with them and makes textures of its sizes.
 /// The check sum finds accidents; it does not know who wrote it.
 fn is_sound(header: &Header) -> bool {
-    let Header { grid, pieces, unit, specular, coherence_blur, cubic_error } = header;
+    let Header { grid, pieces, unit, specular, coherence_blur, cubic_error, holds_reflectance: _ } = header;
     (1..=MOST_LEVELS).contains(&grid.levels)
         && (1..=LARGEST_SIDE).contains(&grid.side)
         && grid.side.is_multiple_of(1 << (grid.levels - 1))
@@ -58,6 +58,8 @@ fn is_sound(header: &Header) -> bool {
 mod tests {
     use super::*;
     use crate::cache::{Key, Store, read, seal};
+    use crate::optics::material::Material;
+    use crate::optics::reflectance::{Film, Reflectance};
     use crate::optics::spectrum::Illuminant;
     use crate::surface::HeightField;
     use crate::table::{Grid, Specular, TableSettings};
@@ -70,7 +72,15 @@ mod tests {
             variances: (1..=BANDS).map(|i| 0.1 * i as f64).collect(),
             weights: vec![vec![[0.1, 0.2, 0.3]; SPECULAR_SAMPLES]; BANDS],
         };
-        let header = Header { grid, pieces: 2, unit: 0.3, specular, coherence_blur: 1e-5, cubic_error: 1e-3 };
+        let header = Header {
+            grid,
+            pieces: 2,
+            unit: 0.3,
+            specular,
+            coherence_blur: 1e-5,
+            cubic_error: 1e-3,
+            holds_reflectance: false,
+        };
         let numbers =
             |side: usize| (0..side * side * 2 * 12).map(|i| f16::from_f32(i as f32 * 0.01)).collect();
         ColorTable { header, levels: vec![numbers(32), numbers(16)] }
@@ -133,12 +143,19 @@ mod tests {
         );
     }
 
+    /// Gold below a film of this thickness.
+    fn gold(film: Option<f64>) -> Reflectance {
+        let material = Material::from_name_or_file("gold").unwrap();
+        Reflectance::Fresnel { material, film: film.map(|thickness| Film { thickness, index: 1.5 }) }
+    }
+
     #[test]
     fn every_setting_but_the_memory_changes_the_key() {
         let field = HeightField::new(4, 4, [0.1, 0.1], vec![0.0; 16]).unwrap();
         let key = |settings: &TableSettings| Key::new(&ColorTable::FORMAT, settings, &field).unwrap();
         let all = TableSettings {
             illuminant: Illuminant::D65,
+            reflectance: None,
             wavelengths: None,
             quadrature_error: 1e-3,
             reading_error: 1e-2,
@@ -149,6 +166,9 @@ mod tests {
         };
         let others = [
             TableSettings { illuminant: Illuminant::A, ..all.clone() },
+            TableSettings { reflectance: Some(gold(None)), ..all.clone() },
+            TableSettings { reflectance: Some(gold(Some(0.1))), ..all.clone() },
+            TableSettings { reflectance: Some(gold(Some(0.2))), ..all.clone() },
             TableSettings { wavelengths: Some(20), ..all.clone() },
             TableSettings { quadrature_error: 2e-3, ..all.clone() },
             TableSettings { reading_error: 2e-2, ..all.clone() },

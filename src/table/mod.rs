@@ -5,6 +5,9 @@
 //! of q² ⟨|P|²⟩/(A w²) without the specular order, a smooth function of |w| that the table holds as cubics over pieces of 0 … 2. X₀ is q² ⟨|P|²⟩/A of
 //! the specular order, a Gaussian in (u, v) for each band of wavelengths, which needs no table over (u, v).
 //!
+//! Where R depends on the wavelength, the sums hold it and the factor in front is 1: the half vector's angle follows from (u, v, w) alone, as
+//! cos θ_h = |(u, v, w)|/2, so that a table has room for it.
+//!
 //! Level l of a table is the average over a Gaussian of (u, v) of standard deviation s_l; see [`Grid`].
 
 mod bake;
@@ -20,6 +23,7 @@ pub use grid::Grid;
 pub use read::TableReader;
 pub use specular::{BANDS, SPECULAR_SAMPLES, Specular};
 
+use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
 use crate::surface::MAX_SIDE;
 use half::f16;
@@ -30,6 +34,8 @@ use serde::{Deserialize, Serialize};
 pub struct TableSettings {
     /// The light's spectrum.
     pub illuminant: Illuminant,
+    /// What the surface reflects, where that depends on the wavelength: then the sums hold it.
+    pub reflectance: Option<Reflectance>,
     /// Number of wavelengths, where the user names it.
     pub wavelengths: Option<usize>,
     /// Relative error of the sum over wavelengths.
@@ -56,6 +62,7 @@ impl TableSettings {
         // The squares of the shares add up to less than 1, for the errors are independent.
         Self {
             illuminant,
+            reflectance: None,
             wavelengths: None,
             quadrature_error: 0.4 * tolerance,
             reading_error: 0.7 * tolerance,
@@ -93,6 +100,8 @@ pub struct Header {
     pub coherence_blur: f64,
     /// Relative error of the cubics, measured.
     pub cubic_error: f64,
+    /// Whether the colours hold R, because it depends on the wavelength.
+    pub holds_reflectance: bool,
 }
 
 impl ColorTable {

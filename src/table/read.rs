@@ -31,7 +31,8 @@ impl<'a> TableReader<'a> {
         (level, taps)
     }
 
-    /// XYZ of f cos θ_i \[sr⁻¹\] of one pair in a medium of index `ior`, averaged over `around`.
+    /// XYZ of f cos θ_i \[sr⁻¹\] of one pair, averaged over `around`, on a surface whose R is Schlick's for the index `ior`; a table that was
+    /// baked for a material holds its R, and asks for none.
     pub fn xyz(&self, pair: &Pair, ior: f64, around: &Covariance) -> DVec3 {
         if !pair.above_horizon() {
             return DVec3::ZERO;
@@ -41,7 +42,9 @@ impl<'a> TableReader<'a> {
         let (level, taps) = self.taps(around, Share::ALL);
         let sum: DVec3 = taps.each().map(|(place, weight)| self.at(toward + place, w, level) * weight).sum();
         let colour = sum * (w * w) + self.specular(toward, w, around);
-        colour * (schlick(ior, pair.cos_half_angle()) * pair.geometric_factor_times_cos_light() / (w * w))
+        let held = self.table.header.holds_reflectance;
+        let reflectance = if held { 1.0 } else { schlick(ior, pair.cos_half_angle()) };
+        colour * (reflectance * pair.geometric_factor_times_cos_light() / (w * w))
     }
 
     /// The specular order's share.

@@ -3,8 +3,9 @@
 //! At one wavelength it is |c_0(z)|² q² γ̂(q(u, v))/w², a Gaussian of (u, v) with the variance λ²/(8π²σ²) and the weight |c_0|²/w². Bands of
 //! wavelengths share a variance.
 
+use super::TableSettings;
 use crate::optics::quadrature::density_table;
-use crate::optics::spectrum::{Illuminant, LONGEST, SHORTEST};
+use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::spectra::power::chebyshev::polynomials;
 use crate::spectra::power::{Blur, Header};
 use glam::DVec3;
@@ -28,11 +29,11 @@ pub struct Specular {
 }
 
 impl Specular {
-    /// Of the surface that `spectra` describe, under `illuminant`.
-    pub fn new(spectra: &Header, illuminant: &Illuminant) -> Self {
+    /// Of the surface that `spectra` describe, in the light of `settings`.
+    pub fn new(spectra: &Header, settings: &TableSettings) -> Self {
         /// Wavelengths: about 1 nm apart, as the tables of the observer.
         const COUNT: usize = 401;
-        let density = density_table(illuminant, COUNT);
+        let density = density_table(&settings.illuminant, COUNT);
         let (first, last) = (1.0 / LONGEST, 1.0 / SHORTEST);
         let step = (last - first) / (COUNT - 1) as f64;
         let node = |i: usize| {
@@ -54,8 +55,11 @@ impl Specular {
                 (0..SPECULAR_SAMPLES)
                     .map(|i| {
                         let w = 2.0 * i as f64 / (SPECULAR_SAMPLES - 1) as f64;
-                        let sum: DVec3 =
-                            nodes.iter().map(|(q, xyz)| *xyz * power(spectra, 2.0 * PI * q * w)).sum();
+                        // The lobe is so narrow that (u, v) = 0 throughout, and cos θ_h = |w|/2.
+                        let reflected =
+                            |q: f64| settings.reflectance.as_ref().map_or(1.0, |r| r.at(1.0 / q, 0.5 * w));
+                        let power = |q: f64| power(spectra, 2.0 * PI * q * w) * reflected(q);
+                        let sum: DVec3 = nodes.iter().map(|(q, xyz)| *xyz * power(*q)).sum();
                         sum.as_vec3().to_array()
                     })
                     .collect(),

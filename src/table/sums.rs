@@ -5,6 +5,7 @@
 
 use super::{LARGEST_W, TableSettings};
 use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
+use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::MIDDLE;
 use crate::spectra::power::chebyshev::{coefficients_from_values, nodes, polynomials};
 use crate::spectra::power::read::{Reader, Square};
@@ -19,6 +20,8 @@ pub const CUBIC: usize = 4;
 /// The wavelengths of each direction.
 pub struct Spectrum {
     combs: Vec<Comb>,
+    // For each comb, node by node, what the surface reflects over cos² θ_h; nothing where that does not depend on the wavelength.
+    reflectances: Vec<Vec<ReflectanceRow>>,
     rule: Rule,
     named: bool,
     variance: f64,
@@ -33,15 +36,16 @@ impl Spectrum {
         let blur = 0.5 * (orders[0] + orders[1]) + variance / MIDDLE.powi(2);
         let sigma = 1.0 / (PI * (8.0 * blur).sqrt());
         let rule = Rule::gaussian(&settings.illuminant, sigma, settings.quadrature_error);
-        match settings.wavelengths {
-            Some(count) => {
-                let nodes = Nodes::catmull_rom(&settings.illuminant, count);
-                Self { combs: vec![nodes.into()], rule, named: true, variance }
-            }
-            None => {
-                Self { combs: Ladder::new(&settings.illuminant, &rule).levels, rule, named: false, variance }
-            }
-        }
+        let combs = match settings.wavelengths {
+            Some(count) => vec![Nodes::catmull_rom(&settings.illuminant, count).into()],
+            None => Ladder::new(&settings.illuminant, &rule).levels,
+        };
+        let rows = |r: &Reflectance| {
+            let of_comb = |comb: &Comb| comb.wavenumbers.iter().map(|q| ReflectanceRow::new(r, *q)).collect();
+            combs.par_iter().map(of_comb).collect()
+        };
+        let reflectances = settings.reflectance.as_ref().map_or_else(Vec::new, rows);
+        Self { combs, reflectances, rule, named: settings.wavelengths.is_some(), variance }
     }
 
     /// Number of the comb for |(u, v)| = `uv`.
@@ -51,6 +55,27 @@ impl Spectrum {
         }
         let needed = self.rule.count(uv.min(2.0));
         self.combs.iter().position(|comb| comb.weights.len() >= needed).unwrap_or(self.combs.len() - 1)
+    }
+}
+
+/// R at one wavenumber over cos θ_h.
+struct ReflectanceRow(Vec<f32>);
+
+impl ReflectanceRow {
+    /// Steps of cos θ_h: R errs by less than 1e-4 between them, also where it rises to 1 at grazing angles.
+    const STEPS: usize = 256;
+
+    fn new(reflectance: &Reflectance, wavenumber: f64) -> Self {
+        let at = |i: usize| reflectance.at(1.0 / wavenumber, i as f64 / Self::STEPS as f64) as f32;
+        Self((0..=Self::STEPS).map(at).collect())
+    }
+
+    /// R where |(u, v)|² and |w|² are `uv2` and `w2`.
+    fn at(&self, uv2: f32, w2: f32) -> f32 {
+        let place = (0.5 * (uv2 + w2).sqrt()).min(1.0) * Self::STEPS as f32;
+        let left = (place as usize).min(Self::STEPS - 1);
+        let share = place - left as f32;
+        self.0[left] + share * (self.0[left + 1] - self.0[left])
     }
 }
 
@@ -67,6 +92,8 @@ pub struct Sums<'a> {
     // For each comb, node by node: [w / LANES][term][w % LANES], q² z²/w² times the Chebyshev polynomials at
     // z = 2πq|w|.
     polynomials: Vec<Vec<Vec4>>,
+    // |w|² of each lane.
+    w2: Vec<Vec4>,
     to_cubic: [[f32; CUBIC]; CUBIC],
 }
 
@@ -108,7 +135,9 @@ impl<'a> Sums<'a> {
             values.chunks_exact(LANES).map(Vec4::from_slice).collect()
         };
         let polynomials = spectrum.combs.par_iter().map(of_comb).collect();
-        Self { reader, spectrum, count, padded, polynomials, to_cubic: cubic_from_nodes() }
+        let squared: Vec<f32> = (0..padded).map(|i| w.get(i).map_or(0.0, |w| (w * w) as f32)).collect();
+        let w2 = squared.chunks_exact(LANES).map(Vec4::from_slice).collect();
+        Self { reader, spectrum, count, padded, polynomials, w2, to_cubic: cubic_from_nodes() }
     }
 
     /// XYZ at every w for every texel of `tile`, into `scratch`.
@@ -127,11 +156,15 @@ impl<'a> Sums<'a> {
             self.reader.read(&square, level as usize, &mut scratch.rows, &mut scratch.terms);
             let weight = weight.as_vec3().to_array();
             let matrix = &self.polynomials[number][j * per_node..(j + 1) * per_node];
-            for (series, sums) in
-                scratch.terms.chunks_exact(layers).zip(scratch.sums.chunks_exact_mut(3 * lanes))
-            {
+            let reflectance = self.spectrum.reflectances.get(number).map(|rows| &rows[j]);
+            let texels = scratch.terms.chunks_exact(layers).zip(scratch.sums.chunks_exact_mut(3 * lanes));
+            for (texel, (series, sums)) in texels.enumerate() {
+                let uv2 = tile.place(texel).length_squared() as f32;
                 for (lane, factors) in matrix.chunks_exact(terms).enumerate() {
-                    let value = product(series, factors);
+                    let mut value = product(series, factors);
+                    if let Some(row) = reflectance {
+                        value *= Vec4::from(self.w2[lane].to_array().map(|w2| row.at(uv2, w2)));
+                    }
                     for (channel, weight) in weight.iter().enumerate() {
                         sums[channel * lanes + lane] += value * *weight;
                     }

@@ -56,7 +56,7 @@ fn errors(colours: &[DVec3], exact: &[DVec3]) -> (f64, f64) {
 fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
     let field = synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(Kind::Elaphe) }).unwrap();
     let (sigma, tolerance) = (3.0, 2e-2);
-    let mean = Mean { field: &field, sigma, beyond: Beyond::Copies, ior: IOR };
+    let mean = Mean { field: &field, sigma, beyond: Beyond::Copies, reflectance: IOR.into() };
     let exact = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
     let spectra = spectra(&field, sigma, tolerance, 0.0);
     let table = table(&spectra, tolerance, 0.0);

@@ -39,6 +39,7 @@ impl Slot {
     fn serves(&self, prepared: &Prepared, request: &FrameRequest) -> bool {
         Arc::ptr_eq(&self.loaded, &request.loaded)
             && self.prepared.shaded_from.shares_data_with(&prepared.shaded_from)
+            && self.prepared.shading.reflectance.shares_stages_with(&prepared.shading.reflectance)
     }
 
     /// Shades with `prepared` from now on. The textures on the device stay; what depends on other settings is rebuilt.

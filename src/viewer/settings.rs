@@ -3,6 +3,7 @@
 use crate::error::Result;
 use crate::expansion::Basis;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
+use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
 use crate::render::shading::{Purpose, Shading};
 use crate::scene::{Camera, Light, Scene};
@@ -40,8 +41,8 @@ pub struct ViewSettings {
     pub coherence: Coherence,
     /// How the surface goes on beyond the patch.
     pub beyond: Beyond,
-    /// Refractive index.
-    pub ior: f64,
+    /// What the surface reflects.
+    pub reflectance: Reflectance,
     /// Spectrum of the light: a name or a file.
     pub illuminant: String,
     /// The lights.
@@ -73,7 +74,8 @@ impl ViewSettings {
     /// What has to be renewed to go from `shown` to `self`.
     pub fn needs(&self, shown: &Self) -> Needs {
         let optics = |s: &Self| {
-            (s.surface.clone(), s.optics.clone(), s.coherence, s.beyond, s.ior, s.illuminant.clone())
+            let light = (s.coherence, s.illuminant.clone());
+            (s.surface.clone(), s.optics.clone(), s.beyond, s.reflectance.clone(), light)
         };
         if self.scene != shown.scene {
             Needs::Mesh
@@ -97,7 +99,7 @@ impl ViewSettings {
     pub fn shading(&self, optics: &OpticsSettings) -> Result<Shading> {
         Ok(Shading {
             coherence: self.coherence,
-            ior: self.ior,
+            reflectance: self.reflectance.clone(),
             illuminant: Illuminant::from_name_or_file(&self.illuminant)?,
             tolerance: optics.tolerance,
             windows: self.windows(optics),
@@ -174,7 +176,7 @@ pub(crate) mod tests {
             optics,
             coherence: Coherence::SUNLIGHT,
             beyond: Beyond::Copies,
-            ior: 1.5,
+            reflectance: Reflectance::default(),
             illuminant: "d65".to_owned(),
             lights: scene.lights.clone(),
             exposure: scene.exposure,

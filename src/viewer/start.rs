@@ -3,6 +3,7 @@
 use super::settings::{OpticsSettings, ViewSettings};
 use crate::expansion::Basis;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
+use crate::optics::reflectance::Reflectance;
 use crate::scene::Scene;
 use crate::setup::Method;
 use crate::surface::Source;
@@ -39,8 +40,8 @@ pub struct Start {
     pub wavelengths: Option<usize>,
     /// What surrounds the patch.
     pub coherence: Coherence,
-    /// Refractive index.
-    pub ior: f64,
+    /// What the surface reflects.
+    pub reflectance: Reflectance,
     /// Spectrum of the light: a name or a file.
     pub illuminant: String,
     /// Size of the window \[pixels\].
@@ -73,7 +74,7 @@ impl Start {
             },
             coherence: self.coherence,
             beyond: self.beyond,
-            ior: self.ior,
+            reflectance: self.reflectance.clone(),
             illuminant: self.illuminant.clone(),
             lights: self.scene.lights.clone(),
             exposure: self.scene.exposure,

@@ -223,3 +223,32 @@ fn a_basis_is_refused_with_the_mean_by_every_command_of_single_directions() {
         assert!(line.contains("--windows 1x1"), "{words:?}: {line}");
     }
 }
+
+#[test]
+fn a_material_reflects_at_every_wavelength_what_fresnel_says() {
+    let sandbox = Sandbox::new();
+    sandbox.write("queries.csv", "theta_i,phi_i,theta_r,phi_r,wavelength\n0,0,0,0,450\n0,0,0,0,650\n");
+    let values = |more: &[&str]| -> Vec<f64> {
+        let ask = ["eval", "--queries", "queries.csv", "--surface", "flat", "--method", "reference"];
+        let out = sandbox.run2(&ask, more).done();
+        out.lines().skip(1).map(|line| line.rsplit(',').next().unwrap().parse().unwrap()).collect()
+    };
+    // Straight at a mirror everything but R is the same.
+    let (plain, gold) = (values(&["--ior", "1.5"]), values(&["--material", "gold"]));
+    let normal = |n: f64, k: f64| ((n - 1.0).powi(2) + k * k) / ((n + 1.0).powi(2) + k * k);
+    // Between the rows of Johnson and Christy: 430.5 and 450.9 nm, 616.8 and 659.5 nm.
+    let between =
+        |a: [f64; 2], b: [f64; 2], t: f64| normal(a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]));
+    let expected = [
+        between([1.45, 1.948], [1.38, 1.914], 19.5 / 20.4),
+        between([0.21, 3.272], [0.14, 3.697], 33.2 / 42.7),
+    ];
+    for (i, expected) in expected.iter().enumerate() {
+        assert!((gold[i] / plain[i] * 0.04 / expected - 1.0).abs() < 1e-9, "{gold:?} {plain:?}");
+    }
+    // A quarter wave of 1.5 on 2.25 reflects nothing at 450 nm.
+    let coated = values(&["--ior", "2.25", "--film", "75nm:1.5"]);
+    assert!(coated[0] < 1e-12 * plain[0] && coated[1] > 1e-3 * plain[1], "{coated:?}");
+    let refused = sandbox.run2(&["eval", "--queries", "queries.csv"], &["--ior", "2", "--material", "gold"]);
+    refused.refused(2);
+}

@@ -16,7 +16,7 @@ use glam::{DVec2, DVec3};
 
 /// The colours of `queries` by the direct sum, XYZ of f cos θ_i.
 fn by_reference(field: &HeightField, shading: &Shading, queries: &[Query]) -> Vec<DVec3> {
-    let reference = Reference::new(field, shading.coherence, [1, 1], shading.ior);
+    let reference = Reference::new(field, shading.coherence, [1, 1], shading.reflectance.clone());
     queries.iter().map(|q| reference.cosine_weighted_xyz(&q.pair, &shading.illuminant).unwrap()).collect()
 }
 

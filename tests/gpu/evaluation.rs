@@ -96,7 +96,7 @@ fn on_device(device: &Arc<Device>, field: &HeightField, shading: &Shading, queri
 
 /// f cos θ_i of every query by the direct sum.
 fn by_reference(field: &HeightField, shading: &Shading, queries: &[Query]) -> Vec<f64> {
-    let reference = Reference::new(field, shading.coherence, [1, 1], shading.ior);
+    let reference = Reference::new(field, shading.coherence, [1, 1], shading.reflectance.clone());
     queries.iter().map(|q| reference.brdf(&q.pair, q.wavelength.unwrap()) * q.pair.light.z.max(0.0)).collect()
 }
 
@@ -222,7 +222,7 @@ fn colours_of_single_directions_meet_the_tolerance() {
     with_device(|device| {
         for tolerance in [1e-1, 1e-2, 1e-3] {
             let shading = shading(24.0, tolerance);
-            let reference = Reference::new(&field, shading.coherence, [1, 1], shading.ior);
+            let reference = Reference::new(&field, shading.coherence, [1, 1], shading.reflectance.clone());
             let mut evaluator =
                 Evaluator::new(device, &Source::window(layers(&field, &shading)), &shading).unwrap();
             let found = evaluator.cosine_weighted(&queries).unwrap();

@@ -6,7 +6,7 @@ use crate::evaluation::{grating, patch, shading, window};
 use crate::measure::channel;
 use diffract::error::Result;
 use diffract::expansion::Basis;
-use diffract::optics::brdf::{cosine_weighted, schlick};
+use diffract::optics::brdf::cosine_weighted;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::reference::Reference;
@@ -73,7 +73,7 @@ fn end_queries() -> Vec<Query> {
 }
 
 fn exact(field: &HeightField, shading: &Shading, queries: &[Query]) -> Vec<f64> {
-    let reference = Reference::new(field, shading.coherence, [1, 1], shading.ior);
+    let reference = Reference::new(field, shading.coherence, [1, 1], shading.reflectance.clone());
     let one = |q: &Query| {
         let q0 = 1.0 / q.wavelength.unwrap();
         reference.cosine_weighted_spectrum(&q.pair, q0, 0.0, 1)[0]
@@ -105,7 +105,7 @@ fn clear(query: &Query) -> bool {
 fn promised(query: &Query, shading: &Shading) -> f64 {
     let sigma = shading.coherence.sigma().unwrap();
     let area = shading.coherence.area([0.0; 2]);
-    let reflectance = schlick(shading.ior, query.pair.cos_half_angle());
+    let reflectance = shading.reflectance.at(0.55, query.pair.cos_half_angle());
     let peak = (2.0 * PI * sigma * sigma).powi(2);
     reflectance * cosine_weighted(&query.pair, query.wavelength.unwrap(), area, FAINT * peak)
 }

@@ -7,7 +7,10 @@ use diffract::brdf::mean::{Mean, TabulatedMean};
 use diffract::measure::error;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::footprint::{Covariance, FootprintSizes, MOST_SIDES};
-use diffract::optics::spectrum::SHORTEST;
+use diffract::optics::material::Material;
+use diffract::optics::reference::Reference;
+use diffract::optics::reflectance::{Film, Reflectance};
+use diffract::optics::spectrum::{Illuminant, SHORTEST};
 use diffract::render::evaluator::Evaluator;
 use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
@@ -48,7 +51,7 @@ pub fn source(
 
 fn mean<'a>(field: &'a HeightField, shading: &Shading) -> Mean<'a> {
     let sigma = shading.coherence.sigma().unwrap();
-    Mean { field, sigma, beyond: shading.beyond, ior: shading.ior }
+    Mean { field, sigma, beyond: shading.beyond, reflectance: shading.reflectance.clone() }
 }
 
 /// Twice as high.
@@ -103,6 +106,45 @@ fn colours_by_a_table_meet_their_tolerance() {
 #[test]
 fn colours_by_power_spectra_meet_their_tolerance() {
     colours_meet_their_tolerance(Method::Spectral, &[1e-1, 1e-2]);
+}
+
+#[test]
+fn materials_and_films_keep_the_tolerance_by_every_source() {
+    let material = |name: &str| Material::from_name_or_file(name).unwrap();
+    let film = |thickness, index| Some(Film { thickness, index });
+    let queries = colours(22, 60);
+    let asked: Vec<_> = queries.iter().map(|q| (q.pair, Covariance::default())).collect();
+    let field = patch(Kind::Elaphe, 8.0);
+    let tolerance = 2e-2;
+    with_device(|device| {
+        for (name, film) in [("gold", None), ("glass", film(1.9, 1.33))] {
+            let reflectance = Reflectance::Fresnel { material: material(name), film };
+            let of =
+                |windows| Shading { windows, reflectance: reflectance.clone(), ..shading(8.0, tolerance) };
+            let table =
+                TabulatedMean::new(mean(&field, &of(Windows::All)), SHORTEST, &|_, _| Ok(())).unwrap();
+            let exact = table.xyz(&Illuminant::D65, &asked, &|_, _| Ok(())).unwrap();
+            let one = Reference::new(&field, of(Windows::ONE).coherence, [1, 1], reflectance.clone());
+            let of_window: Vec<DVec3> =
+                queries.iter().map(|q| one.cosine_weighted_xyz(&q.pair, &Illuminant::D65).unwrap()).collect();
+            for (windows, method, exact) in [
+                (Windows::All, Method::Table, &exact),
+                (Windows::All, Method::Spectral, &exact),
+                (Windows::ONE, Method::Spectral, &of_window),
+            ] {
+                let answers = |shading: &Shading| {
+                    let source = source(device, &field, shading, method, FootprintSizes::default());
+                    Evaluator::new(device, &source, shading).unwrap().cosine_weighted(&queries).unwrap()
+                };
+                let error = relative(&answers(&of(windows)), exact);
+                eprintln!("{name}, {film:?}, {windows:?} by {}: {error:.2e}", method.name());
+                assert!(error <= tolerance, "{name}, {windows:?} by {}: {error:e}", method.name());
+                // Schlick's dielectric is far from it.
+                let plain = relative(&answers(&Shading { windows, ..shading(8.0, tolerance) }), exact);
+                assert!(plain > 2.0 * tolerance, "{name} by {}: {plain:e}", method.name());
+            }
+        }
+    });
 }
 
 #[test]

@@ -61,13 +61,13 @@ fn the_promised_error_is_never_below_the_measured_one_and_seldom_far_above_it() 
             let shading = Shading {
                 coherence: Coherence::Gaussian { length: 5.0 + 7.0 * uniform() },
                 tolerance: 10f64.powf(-1.0 - 2.0 * uniform()),
-                ior: 1.2 + uniform(),
+                reflectance: (1.2 + uniform()).into(),
                 basis,
                 windows: Windows::ONE,
                 ..Shading::default()
             };
             let queries = queries(combination as u64, DIRECTIONS);
-            let reference = Reference::new(&field, shading.coherence, [1, 1], shading.ior);
+            let reference = Reference::new(&field, shading.coherence, [1, 1], shading.reflectance.clone());
             let exact: Vec<f64> = queries
                 .iter()
                 .map(|q| reference.brdf(&q.pair, q.wavelength.unwrap()) * q.pair.light.z.max(0.0))

@@ -41,7 +41,7 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
     let layers = layers(&field, &before);
     let repeats = |layers: &Layers, n| grating(layers, [n, 2], &field);
     let lit = Shading { illuminant: Illuminant::A, ..before.clone() };
-    let dense = Shading { ior: 2.4, ..before.clone() };
+    let dense = Shading { reflectance: 2.4.into(), ..before.clone() };
     with_device(|device| {
         let new = |source: &Source, shading: &Shading| {
             Painter::new(device, source, shading, &scene.mesh, &Pigment::white(), SIZE, 1).unwrap()

@@ -111,6 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()))
         .reads(arguments.colour.files())
+        .reads(arguments.optics.files())
         .writes([&arguments.output, &arguments.plot].into_iter().flatten())
         .check()?;
     check_lights(&arguments.light)?;

@@ -49,6 +49,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .reads([&options.scene])
         .reads(options.surface.files(None))
         .reads(options.colour.files())
+        .reads(options.optics.files())
         .writes(&arguments.json);
     files.check()?;
     let scene = BenchmarkScene::open(options)?;

@@ -73,6 +73,7 @@ fn table(field: &HeightField) -> Result<ColorTable> {
     };
     let colours = TableSettings {
         illuminant: Illuminant::D65,
+        reflectance: None,
         wavelengths: None,
         quadrature_error: ERROR,
         reading_error: ERROR,
@@ -182,7 +183,8 @@ mod tests {
             let light = direction(SLANTED, 20.0);
             let map = map(&table, light);
             let sigma = COHERENCE / 4.0;
-            let mean = Mean { field: &field, sigma, beyond: setup::beyond_of(&field), ior: IOR };
+            let mean =
+                Mean { field: &field, sigma, beyond: setup::beyond_of(&field), reflectance: IOR.into() };
             let exact = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap();
             let around = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
             let some: Vec<_> = views(SIDE, 0..SIDE).step_by(101).collect();

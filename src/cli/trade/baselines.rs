@@ -40,7 +40,7 @@ impl Baselines<'_> {
             (None, Some(period)) => ([0.0, 1.0], period),
             (None, None) => return Ok(None),
         };
-        let shading = self.options.optics.for_pictures(&self.options.colour)?;
+        let shading = self.scene.shading(self.options)?;
         let classical = |strength| Source::ClassicalGrating(ClassicalGrating { axis, period, strength });
         let (mut painter, directions) = self.scene.painter(&classical(0.0), &shading)?;
         let exact = references.of(self.scene, &shading, &directions)?;
@@ -67,7 +67,7 @@ impl Baselines<'_> {
 
     /// The sum of the thesis' own shader. `None` for repeats, for which the thesis has another sum.
     fn thesis(&self, references: &mut References) -> Result<Option<Measurement>> {
-        let shading = self.options.optics.for_pictures(&self.options.colour)?;
+        let shading = self.scene.shading(self.options)?;
         let Coherence::Gaussian { length } = shading.coherence else { return Ok(None) };
         let field = &self.scene.field;
         let layers = Arc::new(thesis::layers(field, length / 4.0, SHORTEST)?);

@@ -1,6 +1,7 @@
 //! A source on the device: descriptor set 1 and the code that reads it.
 
 use crate::error::Result;
+use crate::optics::reflectance::Reflectance;
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
@@ -29,6 +30,8 @@ pub struct BoundSource {
     pub reads_footprints: bool,
     /// Whether it answers single wavelengths.
     pub spectral: bool,
+    // R₀ of what the surface keeps from the pigment, where the source holds R.
+    normal_of_pigment: Option<f32>,
     stages: Stages,
     constants: Vec<Constant>,
     // Held for the descriptor set; fields go in order, so it goes first.
@@ -42,13 +45,14 @@ pub struct BoundSource {
 pub(super) use vk::DescriptorType as Kind;
 
 impl BoundSource {
-    /// A source whose set has bindings of these `kinds`, numbered from 0.
+    /// A source whose set has bindings of these `kinds`, numbered from 0, of a surface that reflects by `reflectance`.
     pub(super) fn new(
         device: &Arc<Device>,
         name: &str,
         kinds: &[Kind],
         stages: Stages,
         constants: Vec<Constant>,
+        reflectance: &Reflectance,
     ) -> Result<Self> {
         let visible = vk::ShaderStageFlags::FRAGMENT | vk::ShaderStageFlags::COMPUTE;
         let bindings: Vec<Binding> =
@@ -58,6 +62,7 @@ impl BoundSource {
             asks_what_is_covered: true,
             reads_footprints: false,
             spectral: true,
+            normal_of_pigment: reflectance.is_spectral().then(|| reflectance.normal_of_pigment() as f32),
             stages,
             constants,
             data: Vec::new(),
@@ -100,7 +105,14 @@ impl BoundSource {
         /// Constants of `shade.frag`.
         const LIGHTS: u32 = 0;
         const MARKED: u32 = 1;
-        let own = [Constant::new(LIGHTS, lights as u32), Constant::new(MARKED, self.asks_what_is_covered)];
+        const OWN_REFLECTANCE: u32 = 2;
+        const NORMAL_OF_PIGMENT: u32 = 3;
+        let own = [
+            Constant::new(LIGHTS, lights as u32),
+            Constant::new(MARKED, self.asks_what_is_covered),
+            Constant::new(OWN_REFLECTANCE, self.normal_of_pigment.is_some()),
+            Constant::float(NORMAL_OF_PIGMENT, self.normal_of_pigment.unwrap_or_default()),
+        ];
         [own.as_slice(), &self.constants].concat()
     }
 

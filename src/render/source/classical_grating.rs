@@ -3,7 +3,6 @@
 use super::bound::{BoundSource, Kind, uniform};
 use super::{Summary, stages};
 use crate::error::Result;
-use crate::optics::brdf::schlick;
 use crate::render::shading::Shading;
 use crate::vk::device::Device;
 use bytemuck::{Pod, Zeroable};
@@ -36,7 +35,8 @@ impl ClassicalGrating {
     pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
         let stages = stages!("classical_grating");
         let kinds = [Kind::UNIFORM_BUFFER];
-        let mut bound = BoundSource::new(device, "classical grating set", &kinds, stages, Vec::new())?;
+        let of = &shading.reflectance;
+        let mut bound = BoundSource::new(device, "classical grating set", &kinds, stages, Vec::new(), of)?;
         bound.spectral = false;
         self.set(device, &mut bound, shading)?;
         Ok(bound)
@@ -44,7 +44,7 @@ impl ClassicalGrating {
 
     pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
         let block = Block {
-            normal_reflectance: schlick(shading.ior, 1.0) as f32,
+            normal_reflectance: shading.reflectance.luminous_normal() as f32,
             period: self.period as f32,
             strength: self.strength as f32,
             axis: self.axis.map(|x| x as f32),

@@ -59,9 +59,11 @@ impl CopiesBlock {
 
 impl Grating {
     pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
-        let kinds = [spectra::KINDS.as_slice(), &[Kind::UNIFORM_BUFFER]].concat();
-        let constants = spectra::constants(&self.layers);
-        let mut bound = BoundSource::new(device, "grating set", &kinds, stages!("grating"), constants)?;
+        let kinds =
+            [spectra::KINDS.as_slice(), &[Kind::UNIFORM_BUFFER, Kind::COMBINED_IMAGE_SAMPLER]].concat();
+        let constants = spectra::constants(&self.layers, shading);
+        let of = &shading.reflectance;
+        let mut bound = BoundSource::new(device, "grating set", &kinds, stages!("grating"), constants, of)?;
         // The periodic factor of single wavelengths is multiplied in f64.
         bound.spectral = false;
         spectra::upload(device, &mut bound, &self.layers)?;
@@ -73,7 +75,7 @@ impl Grating {
         let colours = self.colours(shading);
         let of = (&*self.layers, self.repeats.sigma());
         let nodes = Combs::densities(&colours).nodes;
-        let (tables, mut buffers) = spectra::settings(device, of, shading.ior, &nodes)?;
+        let (tables, mut buffers) = spectra::settings(device, of, shading, &nodes)?;
         let block = CopiesBlock::new(&self.repeats, &colours, shading.quadrature());
         buffers.push((COPIES, uniform(device, "grating block", &block)?));
         bound.replace(device, tables, buffers)

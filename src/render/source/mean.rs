@@ -3,9 +3,8 @@
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
 use super::spectra::numbers;
-use super::{Extent, Summary, stages, taps_constants};
+use super::{Extent, Summary, reflectance, stages, taps_constants};
 use crate::error::Result;
-use crate::optics::brdf::schlick;
 use crate::optics::footprint::{SPACING_OF_SUMS, Taps};
 use crate::optics::spectrum::{BLUE, MIDDLE};
 use crate::precompute::kernel::Kernel;
@@ -41,14 +40,16 @@ mod binding {
     pub const SPECULAR: u32 = 2;
     pub const NODES: u32 = 3;
     pub const COMBS: u32 = 4;
+    pub const REFLECTANCES: u32 = 5;
 }
 
-const KINDS: [Kind; 5] = [
+const KINDS: [Kind; 6] = [
     Kind::UNIFORM_BUFFER,
     Kind::COMBINED_IMAGE_SAMPLER,
     Kind::COMBINED_IMAGE_SAMPLER,
     Kind::COMBINED_IMAGE_SAMPLER,
     Kind::STORAGE_BUFFER,
+    Kind::COMBINED_IMAGE_SAMPLER,
 ];
 
 /// Samples of the specular order's power over z: between two, the phase of the farthest heights of 1 µm turns by a thirtieth of a radian.
@@ -95,7 +96,9 @@ impl Mean {
         let mut constants = taps_constants();
         constants.push(Constant::new(CUBIC, header.grid.kernel == Kernel::Cubic));
         constants.push(Constant::new(LAYERS, layers));
-        let mut bound = BoundSource::new(device, "mean set", &KINDS, stages!("mean"), constants)?;
+        constants.push(reflectance::constant(shading));
+        let of = &shading.reflectance;
+        let mut bound = BoundSource::new(device, "mean set", &KINDS, stages!("mean"), constants, of)?;
         bound.reads_footprints = true;
         let description = Description {
             name: "power spectra",
@@ -131,7 +134,7 @@ impl Mean {
             texels: header.grid.size.map(|n| n as f32),
             range: pair(header.grid.range),
             band: pair(header.band),
-            normal_reflectance: schlick(shading.ior, 1.0) as f32,
+            normal_reflectance: shading.reflectance.normal_factor() as f32,
             x_per_z: (2.0 / header.z_max) as f32,
             unit: header.unit as f32,
             orders: (orders / finest) as f32,
@@ -144,7 +147,10 @@ impl Mean {
         };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let bins = Buffer::with_data(device, "combs", storage, bytemuck::cast_slice(&combs.bins))?;
-        let tables = vec![(binding::NODES, numbers(device, "nodes", &combs.nodes)?)];
+        let tables = vec![
+            (binding::NODES, numbers(device, "nodes", &combs.nodes)?),
+            (binding::REFLECTANCES, reflectance::texture(device, shading)?),
+        ];
         bound.replace(
             device,
             tables,

@@ -9,6 +9,7 @@ pub mod classical_grating;
 pub mod cost;
 pub mod grating;
 pub mod mean;
+mod reflectance;
 pub mod spectra;
 pub mod table;
 pub mod thesis;

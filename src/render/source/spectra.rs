@@ -1,13 +1,14 @@
 //! What the sources of a window and of a grating share: spectra of an expansion's terms. Its twin is `shaders/spectra.glsl`.
 
-use super::Extent;
 use super::bound::{BoundSource, Kind, uniform};
+use super::{Extent, reflectance};
 use crate::error::Result;
-use crate::optics::brdf::schlick;
 use crate::optics::geometry::Pair;
+use crate::optics::reflectance::Reflectance;
 use crate::precompute::Layers;
 use crate::precompute::kernel::Kernel;
 use crate::precompute::texels::Texels;
+use crate::render::shading::Shading;
 use crate::render::tables::TableTexture;
 use crate::render::upload;
 use crate::vk::buffer::Buffer;
@@ -27,6 +28,9 @@ pub(super) mod binding {
     pub const COEFFICIENTS: u32 = 2;
     pub const NODES: u32 = 3;
 }
+
+/// Binding number of what the surface reflects, behind that of each source's own.
+const REFLECTANCES: u32 = 5;
 
 /// Kinds of the bindings, in order.
 pub(super) const KINDS: [Kind; 4] = [
@@ -65,7 +69,7 @@ pub struct SpectraBlock {
 }
 
 /// The `Spectra` block of `layers` that are seen as through a Gaussian of standard deviation `sigma` \[µm\].
-pub fn spectra_block(layers: &Layers, sigma: f64, ior: f64) -> SpectraBlock {
+pub fn spectra_block(layers: &Layers, sigma: f64, reflectance: &Reflectance) -> SpectraBlock {
     let pair = |v: [f64; 2]| v.map(|x| x as f32);
     let columns = layers.coefficients.columns as f64;
     SpectraBlock {
@@ -75,7 +79,7 @@ pub fn spectra_block(layers: &Layers, sigma: f64, ior: f64) -> SpectraBlock {
         band: pair(layers.band),
         // The shaders square what they read, and multiply by σ².
         sigma: sigma as f32 * layers.texels.unit(),
-        normal_reflectance: schlick(ior, 1.0) as f32,
+        normal_reflectance: reflectance.normal_factor() as f32,
         column: pair([0.5 / columns, (columns - 1.0) / columns / layers.z_max]),
         pairs_per_z: layers.pairs_needed.slope as f32,
         fewest_pairs: layers.pairs_needed.fewest as f32,
@@ -85,7 +89,7 @@ pub fn spectra_block(layers: &Layers, sigma: f64, ior: f64) -> SpectraBlock {
 }
 
 /// Specialisation constants of `shaders/spectra.glsl`.
-pub(super) fn constants(layers: &Layers) -> Vec<Constant> {
+pub(super) fn constants(layers: &Layers, shading: &Shading) -> Vec<Constant> {
     const CUBIC_X: u32 = 10;
     const CUBIC_Y: u32 = 11;
     const HALF_PLANE: u32 = 12;
@@ -100,6 +104,7 @@ pub(super) fn constants(layers: &Layers) -> Vec<Constant> {
         Constant::new(PAIRS, layers.pairs() as u32),
         Constant::new(FEWER_PAIRS, layers.pairs_needed.slope > 0.0),
         Constant::new(TAYLOR, layers.coefficients.taylor),
+        reflectance::constant(shading),
     ]
 }
 
@@ -119,16 +124,18 @@ pub(super) fn upload(device: &Arc<Device>, bound: &mut BoundSource, layers: &Lay
 /// Images and buffers, each with its binding number.
 type Bound = (Vec<(u32, Image)>, Vec<(u32, Buffer)>);
 
-/// The block and the nodes, with their binding numbers.
+/// The block, the nodes and what the surface reflects, with their binding numbers.
 pub(super) fn settings(
     device: &Arc<Device>,
     (layers, sigma): (&Layers, f64),
-    ior: f64,
+    shading: &Shading,
     nodes: &TableTexture,
 ) -> Result<Bound> {
-    let block = uniform(device, "spectra block", &spectra_block(layers, sigma, ior))?;
+    let block = uniform(device, "spectra block", &spectra_block(layers, sigma, &shading.reflectance))?;
     let nodes = numbers(device, "nodes", nodes)?;
-    Ok((vec![(binding::NODES, nodes)], vec![(binding::BLOCK, block)]))
+    let reflectances = reflectance::texture(device, shading)?;
+    let tables = vec![(binding::NODES, nodes), (REFLECTANCES, reflectances)];
+    Ok((tables, vec![(binding::BLOCK, block)]))
 }
 
 /// A table as a texture.

@@ -5,7 +5,6 @@ use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
 use super::{Extent, Summary, stages, taps_constants};
 use crate::error::Result;
-use crate::optics::brdf::schlick;
 use crate::render::picture::Directions;
 use crate::render::shading::Shading;
 use crate::render::upload;
@@ -59,7 +58,8 @@ pub struct TableBlock {
 
 impl Table {
     pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
-        let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), taps_constants())?;
+        let (constants, of) = (taps_constants(), &shading.reflectance);
+        let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), constants, of)?;
         bound.spectral = false;
         bound.reads_footprints = true;
         let header = &self.table.header;
@@ -94,7 +94,7 @@ impl Table {
         let header = &self.table.header;
         let grid = &header.grid;
         let block = TableBlock {
-            normal_reflectance: schlick(shading.ior, 1.0) as f32,
+            normal_reflectance: shading.reflectance.normal_factor() as f32,
             texture_per_uv: (0.5 / grid.extent) as f32,
             coherence: header.coherence_blur as f32,
             unit: header.unit as f32,

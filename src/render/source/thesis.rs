@@ -3,10 +3,9 @@
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
 use super::spectra::{edge, format, numbers};
-use super::{Summary, stages};
+use super::{Summary, reflectance, stages};
 use crate::error::Result;
 use crate::expansion::Basis;
-use crate::optics::brdf::schlick;
 use crate::precompute::Layers;
 use crate::precompute::thesis::{TAPS, WAVELENGTHS};
 use crate::render::picture::Directions;
@@ -32,9 +31,15 @@ mod binding {
     pub const BLOCK: u32 = 0;
     pub const SERIES: u32 = 1;
     pub const NODES: u32 = 2;
+    pub const REFLECTANCES: u32 = 3;
 }
 
-const KINDS: [Kind; 3] = [Kind::UNIFORM_BUFFER, Kind::COMBINED_IMAGE_SAMPLER, Kind::COMBINED_IMAGE_SAMPLER];
+const KINDS: [Kind; 4] = [
+    Kind::UNIFORM_BUFFER,
+    Kind::COMBINED_IMAGE_SAMPLER,
+    Kind::COMBINED_IMAGE_SAMPLER,
+    Kind::COMBINED_IMAGE_SAMPLER,
+];
 
 /// The `Thesis` block (std140).
 #[repr(C)]
@@ -54,8 +59,9 @@ impl Thesis {
     pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
         const PAIRS: u32 = 10;
         let layers = &self.layers;
-        let constants = vec![Constant::new(PAIRS, layers.pairs() as u32)];
-        let mut bound = BoundSource::new(device, "thesis set", &KINDS, stages!("thesis"), constants)?;
+        let constants = vec![Constant::new(PAIRS, layers.pairs() as u32), reflectance::constant(shading)];
+        let of = &shading.reflectance;
+        let mut bound = BoundSource::new(device, "thesis set", &KINDS, stages!("thesis"), constants, of)?;
         let (count, texels) = (Some(layers.pairs() as u32), &layers.texels);
         let image =
             upload::texture(device, "Fourier series", format(texels), layers.size, count, texels.bytes())?;
@@ -68,7 +74,7 @@ impl Thesis {
         let pair = |v: [f64; 2]| v.map(|x| x as f32);
         let layers = &self.layers;
         let block = ThesisBlock {
-            normal_reflectance: schlick(shading.ior, 1.0) as f32,
+            normal_reflectance: shading.reflectance.normal_factor() as f32,
             sigma: layers.sigma as f32 * layers.texels.unit(),
             half_range: self.half_range as f32,
             wavelengths: WAVELENGTHS as i32,
@@ -81,7 +87,9 @@ impl Thesis {
         let combs = Combs::even_wavelengths(&shading.illuminant, WAVELENGTHS);
         let nodes = numbers(device, "nodes", &combs.nodes)?;
         let block = uniform(device, "thesis block", &block)?;
-        bound.replace(device, vec![(binding::NODES, nodes)], vec![(binding::BLOCK, block)])
+        let tables =
+            vec![(binding::NODES, nodes), (binding::REFLECTANCES, reflectance::texture(device, shading)?)];
+        bound.replace(device, tables, vec![(binding::BLOCK, block)])
     }
 
     pub(super) fn summary(&self) -> Summary {

@@ -26,9 +26,11 @@ const COMBS: u32 = 4;
 impl Window {
     pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
         let layers = &self.layers;
-        let kinds = [spectra::KINDS.as_slice(), &[Kind::STORAGE_BUFFER]].concat();
-        let constants = spectra::constants(layers);
-        let mut bound = BoundSource::new(device, "window set", &kinds, stages!("window"), constants)?;
+        let kinds =
+            [spectra::KINDS.as_slice(), &[Kind::STORAGE_BUFFER, Kind::COMBINED_IMAGE_SAMPLER]].concat();
+        let constants = spectra::constants(layers, shading);
+        let of = &shading.reflectance;
+        let mut bound = BoundSource::new(device, "window set", &kinds, stages!("window"), constants, of)?;
         spectra::upload(device, &mut bound, layers)?;
         self.set(device, &mut bound, shading)?;
         Ok(bound)
@@ -38,7 +40,7 @@ impl Window {
         let layers = &self.layers;
         let combs = Combs::of(layers, shading);
         let of = (&**layers, layers.sigma);
-        let (tables, mut buffers) = spectra::settings(device, of, shading.ior, &combs.nodes)?;
+        let (tables, mut buffers) = spectra::settings(device, of, shading, &combs.nodes)?;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         buffers
             .push((COMBS, Buffer::with_data(device, "combs", storage, bytemuck::cast_slice(&combs.bins))?));

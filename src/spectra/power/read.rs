@@ -126,6 +126,11 @@ impl Square {
         DVec2::ZERO.clamp(self.first, self.last()).length()
     }
 
+    /// Point number `i`, row by row.
+    pub fn place(&self, i: usize) -> DVec2 {
+        self.first + self.step * DVec2::new((i % self.side) as f64, (i / self.side) as f64)
+    }
+
     fn last(&self) -> DVec2 {
         self.first + self.step * (self.side - 1) as f64
     }

@@ -2,6 +2,7 @@
 
 use super::{LABEL, WIDTH, heading, number, row, rows, short};
 use crate::optics::coherence::Coherence;
+use crate::optics::reflectance::Reflectance;
 use crate::surface::synth::Kind;
 use crate::surface::{Level, Source};
 use crate::viewer::model::{LastCoherence, Model};
@@ -46,9 +47,13 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
             }
         });
         coherence(ui, &mut model.settings, &mut model.last_coherence);
-        row(ui, "index", |ui| {
-            let ior = &mut model.settings.ior;
-            ui.add(number(ior).speed(0.01).range(1.0..=4.0).fixed_decimals(2));
+        row(ui, "index", |ui| match &mut model.settings.reflectance {
+            Reflectance::Schlick(ior) => {
+                ui.add(number(ior).speed(0.01).range(1.0..=4.0).fixed_decimals(2));
+            }
+            material => {
+                ui.label(material.to_string());
+            }
         });
     });
     ui.label(

@@ -1,0 +1,16 @@
+// What the surface reflects where that depends on the wavelength: R over the cosine at the half vector and the wavenumber. Else the factor of a
+// pair holds it. The Rust side is src/render/source/reflectance.rs.
+
+layout(constant_id = 30) const bool SPECTRAL_REFLECTANCE = false;
+
+layout(set = 1, binding = REFLECTANCE_BINDING) uniform sampler2D reflectances; // wavenumbers of the visible range, in rows
+
+float reflectance_at(Pair pair, float wavenumber) {
+    const float FIRST = 1.0 / 0.780, LAST = 1.0 / 0.380; // [1/um]
+    if (!SPECTRAL_REFLECTANCE) {
+        return 1.0;
+    }
+    vec2 size = vec2(textureSize(reflectances, 0));
+    vec2 place = vec2(pair.cos_half, (wavenumber - FIRST) / (LAST - FIRST));
+    return textureLod(reflectances, (place * (size - 1.0) + 0.5) / size, 0.0).r;
+}

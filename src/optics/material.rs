@@ -1,0 +1,178 @@
+//! What a surface is made of: complex refractive indices n + ik over the visible range.
+
+use super::spectrum::{LONGEST, SHORTEST, Table};
+use crate::error::{Error, Result};
+use rustfft::num_complex::Complex64;
+use serde::Serialize;
+use std::ffi::OsStr;
+use std::path::Path;
+
+/// The formulas and tables that the program brings; `assets/materials/README.md` names the sources.
+pub const BUILT_IN: [&str; 8] =
+    ["glass", "keratin", "aluminium", "silver", "gold", "copper", "nickel", "silicon"];
+
+const NM_PER_UM: f64 = 1e3;
+
+/// A material with a complex refractive index.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Material {
+    /// The built-in name or the file that it was read from.
+    pub name: String,
+    index: Index,
+}
+
+/// How n + ik follows from the wavelength.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+enum Index {
+    /// The same for all wavelengths.
+    Constant(f64),
+    /// n² = 1 + Σ B λ²/(λ² − C), λ in µm: pairs of B and C \[µm²\].
+    Sellmeier([[f64; 2]; 3]),
+    /// n = A + B/λ², λ in µm.
+    Cauchy([f64; 2]),
+    /// n and k over the wavelength \[nm\].
+    Table(Table<2>),
+}
+
+/// Schott N-BK7: coefficients of the data sheet.
+const BK7: [[f64; 2]; 3] =
+    [[1.039_612_12, 0.006_000_698_67], [0.231_792_344, 0.020_017_914_4], [1.010_469_45, 103.560_653]];
+/// Keratin (Leertouwer, Wilts, Stavenga 2011).
+const KERATIN: [f64; 2] = [1.532, 0.005_890];
+
+impl Material {
+    /// A transparent material whose refractive index is `n` at all wavelengths.
+    pub fn constant(n: f64) -> Self {
+        Self { name: n.to_string(), index: Index::Constant(n) }
+    }
+
+    /// A built-in material by name, or a CSV file of wavelength \[nm\], n and k; without k the material absorbs nothing.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is no such table, does not cover 380 to 780 nm, or has values that no material has.
+    pub fn from_name_or_file(name: impl AsRef<OsStr>) -> Result<Self> {
+        let name = name.as_ref();
+        let text = match name.to_str().map(str::to_ascii_lowercase).as_deref() {
+            Some("glass") => return Ok(Self::named("glass", Index::Sellmeier(BK7))),
+            Some("keratin") => return Ok(Self::named("keratin", Index::Cauchy(KERATIN))),
+            Some("aluminium" | "aluminum") => {
+                ("aluminium", include_str!("../../assets/materials/aluminium.csv"))
+            }
+            Some("silver") => ("silver", include_str!("../../assets/materials/silver.csv")),
+            Some("gold") => ("gold", include_str!("../../assets/materials/gold.csv")),
+            Some("copper") => ("copper", include_str!("../../assets/materials/copper.csv")),
+            Some("nickel") => ("nickel", include_str!("../../assets/materials/nickel.csv")),
+            Some("silicon") => ("silicon", include_str!("../../assets/materials/silicon.csv")),
+            _ => return Self::from_file(Path::new(name)),
+        };
+        Self::from_text(text.0, text.1)
+    }
+
+    /// Whether [`Self::from_name_or_file`] takes `name` for one of its own.
+    pub fn is_built_in(name: impl AsRef<OsStr>) -> bool {
+        let name = name.as_ref();
+        BUILT_IN.iter().chain(&["aluminum"]).any(|known| name.eq_ignore_ascii_case(known))
+    }
+
+    fn named(name: &str, index: Index) -> Self {
+        Self { name: name.to_owned(), index }
+    }
+
+    fn from_file(path: &Path) -> Result<Self> {
+        let text = crate::input::read_text(
+            path,
+            &format!("{} or a CSV file of wavelength in nm, n and k", BUILT_IN.join(", ")),
+        )?;
+        Self::from_text(&path.to_string_lossy(), &text).map_err(|e| e.at(path.display()))
+    }
+
+    /// The material `name` in the text of a CSV file of wavelength \[nm\], n and k.
+    ///
+    /// # Errors
+    /// As [`Self::from_name_or_file`].
+    pub fn from_text(name: &str, text: &str) -> Result<Self> {
+        let of_three = Table::<2>::parse(text);
+        let table = of_three.or_else(|e| {
+            let of_two = Table::<1>::parse(text).map_err(|_| e)?;
+            Ok::<_, Error>(of_two.map(|[n]| [n, 0.0]))
+        })?;
+        let [first, last] = table.ends();
+        if first > NM_PER_UM * SHORTEST || last < NM_PER_UM * LONGEST {
+            return Err(Error::failed(
+                format!("the refractive index is given from {first} to {last} nm"),
+                "give it from 380 to 780 nm",
+            ));
+        }
+        /// Beyond every material in visible light.
+        const LARGEST: f64 = 100.0;
+        let sane = |[n, k]: [f64; 2]| n > 0.0 && n <= LARGEST && (0.0..=LARGEST).contains(&k);
+        if !table.all(sane) {
+            return Err(Error::failed(
+                "a refractive index is not within 0 to 100, or an extinction coefficient is negative",
+                "give n above 0 and k of at least 0, as in n + ik",
+            ));
+        }
+        Ok(Self::named(name, Index::Table(table)))
+    }
+
+    /// The refractive index, where it is real and the same at all wavelengths.
+    pub fn constant_index(&self) -> Option<f64> {
+        if let Index::Constant(n) = self.index { Some(n) } else { None }
+    }
+
+    /// n + ik at `wavelength` \[µm\].
+    pub fn index(&self, wavelength: f64) -> Complex64 {
+        let squared = wavelength * wavelength;
+        match &self.index {
+            Index::Constant(n) => (*n).into(),
+            Index::Sellmeier(terms) => {
+                let sum: f64 = terms.iter().map(|[b, c]| b * squared / (squared - c)).sum();
+                (1.0 + sum).sqrt().into()
+            }
+            Index::Cauchy([a, b]) => (a + b / squared).into(),
+            Index::Table(table) => {
+                // Held inside the table against the rounding of the last wavelength.
+                let [first, last] = table.ends();
+                let [n, k] = table.at((wavelength * NM_PER_UM).clamp(first, last));
+                Complex64::new(n, k)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_built_in_material_has_its_published_index() {
+        // Schott's data sheet: n_d = 1.51680 at 587.6 nm, n_F = 1.52238 at 486.1 nm; the rest are rows of the papers' tables.
+        for (name, wavelength, n, k) in [
+            ("glass", 0.587_562, 1.516_80, 0.0),
+            ("glass", 0.486_133, 1.522_38, 0.0),
+            ("keratin", 0.5, 1.532 + 0.005_89 / 0.25, 0.0),
+            ("aluminium", 0.563_57, 1.0728, 6.7839),
+            ("silver", 0.5486, 0.06, 3.586),
+            ("gold", 0.5486, 0.43, 2.455),
+            ("copper", 0.5486, 1.02, 2.577),
+            ("nickel", 0.549, 1.92, 3.61),
+            ("silicon", 0.5391, 4.123, 0.048),
+        ] {
+            let found = Material::from_name_or_file(name).unwrap().index(wavelength);
+            assert!((found - Complex64::new(n, k)).norm() < 1e-5, "{name}: {found}");
+        }
+        assert!(BUILT_IN.iter().all(|name| Material::from_name_or_file(name).is_ok()));
+        assert!(Material::is_built_in("Gold") && !Material::is_built_in("gold.csv"));
+    }
+
+    #[test]
+    fn tables_that_no_material_has_are_refused() {
+        let refused = |text: &str| Material::from_text("m", text).unwrap_err().to_string();
+        assert!(refused("400,1.5\n780,1.5\n").contains("400 to 780"), "{}", refused("400,1.5\n780,1.5\n"));
+        assert!(refused("380,0,1\n780,1,1\n").contains("0 to 100"));
+        assert!(refused("380,1,-1\n780,1,1\n").contains("negative"));
+        assert!(refused("nm,n,k\n380,1,x\n780,1,1\n").contains("line 2"));
+        let lossless = Material::from_text("m", "380,1.5\n780,1.7\n").unwrap();
+        assert!((lossless.index(0.58) - Complex64::new(1.6, 0.0)).norm() < 1e-12);
+    }
+}

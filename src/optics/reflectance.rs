@@ -1,0 +1,340 @@
+//! How much of the light a surface reflects: the factor R of the BRDF, at the half vector of the two directions.
+//!
+//! The thesis takes Schlick's approximation for one refractive index, which no wavelength changes. Materials have Fresnel's equations for
+//! unpolarised light and a complex index n + ik, with fields that go as e^(−iωt), so that k ≥ 0 absorbs (Born & Wolf, *Principles of Optics*,
+//! 1.5 and 14.2). A thin film on top adds up its echoes (Airy's sum; 1.6 there).
+
+use super::brdf::schlick;
+use super::material::Material;
+use super::spectrum::{LONGEST, MIDDLE, SHORTEST, observer};
+use crate::error::{Error, Result};
+use crate::units;
+use rustfft::num_complex::Complex64;
+use serde::Serialize;
+use std::f64::consts::PI;
+use std::fmt;
+
+/// The factor R of a surface.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub enum Reflectance {
+    /// Schlick's approximation for a dielectric of this refractive index, for all wavelengths alike: the thesis' own.
+    Schlick(f64),
+    /// Fresnel's equations for a material, below a thin film where there is one.
+    Fresnel {
+        /// What the surface is made of.
+        material: Material,
+        /// What lies on it, following the profile.
+        film: Option<Film>,
+    },
+}
+
+/// A transparent layer of even thickness that follows the profile. It changes the reflectance and not the shape: its thickness is small
+/// against the structure's period.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Film {
+    /// Thickness \[µm\].
+    pub thickness: f64,
+    /// Refractive index.
+    pub index: f64,
+}
+
+/// Thickest film \[µm\]: thicker ones have fringes closer in wavelength than light of 65 µm coherence length resolves on rough ground, and are
+/// no thin films beside structures of a few micrometres.
+const THICKEST: f64 = 2.0;
+
+impl Film {
+    /// A film in the words of the command line, as in `120nm:1.7`.
+    ///
+    /// # Errors
+    /// Text that is none, a thickness beyond 2 µm, an index beyond 1 to 10.
+    pub fn parse(text: &str) -> Result<Self> {
+        let form = "give thickness and refractive index as in 120nm:1.7";
+        let (length, index) =
+            text.split_once(':').ok_or_else(|| Error::usage(format!("invalid film `{text}`"), form))?;
+        let thickness = units::length(length)?;
+        let index =
+            index.trim().parse::<f64>().ok().filter(|n| (1.0..=10.0).contains(n)).ok_or_else(|| {
+                Error::usage(format!("`{index}` is no refractive index from 1 to 10"), form)
+            })?;
+        if thickness > THICKEST {
+            return Err(Error::usage(
+                format!("a film of {thickness} um is not thin"),
+                format!("give at most {THICKEST}um"),
+            ));
+        }
+        Ok(Self { thickness, index })
+    }
+}
+
+impl fmt::Display for Film {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}um:{}", self.thickness, self.index)
+    }
+}
+
+impl fmt::Display for Reflectance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Schlick(ior) => write!(f, "refractive index {ior}"),
+            Self::Fresnel { material, film: None } => write!(f, "{}", material.name),
+            Self::Fresnel { material, film: Some(film) } => {
+                write!(f, "{} below a film of {film}", material.name)
+            }
+        }
+    }
+}
+
+impl Default for Reflectance {
+    fn default() -> Self {
+        Self::Schlick(1.5)
+    }
+}
+
+impl From<f64> for Reflectance {
+    fn from(ior: f64) -> Self {
+        Self::Schlick(ior)
+    }
+}
+
+impl Reflectance {
+    /// R at `wavelength` \[µm\] where the cosine between either direction and the half vector is `cos_half_angle`.
+    pub fn at(&self, wavelength: f64, cos_half_angle: f64) -> f64 {
+        match self {
+            Self::Schlick(ior) => schlick(*ior, cos_half_angle),
+            Self::Fresnel { material, film } => {
+                fresnel(material.index(wavelength), *film, wavelength, cos_half_angle.clamp(0.0, 1.0))
+            }
+        }
+    }
+
+    /// Whether R depends on the wavelength, so that it belongs inside sums over wavelengths.
+    pub fn is_spectral(&self) -> bool {
+        matches!(self, Self::Fresnel { .. })
+    }
+
+    /// Whether shaders that are compiled for one serve the other.
+    pub fn shares_stages_with(&self, other: &Self) -> bool {
+        !self.is_spectral() && !other.is_spectral() || self == other
+    }
+
+    /// R₀ of the factor in front of sums over wavelengths, by Schlick: 1 where R stands inside them.
+    pub fn normal_factor(&self) -> f64 {
+        match self {
+            Self::Schlick(ior) => schlick(*ior, 1.0),
+            Self::Fresnel { .. } => 1.0,
+        }
+    }
+
+    /// What the surface keeps from the pigment below it, by Schlick's form from the mean R at normal incidence that the eye sees: nothing
+    /// shines through a material that absorbs light within a few micrometres.
+    pub fn kept_from_pigment(&self, cos_half_angle: f64) -> f64 {
+        let normal = self.normal_of_pigment();
+        normal + (1.0 - normal) * (1.0 - cos_half_angle.min(1.0)).powi(5)
+    }
+
+    /// [`Self::kept_from_pigment`] at normal incidence.
+    pub fn normal_of_pigment(&self) -> f64 {
+        /// A material that is darker than 1/e at this depth hides the pigment \[µm\].
+        const OPAQUE_WITHIN: f64 = 10.0;
+        match self {
+            Self::Schlick(ior) => schlick(*ior, 1.0),
+            Self::Fresnel { material, .. } => {
+                let opaque = material.index(MIDDLE).im * 4.0 * PI / MIDDLE * OPAQUE_WITHIN > 1.0;
+                if opaque { 1.0 } else { self.luminous_normal() }
+            }
+        }
+    }
+
+    /// Mean of R at normal incidence over the visible range, weighted by the eye's sensitivity.
+    pub fn luminous_normal(&self) -> f64 {
+        /// Wavelengths of the mean, 10 nm apart.
+        const COUNT: usize = 41;
+        let wavelengths = (0..COUNT).map(|i| SHORTEST + (LONGEST - SHORTEST) * i as f64 / (COUNT - 1) as f64);
+        let (sum, total) = wavelengths.fold((0.0, 0.0), |(sum, total), wavelength| {
+            let weight = observer(1e3 * wavelength).y;
+            (sum + weight * self.at(wavelength, 1.0), total + weight)
+        });
+        sum / total
+    }
+
+    /// R at `rows` equal steps of the wavenumber over the visible range and `columns` equal steps of the cosine over 0 … 1, ends included,
+    /// row by row: what shaders read between.
+    pub fn table(&self, columns: usize, rows: usize) -> Vec<f32> {
+        let (first, last) = (1.0 / LONGEST, 1.0 / SHORTEST);
+        let step = |i: usize, count: usize| i as f64 / (count - 1) as f64;
+        (0..rows)
+            .flat_map(|row| {
+                let wavelength = 1.0 / (first + (last - first) * step(row, rows));
+                (0..columns).map(move |column| self.at(wavelength, step(column, columns)) as f32)
+            })
+            .collect()
+    }
+}
+
+/// R of unpolarised light from air onto a material of index `index`, below `film`.
+fn fresnel(index: Complex64, film: Option<Film>, wavelength: f64, cosine: f64) -> f64 {
+    let sine2 = 1.0 - cosine * cosine;
+    // n cos θ on the far side by Snell's law; the root with Im ≥ 0 decays.
+    let depth = |n: Complex64| {
+        let root = (n * n - sine2).sqrt();
+        if root.im < 0.0 { -root } else { root }
+    };
+    let air = (Complex64::ONE, Complex64::from(cosine));
+    let below = (index, depth(index));
+    let amplitudes = match film {
+        None => step(air, below),
+        Some(film) => {
+            let inside = (film.index.into(), depth(film.index.into()));
+            let turn = Complex64::I * (4.0 * PI * film.thickness / wavelength) * inside.1;
+            let echo = turn.exp();
+            let (top, bottom) = (step(air, inside), step(inside, below));
+            std::array::from_fn(|i| (top[i] + bottom[i] * echo) / (1.0 + top[i] * bottom[i] * echo))
+        }
+    };
+    0.5 * amplitudes.iter().map(Complex64::norm_sqr).sum::<f64>()
+}
+
+/// Amplitudes that a step from one index to another reflects, perpendicular to the plane of incidence and in it. Each side is its index n and its n cos θ.
+fn step((n, q): (Complex64, Complex64), (m, p): (Complex64, Complex64)) -> [Complex64; 2] {
+    let (a, b) = (m * m * q, n * n * p);
+    // Grazing light onto nothing at all has no step.
+    let ratio =
+        |up: Complex64, down: Complex64| if down == Complex64::ZERO { -Complex64::ONE } else { up / down };
+    [ratio(q - p, q + p), ratio(a - b, a + b)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(name: &str) -> Reflectance {
+        Reflectance::Fresnel { material: Material::from_name_or_file(name).unwrap(), film: None }
+    }
+
+    fn constant(n: f64, film: Option<Film>) -> Reflectance {
+        Reflectance::Fresnel { material: Material::constant(n), film }
+    }
+
+    #[test]
+    fn dielectrics_follow_the_real_equations() {
+        for n in [1.33f64, 1.5, 2.4] {
+            for degrees in [0.0f64, 10.0, 33.0, 56.0, 75.0, 89.0, 90.0] {
+                let (i, t) = (degrees.to_radians(), (degrees.to_radians().sin() / n).asin());
+                let s = (i.cos() - n * t.cos()) / (i.cos() + n * t.cos());
+                let p = (n * i.cos() - t.cos()) / (n * i.cos() + t.cos());
+                let expected = 0.5 * (s * s + p * p);
+                let found = constant(n, None).at(0.55, i.cos());
+                assert!((found - expected).abs() < 1e-12, "{n} at {degrees}: {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn at_brewster_s_angle_only_one_polarisation_is_reflected() {
+        let n = 1.5f64;
+        let s = (1.0 - n * n) / (1.0 + n * n);
+        let found = constant(n, None).at(0.55, n.atan().cos());
+        assert!((found - 0.5 * s * s).abs() < 1e-12);
+    }
+
+    #[test]
+    fn metals_have_their_published_reflectance_and_grazing_light_is_all_reflected() {
+        for name in ["aluminium", "silver", "gold", "copper", "nickel", "silicon", "glass", "keratin"] {
+            let material = Material::from_name_or_file(name).unwrap();
+            for wavelength in [0.38, 0.45, 0.55, 0.65, 0.78] {
+                let (n, k) = (material.index(wavelength).re, material.index(wavelength).im);
+                let normal = ((n - 1.0).powi(2) + k * k) / ((n + 1.0).powi(2) + k * k);
+                assert!((of(name).at(wavelength, 1.0) - normal).abs() < 1e-12, "{name}");
+                assert!((of(name).at(wavelength, 0.0) - 1.0).abs() < 1e-12, "{name}");
+            }
+        }
+        // Handbook values at normal incidence (Hass, AIP Handbook, 1972): 550 nm and 650 nm.
+        for (name, wavelength, published, apart) in [
+            ("aluminium", 0.55, 0.915, 0.01),
+            ("silver", 0.55, 0.979, 0.015),
+            ("gold", 0.65, 0.955, 0.025),
+            ("gold", 0.45, 0.387, 0.03),
+            ("copper", 0.65, 0.945, 0.03),
+        ] {
+            let found = of(name).at(wavelength, 1.0);
+            assert!((found - published).abs() < apart, "{name} at {wavelength}: {found}");
+        }
+    }
+
+    #[test]
+    fn films_follow_their_closed_forms() {
+        // A quarter wave of √n on n reflects nothing; a half wave changes nothing (Born & Wolf 1.6.4).
+        let (n, wavelength) = (2.25f64, 0.6);
+        let film = |thickness: f64, index: f64| Some(Film { thickness, index });
+        let quarter = constant(n, film(wavelength / 4.0 / 1.5, 1.5));
+        assert!(quarter.at(wavelength, 1.0).abs() < 1e-24);
+        let half = constant(n, film(wavelength / 2.0 / 1.7, 1.7));
+        assert!((half.at(wavelength, 1.0) - constant(n, None).at(wavelength, 1.0)).abs() < 1e-12);
+        // R = 1 − |stack of transparent layers' transmission|² n/1, by the characteristic matrix at normal incidence.
+        let (index, thickness) = (1.7, 0.123);
+        let delta = 2.0 * PI * index * thickness / wavelength;
+        let (s, c) = delta.sin_cos();
+        let (b, e) = (Complex64::new(c, -s * n / index), Complex64::new(n * c, -s * index));
+        let expected = ((b - e) / (b + e)).norm_sqr();
+        let found = constant(n, film(thickness, index)).at(wavelength, 1.0);
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        // A film of the material itself is no film.
+        let same = constant(n, film(0.3, n));
+        assert!((same.at(0.5, 0.3) - constant(n, None).at(0.5, 0.3)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn energy_is_kept_for_every_film_on_every_metal() {
+        for name in ["silver", "gold", "silicon"] {
+            let material = Material::from_name_or_file(name).unwrap();
+            for i in 0..2000 {
+                let share = |k: u32| (f64::from(i) * 0.618_034f64.powi(k as i32)).fract();
+                let film = Film { thickness: 2.0 * share(1), index: 1.0 + 3.0 * share(2) };
+                let reflectance = Reflectance::Fresnel { material: material.clone(), film: Some(film) };
+                let r = reflectance.at(0.38 + 0.4 * share(3), share(4));
+                assert!((0.0..=1.0 + 1e-12).contains(&r), "{name}, {film}: {r}");
+            }
+        }
+    }
+
+    #[test]
+    fn schlick_errs_by_what_the_docs_say() {
+        // Largest difference over angles from 0 to 85° at 550 nm, R₀ being exact: docs/EQUATIONS.md.
+        for (name, least, most) in [
+            ("glass", 0.03, 0.04),
+            ("keratin", 0.03, 0.04),
+            ("aluminium", 0.09, 0.1),
+            ("silver", 0.005, 0.01),
+            ("gold", 0.008, 0.012),
+            ("copper", 0.03, 0.05),
+            ("nickel", 0.12, 0.15),
+            ("silicon", 0.19, 0.22),
+        ] {
+            let exact = of(name);
+            let normal = exact.at(0.55, 1.0);
+            let worst = (0..=850)
+                .map(|tenth| f64::from(tenth / 10).to_radians().cos())
+                .map(|c| (normal + (1.0 - normal) * (1.0 - c).powi(5) - exact.at(0.55, c)).abs())
+                .fold(0.0, f64::max);
+            eprintln!("{name}: R0 {normal:.3}, Schlick differs by up to {worst:.3}");
+            assert!((least..most).contains(&worst), "{name}: {worst}");
+        }
+    }
+
+    #[test]
+    fn films_are_read_from_their_words() {
+        assert_eq!(Film::parse("120nm:1.7").unwrap(), Film { thickness: 0.12, index: 1.7 });
+        let film = Film { thickness: 0.25, index: 1.33 };
+        assert_eq!(Film::parse(&film.to_string()).unwrap(), film);
+        for wrong in ["", "120nm", "120:1.7", "120nm:0.5", "120nm:x", "3um:1.5", "-1um:1.5"] {
+            assert!(Film::parse(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn pigment_is_seen_through_glass_and_not_through_metal() {
+        assert!((of("glass").normal_of_pigment() - 0.0423).abs() < 1e-3);
+        assert!((of("gold").normal_of_pigment() - 1.0).abs() < 1e-15);
+        assert!((Reflectance::Schlick(1.5).kept_from_pigment(0.5) - 0.07).abs() < 1e-15);
+    }
+}

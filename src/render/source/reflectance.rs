@@ -1,0 +1,30 @@
+//! What the surface reflects where that depends on the wavelength. Its twin is `shaders/reflectance.glsl`.
+
+use super::spectra::numbers;
+use crate::error::Result;
+use crate::render::shading::Shading;
+use crate::render::tables::TableTexture;
+use crate::vk::device::Device;
+use crate::vk::image::Image;
+use crate::vk::pipeline::Constant;
+use std::sync::Arc;
+
+/// Steps of the cosine and of the wavenumber: R errs by less than 1e-3 between them, also below the thickest film, whose fringes turn by a fifth
+/// of a radian from row to row.
+const COLUMNS: usize = 256;
+const ROWS: usize = 512;
+
+/// The specialisation constant of sources that sum over wavelengths.
+pub(super) fn constant(shading: &Shading) -> Constant {
+    const SPECTRAL_REFLECTANCE: u32 = 30;
+    Constant::new(SPECTRAL_REFLECTANCE, shading.reflectance.is_spectral())
+}
+
+/// R of `shading`, or a single 1 where the factor of a pair holds it.
+pub(super) fn texture(device: &Arc<Device>, shading: &Shading) -> Result<Image> {
+    let size = if shading.reflectance.is_spectral() { [COLUMNS, ROWS] } else { [1, 1] };
+    let values =
+        if shading.reflectance.is_spectral() { shading.reflectance.table(COLUMNS, ROWS) } else { vec![1.0] };
+    let values = values.into_iter().map(|r| [r, 0.0, 0.0, 0.0]).collect();
+    numbers(device, "reflectances", &TableTexture { size, values })
+}
