@@ -2,13 +2,13 @@
 //!
 //! Each scratch is what one grain of an abrasive leaves: it sinks in, cuts, and comes out again. Its cross-section is a
 //! parabola, and wider grains cut deeper in proportion. Scratches lie where chance puts them, run along y but for a few
-//! degrees, are longer than the patch and go around it. Where they cross, the deepest cut is what remains, so that sharp
+//! degrees, are about as long as the patch, and go around it. Where they cross, the deepest cut is what remains, so that sharp
 //! ridges stand between neighbours; between scratches the metal stays plane. They run along y, so light spreads along x:
 //! a highlight becomes a streak across the scratches.
 //!
-//! Nothing here is a measurement: the finish is a fine one, of an arithmetic mean deviation Sa of about 0.1 µm, half as
-//! much as the finest that is sold as hairline (0.2 µm to 0.4 µm) and a fourth of what No. 4 has (0.4 µm to 0.6 µm).
-//! Coarser ones have scratches too wide for a patch of 65 µm. No grains, pits or ridges thrown up beside a scratch.
+//! Nothing here is a measurement. The finish is a fine one: its arithmetic mean deviation Sa is about 0.1 µm, where
+//! hairline typically has 0.2 µm to 0.4 µm and No. 4 has 0.4 µm to 0.6 µm. A patch of 65 µm is too small for enough of
+//! their scratches. Pits, and the metal that a grain throws up beside its scratch, are left out.
 
 use super::grid::{Grid, to_full_height};
 use crate::error::Result;
@@ -22,7 +22,7 @@ pub(super) const HEIGHT: f64 = 0.5;
 
 /// Lengths of scratches and half their widths where they are deepest, least and most, in mean distances. The
 /// logarithms are spread evenly.
-const LENGTH: [f64; 2] = [150.0, 600.0];
+const LENGTH: [f64; 2] = [100.0, 300.0];
 const HALF_WIDTH: [f64; 2] = [0.75, 3.0];
 /// The depth of the shallowest scratch, where the deepest of the same width is 1.
 const SHALLOWEST: f64 = 0.4;

@@ -7,7 +7,7 @@
 //!
 //! Published: pitch and channel bit. ECMA-130 (CD): 1.6 µm; T is what passes in one period of 4.3218 MHz at 1.2 m/s, the
 //! slower of the permitted speeds, and pits are 3T = 0.833 µm to 11T = 3.054 µm long. ECMA-267 (DVD, single layer):
-//! 0.74 µm, T = 133.3 nm, 3T = 0.40 µm to 11T = 1.47 µm. Usual but in neither standard: widths of 0.5 µm and 0.32 µm,
+//! 0.74 µm, T = 133.3 nm, 3T = 0.40 µm to 11T = 1.47 µm. Usual, and not taken from the standards: widths of 0.5 µm and 0.32 µm,
 //! and depths near a quarter of the laser's wavelength in polycarbonate (n = 1.55), 126 nm at 780 nm and 105 nm at
 //! 650 nm. Chosen: round ends and walls of one width. Sync marks of 14T (DVD) and wobble are left out, and so is what
 //! modulation codes do to keep pits and lands balanced over long distances.
@@ -186,6 +186,8 @@ fn run(random: &mut Random) -> usize {
 mod tests {
     use super::*;
     use crate::surface::synth::{Kind, Spec, generate};
+    use rustfft::num_complex::Complex64;
+    use std::f64::consts::TAU;
 
     /// Lengths of the pits and of the lands on a line along a track \[µm\], between the places at half height.
     fn lengths(line: &[f64], spacing: f64, half: f64) -> [Vec<f64>; 2] {
@@ -250,16 +252,35 @@ mod tests {
     }
 
     #[test]
-    fn a_pit_is_up_and_its_walls_are_seen() {
-        for kind in [Kind::Cd, Kind::Dvd] {
+    fn the_strongest_frequency_across_the_tracks_is_one_cycle_a_track() {
+        for (kind, format) in [(Kind::Cd, &CD), (Kind::Dvd, &DVD)] {
             let field = generate(&Spec::new(kind)).unwrap();
-            let (low, high) = field.range();
-            assert_eq!(low, 0.0);
-            let between = field.heights().iter().filter(|h| (0.02 * high..0.98 * high).contains(*h)).count();
-            let up = field.heights().iter().filter(|h| **h > 0.5 * high).count();
-            // Less of a plane is up than down, and walls take more than the share that sampling by chance leaves them.
-            let share = |n: usize| n as f64 / field.heights().len() as f64;
-            assert!(share(up) < 0.3 && share(between) > 0.08, "{kind:?}: {} {}", share(up), share(between));
+            let columns = field.columns();
+            let means: Vec<f64> = (0..columns)
+                .map(|column| (0..field.rows()).map(|row| field.row(row)[column]).sum::<f64>())
+                .collect();
+            let power = |cycles: &usize| {
+                let step = TAU * *cycles as f64 / columns as f64;
+                let parts = means.iter().enumerate().map(|(i, h)| Complex64::from_polar(*h, step * i as f64));
+                parts.sum::<Complex64>().norm_sqr()
+            };
+            let strongest = (1..=columns / 2).max_by(|a, b| power(a).total_cmp(&power(b))).unwrap();
+            let pitch = field.patch_size()[0] / strongest as f64;
+            assert!((pitch / format.pitch - 1.0).abs() < 1e-9, "{kind:?}: {pitch} um");
+        }
+    }
+
+    #[test]
+    fn pits_are_up_and_no_wall_falls_between_two_samples() {
+        for (kind, format) in [(Kind::Cd, &CD), (Kind::Dvd, &DVD)] {
+            let field = generate(&Spec::new(kind)).unwrap();
+            assert_eq!(field.range(), (0.0, format.height), "{kind:?}");
+            let up = field.heights().iter().filter(|h| **h > 0.5 * format.height).count();
+            assert!(3 * up < field.heights().len(), "{kind:?}: more land than pits, {up} samples up");
+            let steps = (0..field.rows()).flat_map(|row| field.row(row).windows(2));
+            let largest = steps.map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+            // The middle half of a wall rises by 11/16.
+            assert!(largest <= 0.69 * format.height, "{kind:?}: {largest}");
         }
     }
 

@@ -6,9 +6,8 @@
 //! height.
 //!
 //! Published: the spacing of 1.2 µm ± 0.3 µm [Whitney et al. 2009, "Floral iridescence, produced by diffractive optics,
-//! acts as a cue for animal pollinators", Science 323, 130–133]. Chosen: the height, of the order of what sections of
-//! other striated petals show; how straight the striations are; their round profile. The cells below, tens of micrometres
-//! wide and slightly arched, are left out: tilt or bend the mesh for them.
+//! acts as a cue for animal pollinators", Science 323, 130–133]. Chosen: the height, how straight the striations are,
+//! and their round profile. The arched cells below the cuticle are left out.
 
 use super::grid::{Grid, to_full_height};
 use crate::error::Result;
