@@ -52,7 +52,7 @@ pub struct Spec {
     pub patch: Option<[f64; 2]>,
     /// Largest sample spacing \[µm\]; the made one is smaller by less than one sample a patch.
     pub pixel_size: Option<[f64; 2]>,
-    /// Period or mean distance along `x` \[µm\]; all other lengths of a surface but its height scale with it.
+    /// Period or mean distance along `x` \[µm\]; pits, scratches and ridges scale with it, along `y`, too.
     pub period: Option<f64>,
     /// Full height \[µm\].
     pub height: Option<f64>,
@@ -156,7 +156,8 @@ impl Spec {
 ///
 /// # Errors
 /// A length that is not finite and positive, a period or height for the flat surface, a patch that holds not even half a
-/// period (on a disc, a pit and a land), fewer than two samples a period, more samples than [`super::MAX_SIDE`] on a side or than the memory holds.
+/// period (on a disc, no pit and land), fewer than two samples a period, more samples than [`super::MAX_SIDE`] on a side or
+/// than the memory holds.
 pub fn generate(spec: &Spec) -> Result<HeightField> {
     check(spec)?;
     let mut dimensions = spec.kind.dimensions();
