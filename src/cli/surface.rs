@@ -55,13 +55,13 @@ pub struct Info {
 #[command(after_help = "Example:
   diffract surface synth elaphe --seed 7 -o skin.png      prints the options that read it back")]
 pub struct Synth {
-    /// flat, sinusoid, blaze, bumps, elaphe or xenopeltis
+    /// flat, sinusoid, blaze, bumps, elaphe, xenopeltis, cd, dvd, brushed or tulip
     #[arg(value_parser = kind)]
     kind: Kind,
     /// Where it goes: .png or .tif, 16-bit grey
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Which one of the many skins of one kind
+    /// Which one of the many surfaces of a random kind
     #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1")]
     seed: u64,
     /// Side of the patch, rounded to whole periods, as in 20um or 20umx10um

@@ -21,7 +21,7 @@ pub struct Source {
     pub channel: Option<String>,
     /// What is done to the heights before use, in this order.
     pub prepare: Vec<Step>,
-    /// Which one of the many skins of one kind.
+    /// Which one of the many surfaces of a random kind.
     pub seed: u64,
 }
 

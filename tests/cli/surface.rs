@@ -2,7 +2,8 @@
 
 use crate::sandbox::Sandbox;
 
-const KINDS: [&str; 6] = ["flat", "sinusoid", "blaze", "bumps", "elaphe", "xenopeltis"];
+const KINDS: [&str; 10] =
+    ["flat", "sinusoid", "blaze", "bumps", "elaphe", "xenopeltis", "cd", "dvd", "brushed", "tulip"];
 
 /// The number of `row` in the answer of `surface info`.
 fn row<'a>(info: &'a str, name: &str) -> &'a str {
@@ -65,7 +66,7 @@ fn the_options_of_synth_decide_period_height_and_spacing() {
 #[test]
 fn one_seed_is_one_surface_and_two_seeds_are_two() {
     let sandbox = Sandbox::new();
-    for kind in ["elaphe", "xenopeltis"] {
+    for kind in ["elaphe", "xenopeltis", "cd", "dvd", "brushed", "tulip"] {
         for (file, seed) in [("a.png", "1"), ("b.png", "1"), ("c.png", "2")] {
             synth(&sandbox, kind, file, &["--seed", seed]);
         }

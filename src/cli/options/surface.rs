@@ -18,7 +18,7 @@ use std::ffi::{OsStr, OsString};
 #[command(next_help_heading = "Surface")]
 pub struct SurfaceOptions {
     /// Height field: a microscope's file (.gsf .gwy .spm .ibw .sur .x3p .sdf .npy .txt .csv .xyz), a TIFF or PNG, or flat, sinusoid,
-    /// blaze, bumps, elaphe, xenopeltis
+    /// blaze, bumps, elaphe, xenopeltis, cd, dvd, brushed, tulip
     #[arg(long, value_name = "FILE|BUILTIN")]
     pub surface: Option<OsString>,
     /// Distance between samples, as in 97.66nm or 80nmx90nm, instead of the file's
@@ -30,7 +30,7 @@ pub struct SurfaceOptions {
     /// Channel of a file that has several, by name or number [default: the first height]
     #[arg(long, value_name = "NAME")]
     pub channel: Option<String>,
-    /// Which one of the many skins of one kind, and where in a pixel `--samples` look
+    /// Which one of the many surfaces of a random kind, and where in a pixel `--samples` look
     #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1")]
     pub seed: u64,
     #[command(flatten)]

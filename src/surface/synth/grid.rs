@@ -27,7 +27,8 @@ impl Grid {
             let wished = spec.patch.map(|patch| patch[axis]);
             let period = dimensions.period[axis];
             let (patch, periods) = whole_periods(wished, dimensions.patch, period)?;
-            let samples = samples(patch, periods, spec.pixel_size.map(|pixel| pixel[axis]))?;
+            let pixel = spec.pixel_size.map(|pixel| pixel[axis]);
+            let samples = samples(patch, periods, pixel, dimensions.spacing)?;
             if periods > 0 && samples < 2 * periods {
                 return Err(Error::usage(
                     format!("{samples} samples cannot hold {periods} periods of {period} um"),
@@ -53,18 +54,34 @@ impl Grid {
 
     /// The field of h(x, y), with `x` and `y` as shares 0 … 1 of the patch from its lower left corner.
     pub(super) fn sample(&self, h: impl Fn(f64, f64) -> f64 + Sync) -> Result<HeightField> {
+        let columns = self.samples[0] as f64;
+        self.sample_lines(|y, line| {
+            for (column, height) in line.iter_mut().enumerate() {
+                *height = h((column as f64 + 0.5) / columns, y);
+            }
+        })
+    }
+
+    /// The field that `fill` makes line by line, from `y` as a share of the patch and the samples of the line, all 0. Sample i of
+    /// n is at (i + ½)/n of the patch.
+    pub(super) fn sample_lines(&self, fill: impl Fn(f64, &mut [f64]) + Sync) -> Result<HeightField> {
         let [columns, rows] = self.samples;
         let mut heights = vec![0.0; columns * rows];
         heights.par_chunks_mut(columns).enumerate().for_each(|(row, line)| {
             // Row 0 is the top; samples sit at cell centres.
-            let y = (rows as f64 - row as f64 - 0.5) / rows as f64;
-            for (column, height) in line.iter_mut().enumerate() {
-                *height = h((column as f64 + 0.5) / columns as f64, y);
-            }
+            fill((rows as f64 - row as f64 - 0.5) / rows as f64, line);
         });
         let pixel_size = [self.patch[0] / columns as f64, self.patch[1] / rows as f64];
         HeightField::new(columns, rows, pixel_size, heights)
     }
+}
+
+/// `raw` scaled to the full `height` \[µm\], its lowest point at 0. A constant field becomes 0.
+pub(super) fn to_full_height(raw: &HeightField, height: f64) -> Result<HeightField> {
+    let (low, high) = raw.range();
+    let scale = if high > low { height / (high - low) } else { 0.0 };
+    let heights = raw.heights().iter().map(|h| (h - low) * scale).collect();
+    HeightField::new(raw.columns(), raw.rows(), raw.pixel_size(), heights)
 }
 
 /// The whole number of periods nearest to the wished or usual patch, and the length that they have.
@@ -91,10 +108,10 @@ fn whole_periods(wished: Option<f64>, usual: f64, period: f64) -> Result<(f64, u
     Ok((periods * period, periods as usize))
 }
 
-/// Samples along one axis. Without a wish, the spacing is just below [`FINE_ENOUGH`], the number has small prime factors,
-/// which transforms are fast with, and every period is sampled alike if that costs few more samples.
-fn samples(patch: f64, periods: usize, pixel: Option<f64>) -> Result<usize> {
-    let count = (patch / pixel.unwrap_or(FINE_ENOUGH) - WHOLE).ceil().max(1.0);
+/// Samples along one axis. Without a wish, the spacing is just below [`FINE_ENOUGH`] and at most `finest`, the number has
+/// small prime factors, which transforms are fast with, and every period is sampled alike if that costs few more samples.
+fn samples(patch: f64, periods: usize, pixel: Option<f64>, finest: f64) -> Result<usize> {
+    let count = (patch / pixel.unwrap_or(FINE_ENOUGH.min(finest)) - WHOLE).ceil().max(1.0);
     if count.is_nan() || count > MAX_SIDE as f64 {
         return Err(Error::usage(
             format!("a patch of {patch} um takes more than {MAX_SIDE} samples on a side"),
@@ -143,12 +160,14 @@ mod tests {
 
     #[test]
     fn the_default_spacing_is_fine_enough_and_quick_to_transform() {
+        let samples_of = |patch, periods| samples(patch, periods, None, f64::INFINITY).unwrap();
         for (patch, periods) in [(20.0, 0), (20.0, 10), (20.0, 8), (64.98, 57), (65.1, 42), (65.1, 21)] {
-            let n = samples(patch, periods, None).unwrap();
+            let n = samples_of(patch, periods);
             assert!(patch / n as f64 <= FINE_ENOUGH && is_smooth(n), "{patch} um in {n}");
         }
-        assert_eq!(samples(20.0, 10, None).unwrap(), 240);
-        assert_eq!(samples(65.0, 0, Some(0.1)).unwrap(), 650);
-        assert!(samples(1e9, 0, Some(0.1)).is_err());
+        assert_eq!(samples_of(20.0, 10), 240);
+        assert_eq!(samples(20.0, 10, None, 0.05).unwrap(), 400, "fine structure is sampled finely");
+        assert_eq!(samples(65.0, 0, Some(0.1), 0.05).unwrap(), 650);
+        assert!(samples(1e9, 0, Some(0.1), f64::INFINITY).is_err());
     }
 }

@@ -1,11 +1,14 @@
-//! Generated height fields of published dimensions.
+//! Generated height fields of published dimensions. Each file says which dimensions are published and which are chosen.
 //!
 //! All of them are periodic over their patch, because the patch is what repeats: its left edge meets the right one, its
 //! top the bottom. A patch is therefore rounded to whole periods, the spacing of the samples to whole samples a patch.
 
 mod analytic;
+mod brushed;
+mod disc_tracks;
 mod grid;
 mod ridges;
+mod tulip;
 mod waves;
 
 use super::HeightField;
@@ -27,6 +30,14 @@ pub enum Kind {
     Elaphe,
     /// Long, regular micro-ridges as on the skin of *Xenopeltis unicolor*: 1.55 µm across, 0.82 µm high.
     Xenopeltis,
+    /// The data of a compact disc: tracks of pits 1.6 µm apart along `x`, 0.5 µm wide, 0.83 µm to 3.05 µm long, 0.12 µm high.
+    Cd,
+    /// The data of a DVD: tracks of pits 0.74 µm apart along `x`, 0.32 µm wide, 0.40 µm to 1.47 µm long, 0.105 µm high.
+    Dvd,
+    /// Finely brushed metal: scratches nearly along `y`, 0.4 µm apart on average, up to 0.5 µm deep. They spread light along `x`.
+    Brushed,
+    /// The long, irregular striations on petals of the tulip 'Queen of the Night': 1.2 µm apart along `x`, 0.5 µm high.
+    Tulip,
 }
 
 /// What to generate. `None` is the kind's own default.
@@ -34,14 +45,14 @@ pub enum Kind {
 pub struct Spec {
     /// Which surface.
     pub kind: Kind,
-    /// Chooses among the many skins of one kind; the same seed is the same surface, bit for bit, on one platform. The
-    /// surfaces with a formula have one form only.
+    /// Chooses among the many surfaces of one kind; the same seed is the same surface, bit for bit, on one platform. The
+    /// surfaces with a formula have one form only ([`Kind::is_random`]).
     pub seed: u64,
     /// Wished side lengths of the patch \[µm\]; the nearest whole periods are made.
     pub patch: Option<[f64; 2]>,
     /// Largest sample spacing \[µm\]; the made one is smaller by less than one sample a patch.
     pub pixel_size: Option<[f64; 2]>,
-    /// Period along `x` \[µm\]; what a surface has along `y` scales with it.
+    /// Period or mean distance along `x` \[µm\]; pits, scratches and ridges scale with it, along `y`, too.
     pub period: Option<f64>,
     /// Full height \[µm\].
     pub height: Option<f64>,
@@ -49,17 +60,29 @@ pub struct Spec {
 
 /// The dimensions of a kind \[µm\].
 struct Dimensions {
-    /// Repeat along `x` and `y`; 0 where the surface is constant along that axis.
+    /// What the patch holds a whole number of along `x` and `y`: periods or mean distances; 0 where any length will do.
     period: [f64; 2],
     height: f64,
     /// Side of the square patch.
     patch: f64,
+    /// Largest sample spacing that shows the finest structure; infinite where what light resolves is fine enough.
+    spacing: f64,
 }
 
 impl Kind {
     /// Every kind, from simple to rich.
-    pub const ALL: [Self; 6] =
-        [Self::Flat, Self::Sinusoid, Self::Blaze, Self::Bumps, Self::Elaphe, Self::Xenopeltis];
+    pub const ALL: [Self; 10] = [
+        Self::Flat,
+        Self::Sinusoid,
+        Self::Blaze,
+        Self::Bumps,
+        Self::Elaphe,
+        Self::Xenopeltis,
+        Self::Cd,
+        Self::Dvd,
+        Self::Brushed,
+        Self::Tulip,
+    ];
 
     /// The word for it on the command line and in scene files.
     pub fn name(self) -> &'static str {
@@ -70,7 +93,16 @@ impl Kind {
             Self::Bumps => "bumps",
             Self::Elaphe => "elaphe",
             Self::Xenopeltis => "xenopeltis",
+            Self::Cd => "cd",
+            Self::Dvd => "dvd",
+            Self::Brushed => "brushed",
+            Self::Tulip => "tulip",
         }
+    }
+
+    /// Whether chance shapes it, so that each seed is another surface.
+    pub fn is_random(self) -> bool {
+        !matches!(self, Self::Flat | Self::Sinusoid | Self::Blaze | Self::Bumps)
     }
 
     /// The kind that `name` means.
@@ -82,18 +114,34 @@ impl Kind {
         /// Enough periods for sharp orders, few enough samples to compute with at once.
         const FORMULA_PATCH: f64 = 20.0;
         /// The side of the scans that the skins resemble, which is also the coherence length of sunlight.
-        const SKIN_PATCH: f64 = 65.0;
+        const RANDOM_PATCH: f64 = 65.0;
         let (period, height, patch) = match self {
             Self::Flat => ([0.0, 0.0], 0.0, FORMULA_PATCH),
             Self::Sinusoid => ([2.0, 0.0], 0.2, FORMULA_PATCH),
             Self::Blaze => ([2.5, 0.0], 0.246_23, FORMULA_PATCH),
             Self::Bumps => ([0.5, 1.0], 0.15, FORMULA_PATCH),
             // The rows of the Elaphe scan repeat every 3.1 µm (its spectrum peaks at 0.32 /µm along y).
-            Self::Elaphe => ([1.14, 3.1], 0.43, SKIN_PATCH),
+            Self::Elaphe => ([1.14, 3.1], 0.43, RANDOM_PATCH),
             // The ridges of Xenopeltis are long; that they repeat every 6.5 µm is a choice, not a measurement.
-            Self::Xenopeltis => ([1.55, 6.5], 0.82, SKIN_PATCH),
+            Self::Xenopeltis => ([1.55, 6.5], 0.82, RANDOM_PATCH),
+            Self::Cd => (disc_tracks::CD.period(), disc_tracks::CD.height, RANDOM_PATCH),
+            Self::Dvd => (disc_tracks::DVD.period(), disc_tracks::DVD.height, RANDOM_PATCH),
+            Self::Brushed => ([brushed::DISTANCE, 0.0], brushed::HEIGHT, RANDOM_PATCH),
+            Self::Tulip => ([tulip::DISTANCE, 0.0], tulip::HEIGHT, RANDOM_PATCH),
         };
-        Dimensions { period, height, patch }
+        let spacing = match self {
+            Self::Cd | Self::Dvd => disc_tracks::SPACING,
+            _ => f64::INFINITY,
+        };
+        Dimensions { period, height, patch, spacing }
+    }
+}
+
+impl Dimensions {
+    /// The same with all lengths in the plane but the patch scaled to a period of `period` along `x`.
+    fn with_period(self, period: f64) -> Self {
+        let scale = period / self.period[0];
+        Self { period: [period, self.period[1] * scale], spacing: self.spacing * scale, ..self }
     }
 }
 
@@ -108,13 +156,13 @@ impl Spec {
 ///
 /// # Errors
 /// A length that is not finite and positive, a period or height for the flat surface, a patch that holds not even half a
-/// period, fewer than two samples a period, more samples than [`super::MAX_SIDE`] on a side or than the memory holds.
+/// period (on a disc, no pit and land), fewer than two samples a period, more samples than [`super::MAX_SIDE`] on a side or
+/// than the memory holds.
 pub fn generate(spec: &Spec) -> Result<HeightField> {
     check(spec)?;
     let mut dimensions = spec.kind.dimensions();
     if let Some(period) = spec.period {
-        let scale = period / dimensions.period[0];
-        dimensions.period = [period, dimensions.period[1] * scale];
+        dimensions = dimensions.with_period(period);
     }
     let height = spec.height.unwrap_or(dimensions.height);
     let grid = Grid::new(spec, &dimensions)?;
@@ -125,6 +173,10 @@ pub fn generate(spec: &Spec) -> Result<HeightField> {
         Kind::Bumps => analytic::bumps(&grid, height),
         Kind::Elaphe => ridges::make(&grid, height, spec.seed, &ridges::ELAPHE),
         Kind::Xenopeltis => ridges::make(&grid, height, spec.seed, &ridges::XENOPELTIS),
+        Kind::Cd => disc_tracks::make(&grid, height, spec.seed, &disc_tracks::CD),
+        Kind::Dvd => disc_tracks::make(&grid, height, spec.seed, &disc_tracks::DVD),
+        Kind::Brushed => brushed::make(&grid, height, spec.seed),
+        Kind::Tulip => tulip::make(&grid, height, spec.seed),
     }
 }
 
@@ -151,6 +203,12 @@ fn check(spec: &Spec) -> Result<()> {
         ));
     }
     Ok(())
+}
+
+/// From 0 at 0 to 1 at 1, level at both ends.
+fn smooth_step(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
 }
 
 #[cfg(test)]

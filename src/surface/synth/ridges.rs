@@ -6,7 +6,8 @@
 //! proportions follow cross-sections of an atomic force microscope scan (*Elaphe*); *Xenopeltis* is the same
 //! construction, longer and more regular. Dust, scratches and tilt are left out.
 
-use super::grid::Grid;
+use super::grid::{Grid, to_full_height};
+use super::smooth_step;
 use super::waves::Waves;
 use crate::error::Result;
 use crate::random::Random;
@@ -97,11 +98,7 @@ struct Fingers<'a> {
 /// The skin on `grid`, scaled to the full height \[µm\], its lowest point at 0.
 pub(super) fn make(grid: &Grid, height: f64, seed: u64, skin: &Skin) -> Result<HeightField> {
     let fingers = Fingers::grow(grid, seed, skin);
-    let raw = grid.sample(|x, y| fingers.height(x, y))?;
-    let (low, high) = raw.range();
-    let scale = height / (high - low);
-    let heights = raw.heights().iter().map(|h| (h - low) * scale).collect();
-    HeightField::new(raw.columns(), raw.rows(), raw.pixel_size(), heights)
+    to_full_height(&grid.sample(|x, y| fingers.height(x, y))?, height)
 }
 
 impl<'a> Fingers<'a> {
@@ -174,10 +171,4 @@ impl Skin {
         let out = smooth_step((along - ROOF_START - ROOF_LATER * aside) / ROOF_RISE);
         body.max(NOWHERE + (down - NOWHERE) * out)
     }
-}
-
-/// From 0 at 0 to 1 at 1, level at both ends.
-fn smooth_step(t: f64) -> f64 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }

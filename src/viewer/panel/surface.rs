@@ -34,7 +34,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         });
         if kind.is_none() {
             units(ui, source);
-        } else if matches!(kind, Some(Kind::Elaphe | Kind::Xenopeltis)) {
+        } else if kind.is_some_and(Kind::is_random) {
             row(ui, "seed", |ui| {
                 ui.add(number(&mut source.seed).range(0..=9999));
             });
