@@ -36,15 +36,19 @@ impl Files {
     /// # Errors
     /// Names the outputs that meet another file; else as [`output::check`].
     pub fn check(&self) -> Result<()> {
-        for (i, path) in self.outputs.iter().enumerate() {
+        let known = |path: &PathBuf| (Identity::of(path), path.clone());
+        let inputs: Vec<_> = self.inputs.iter().map(known).collect();
+        let mut outputs: Vec<(Identity, PathBuf)> = Vec::new();
+        for path in &self.outputs {
             output::check(path)?;
             let own = Identity::of(path);
-            if let Some(input) = self.inputs.iter().find(|input| own.meets(&Identity::of(input))) {
+            if let Some((_, input)) = inputs.iter().find(|(input, _)| own.meets(input)) {
                 return Err(refused(path, "is the input", input));
             }
-            if let Some(other) = self.outputs[..i].iter().find(|other| own.meets(&Identity::of(other))) {
+            if let Some((_, other)) = outputs.iter().find(|(other, _)| own.meets(other)) {
                 return Err(refused(path, "is the same file as the output", other));
             }
+            outputs.push((own, path.clone()));
         }
         Ok(())
     }

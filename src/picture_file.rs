@@ -6,7 +6,8 @@ use crate::render::picture::Picture;
 use exr::prelude::{
     Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Text, WritableImage,
 };
-use std::io::{Error as IoError, Seek, Write};
+use std::fs::File;
+use std::io::{BufReader, Error as IoError, Seek, Write};
 use std::path::Path;
 
 /// A picture file's format, by its name.
@@ -84,6 +85,22 @@ pub fn write(path: &Path, format: Format, picture: &Picture, notes: &Notes) -> R
 pub fn save(path: impl AsRef<Path>, picture: &Picture) -> Result<()> {
     let path = path.as_ref();
     write(path, Format::of(path)?, picture, &Notes::default())
+}
+
+/// What the picture file `path` says under `name` among its [`Notes::more`]; `None` where it says nothing, or is no picture that can be read.
+pub fn note(path: &Path, name: &str) -> Option<String> {
+    match Format::of(path).ok()? {
+        Format::Png => {
+            let reader = png::Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
+            reader.info().utf8_text.iter().find(|text| text.keyword == name)?.get_text().ok()
+        }
+        Format::Exr => {
+            let meta = exr::meta::MetaData::read_from_file(path, false).ok()?;
+            let comments = meta.headers.first()?.own_attributes.comments.as_ref()?.to_string();
+            let value = |line: &str| Some(line.strip_prefix(name)?.strip_prefix(": ")?.to_owned());
+            comments.lines().find_map(value)
+        }
+    }
 }
 
 /// `word` as a shell takes it.
@@ -187,7 +204,7 @@ mod tests {
         let radiance = image::open(&as_exr).unwrap().to_rgba32f();
         assert_eq!(radiance.as_raw(), bytemuck::cast_slice::<_, f32>(&picture.radiance));
 
-        let reader = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&as_png).unwrap()));
+        let reader = png::Decoder::new(BufReader::new(File::open(&as_png).unwrap()));
         let info = reader.read_info().unwrap();
         let said: Vec<_> =
             info.info().utf8_text.iter().map(|t| (t.keyword.clone(), t.get_text().unwrap())).collect();
@@ -196,6 +213,12 @@ mod tests {
         let own = &meta.headers[0].own_attributes;
         assert!(own.software_name.as_ref().unwrap().to_string().starts_with("diffract "));
         let comments = own.comments.as_ref().unwrap().to_string();
+        for path in [&as_png, &as_exr] {
+            assert_eq!(note(path, "Surface").as_deref(), Some("a hash"));
+            assert_eq!(note(path, "Sur"), None);
+            std::fs::write(path, "no picture").unwrap();
+            assert_eq!(note(path, "Surface"), None);
+        }
         for part in ["diffract render 'pl\\u{e4}tze'", "\\u{9c57}.png", "\nSurface: a hash\nTolerance: 1e-2"]
         {
             assert!(comments.contains(part), "{comments}");

@@ -10,6 +10,7 @@ use crate::measure::error::{self, PixelErrors};
 use crate::measure::profile::measure;
 use crate::measure::trade::Measurement;
 use crate::optics::coherence::Windows;
+use crate::render::footprints;
 use crate::render::frame::{Shown, View};
 use crate::render::picture::{Directions, Painter, Picture};
 use crate::render::pigment::Pigment;
@@ -186,8 +187,9 @@ impl BenchmarkScene {
         let mut settings = Settings::new(method, shading.clone());
         if setup::averages_footprints(&settings) {
             let sample = Sampling::ONE.sample(0);
+            let views = std::slice::from_ref(&self.view);
             settings.footprints =
-                prepare::footprint_sizes(&self.device, &self.scene, &self.view, self.size, &sample)?;
+                footprints::sizes(&self.device, &self.scene.mesh, views, self.size, &sample)?;
         }
         let source = prepare::source(&self.field, &settings, &self.device)?;
         let (painter, directions) = self.painter(&source, &shading)?;

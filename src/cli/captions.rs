@@ -11,17 +11,25 @@ use std::ffi::OsString;
 
 /// What a picture of `field` that this process draws says of itself.
 pub fn notes(field: &HeightField) -> Notes {
-    Notes::new(command(std::env::args_os()), Validity::note(field))
+    Notes::new(command(std::env::args_os(), None), Validity::note(field))
+}
+
+/// `notes` of the same process, for picture number `frame` of a sequence, which says `more` under the name `name`.
+pub fn notes_of_frame(notes: &Notes, frame: u32, name: &str, more: String) -> Notes {
+    let mut own = notes.clone();
+    own.command = command(std::env::args_os(), Some(frame));
+    own.more.push((name.to_owned(), more));
+    own
 }
 
 /// The command that `words` are (the program's name first), as a shell takes it, without where results go: the same picture
-/// says the same of itself, whatever its file is called.
-fn command(words: impl IntoIterator<Item = OsString>) -> String {
+/// says the same of itself, whatever its file is called. Of a sequence it draws picture number `frame` alone.
+fn command(words: impl IntoIterator<Item = OsString>, frame: Option<u32>) -> String {
     let mut kept = vec!["diffract".to_owned()];
     let mut words = words.into_iter().skip(1).map(|word| word.to_string_lossy().into_owned());
     while let Some(word) = words.next() {
         let name = word.split('=').next().unwrap_or_default();
-        if ["-o", "--output", "--plot", "--json", "--cache-size"].contains(&name) {
+        if ["-o", "--output", "--plot", "--json", "--cache-size", "--frames"].contains(&name) {
             // The value is the next word unless it stands in this one.
             if name == word {
                 words.next();
@@ -29,6 +37,11 @@ fn command(words: impl IntoIterator<Item = OsString>) -> String {
         } else if !word.starts_with("-o") {
             kept.push(quoted(&word));
         }
+    }
+    if let Some(frame) = frame {
+        // Behind two hyphens there are no options any more.
+        let end = kept.iter().position(|word| word == "--").unwrap_or(kept.len());
+        kept.insert(end, format!("--frames {frame}..{}", frame + 1));
     }
     kept.join(" ")
 }
@@ -103,7 +116,8 @@ mod tests {
 
     #[test]
     fn the_command_of_a_picture_is_without_its_file_and_quoted() {
-        let said = |line: &str| command(line.split(' ').map(OsString::from));
+        let of = |line: &str, frame| command(line.split(' ').map(OsString::from), frame);
+        let said = |line: &str| of(line, None);
         let plain = "diffract render sphere --size 8x6";
         for line in [
             "/usr/bin/diffract render sphere --size 8x6 -o a.png",
@@ -116,5 +130,9 @@ mod tests {
             assert_eq!(said(line), plain, "{line}");
         }
         assert_eq!(said("diffract render it's.toml"), "diffract render 'it'\\''s.toml'");
+        let one = of("diffract render --frames 0..9 --turntable 9 -o a.png sphere", Some(3));
+        assert_eq!(one, "diffract render --turntable 9 sphere --frames 3..4");
+        let one = of("diffract render --frames=0..9 --turntable=9 -o a.png -- sphere", Some(3));
+        assert_eq!(one, "diffract render --turntable=9 --frames 3..4 -- sphere");
     }
 }

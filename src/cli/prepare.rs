@@ -6,11 +6,7 @@ use super::verbosity::quiet;
 use super::{check_validation, say, validation};
 use crate::brdf::Brdf;
 use crate::error::Result;
-use crate::optics::footprint::FootprintSizes;
 use crate::optics::sampling::{self, Limit};
-use crate::render::footprints;
-use crate::render::frame::View;
-use crate::render::sampling::Sample;
 use crate::render::source::Source;
 use crate::scene::Scene;
 use crate::setup::{self, InUse, Settings};
@@ -44,6 +40,12 @@ pub fn scene(name: &OsStr) -> Result<Scene> {
 
 /// The source of `field` under `settings` on `device`, from the cache or made with a progress bar.
 pub fn source(field: &HeightField, settings: &Settings, device: &Arc<Device>) -> Result<Source> {
+    if setup::averages_footprints(settings) {
+        detail(&format_args!(
+            "pixels are averaged over standard deviations of (u, v) from {:.1e} on",
+            settings.footprints.shorter
+        ));
+    }
     warn_of_coarse_samples(field, settings.shortest);
     let start = Instant::now();
     let bar = progress_bar("spectra");
@@ -92,25 +94,6 @@ pub fn for_each_window(
     setup::for_each_window(field, settings, &open, &progress, &|note| say(&in_options(note)), ask)?;
     bar.finish_and_clear();
     opened.get().map_or(Ok(()), |device| finish(device))
-}
-
-/// How large the footprints of a picture of `size` pixels of `view` are.
-///
-/// # Errors
-/// Where the device is lost or has no room.
-pub fn footprint_sizes(
-    device: &Arc<Device>,
-    scene: &Scene,
-    view: &View,
-    size: [u32; 2],
-    sample: &Sample,
-) -> Result<FootprintSizes> {
-    let sizes = footprints::sizes(device, &scene.mesh, view, size, sample)?;
-    detail(&format_args!(
-        "pixels are averaged over standard deviations of (u, v) from {:.1e} on",
-        sizes.shorter
-    ));
-    Ok(sizes)
 }
 
 fn show(bar: &ProgressBar, what: &'static str, done: usize, of: usize) -> Result<()> {

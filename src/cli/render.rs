@@ -1,31 +1,34 @@
-//! `diffract render`: a scene into a file.
+//! `diffract render`: a scene into a file, or a sequence of pictures into numbered ones.
 
+use super::finished::{self, Origin};
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, check_lights,
     sample_pixels,
 };
+use super::sequence::{Sequence, SequenceOptions};
+use super::verbosity::say;
 use super::{captions, prepare, scale};
 use crate::error::{Error, Result};
 use crate::files::Files;
 use crate::measure::error;
 use crate::optics::coherence::Windows;
+use crate::optics::nufft;
 use crate::optics::spectrum::SHORTEST;
-use crate::picture_file::{self, Format};
-use crate::render::frame::{Shown, View};
-use crate::render::picture::{Directions, Painter, Picture};
-use crate::render::pigment::Pigment;
+use crate::picture_file::{self, Format, Notes};
+use crate::render::frame::View;
+use crate::render::picture::Picture;
 use crate::render::reference_picture::{self, displayed, reference_mean};
 use crate::render::sampling::{Sample, Sampling};
-use crate::render::shading::Shading;
 use crate::render::source::{ClassicalGrating, Source};
 use crate::scene::Scene;
-use crate::setup::{self, Method, Settings};
+use crate::setup::{self, Method, PictureSettings, PreparedScene, Settings};
 use crate::surface::HeightField;
 use crate::units;
 use clap::Args;
+use indicatif::ProgressBar;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]
@@ -33,7 +36,9 @@ use std::path::PathBuf;
   diffract render -o snake.png
   diffract render disc --surface blaze --light 20,90 --size 800x800 -o disc.png
   diffract render --tolerance 1e-3 -o exact.exr        EXR: linear radiance, before exposure
-  diffract render --samples 64 -o fine.png             smoother edges and highlights than the default 16")]
+  diffract render --samples 64 -o fine.png             smoother edges and highlights than the default 16
+  diffract render --turntable 120 -o turn.png          once around the snake: turn-0000.png to turn-0119.png
+  diffract render --light-sweep 90 --frames 0..45 -o sun.png   the first half of a turn of the lights")]
 pub struct Arguments {
     /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
@@ -53,6 +58,8 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = sample_pixels, allow_hyphen_values = true)]
     sample_pixels: Option<usize>,
     #[command(flatten)]
+    sequence: SequenceOptions,
+    #[command(flatten)]
     surface: SurfaceOptions,
     #[command(flatten)]
     optics: OpticsOptions,
@@ -68,15 +75,21 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
     let format = Format::of(&arguments.output)?;
+    let sequence = arguments.sequence.chosen()?;
+    let outputs = match &sequence {
+        Some(sequence) => sequence.files(&arguments.output),
+        None => vec![arguments.output.clone()],
+    };
     let files = Files::new()
         .reads([&arguments.scene])
         .reads(arguments.surface.files(None))
         .reads(arguments.colour.files())
         .reads(arguments.optics.files())
-        .writes([&arguments.output]);
+        .writes(outputs);
     files.check()?;
     check_lights(&arguments.view.light)?;
-    if arguments.sample_pixels.is_some() && arguments.optics.picture_method() != Method::Reference {
+    let method = arguments.optics.picture_method();
+    if arguments.sample_pixels.is_some() && method != Method::Reference {
         return Err(Error::usage(
             "--sample-pixels is for the reference picture only",
             "add --method reference, or leave it away",
@@ -88,13 +101,67 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.view.apply(&mut scene)?;
     let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
     let shading = arguments.optics.material_of(&scene, arguments.optics.beyond_of(&field, shading));
-    let picture = draw(arguments, &scene, &field, &shading)?;
-    picture_file::write(&arguments.output, format, &picture, &captions::notes(&field))
+    let settings = PictureSettings {
+        size: arguments.size,
+        sampling: Sampling { count: arguments.samples, seed: arguments.surface.seed },
+        optics: Settings::new(method, shading),
+    };
+    let work = Work { scene: &scene, field: &field, settings: &settings };
+    let view = setup::own_view(&scene);
+    let shots = shots(&arguments.output, sequence.as_ref(), &view, &work)?;
+    let views = sequence.map_or_else(|| vec![view.clone()], |sequence| sequence.typical_views(&view));
+    draw(arguments, format, &work, &views, &shots)
 }
 
-fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Shading) -> Result<Picture> {
-    let method = arguments.optics.picture_method();
-    let reference = method == Method::Reference;
+/// What all pictures of a run have in common.
+struct Work<'a> {
+    scene: &'a Scene,
+    field: &'a HeightField,
+    settings: &'a PictureSettings,
+}
+
+/// A picture that is to be drawn.
+struct Shot {
+    view: View,
+    output: PathBuf,
+    notes: Notes,
+}
+
+/// The one picture of `view`, or those of the `sequence` that begins with it and are not there yet.
+fn shots(output: &Path, sequence: Option<&Sequence>, view: &View, work: &Work<'_>) -> Result<Vec<Shot>> {
+    let notes = captions::notes(work.field);
+    let Some(sequence) = sequence else {
+        return Ok(vec![Shot { view: view.clone(), output: output.to_owned(), notes }]);
+    };
+    sequence.check(view)?;
+    let origin = Origin::of(sequence, view, work.scene, work.field, work.settings)?;
+    let mut shots = Vec::new();
+    for frame in sequence.frames.clone() {
+        let (output, note) = (sequence.file(output, frame), origin.note(frame));
+        if !finished::is_there(&output, &note)? {
+            let notes = captions::notes_of_frame(&notes, frame, finished::NOTE, note);
+            shots.push(Shot { view: sequence.view(view, frame), output, notes });
+        }
+    }
+    let asked = sequence.frames.len();
+    if shots.len() < asked {
+        say(&format_args!("{} of {asked} pictures are there already and stay", asked - shots.len()));
+    }
+    Ok(shots)
+}
+
+/// Draws `shots` from one source, which is made for `views`, and writes each as it is finished.
+fn draw(
+    arguments: &Arguments,
+    format: Format,
+    work: &Work<'_>,
+    views: &[View],
+    shots: &[Shot],
+) -> Result<()> {
+    let Some(first) = shots.first() else { return Ok(()) };
+    let Work { scene, field, settings } = *work;
+    let shading = &settings.optics.shading;
+    let reference = settings.optics.method == Method::Reference;
     if reference && scene.pigment.is_some() {
         return Err(Error::usage(
             "--method reference knows no pigment texture",
@@ -102,67 +169,74 @@ fn draw(arguments: &Arguments, scene: &Scene, field: &HeightField, shading: &Sha
         ));
     }
     let device = prepare::device(&arguments.device.wish())?;
-    let pigment = scene.pigment.as_deref().map(Pigment::read).transpose()?;
-    let view = View { pigment: pigment.is_some(), ..View::of(scene, scene.lights.clone()) };
-    let pigment = pigment.unwrap_or_else(Pigment::white);
-    let sampling = Sampling { count: arguments.samples, seed: arguments.surface.seed };
-    let source = if reference {
+    let make = |optics: &Settings| match optics.method {
         // The frame's directions are all that the reference needs, and this source has no data.
-        Source::ClassicalGrating(ClassicalGrating::default())
-    } else {
-        let mut settings = Settings::new(method, shading.clone());
-        if setup::averages_footprints(&settings) {
-            let sample = sampling.sample(0);
-            settings.footprints = prepare::footprint_sizes(&device, scene, &view, arguments.size, &sample)?;
-        }
-        prepare::source(field, &settings, &device)?
+        Method::Reference => Ok(Source::ClassicalGrating(ClassicalGrating::default())),
+        _ => prepare::source(field, optics, &device),
     };
-    let (size, lights) = (arguments.size, view.lights.len());
-    let mut painter = Painter::new(&device, &source, shading, &scene.mesh, &pigment, size, lights)?;
-    if source.has_limits(shading) {
-        source.check(shading, &directions_of(&mut painter, &view, &Sampling::ONE.sample(0))?)?;
-    }
+    let mut prepared = PreparedScene::new(&device, scene, settings, views, make)?;
+    shots.iter().try_for_each(|shot| prepared.check(&shot.view))?;
     if reference && shading.windows == Windows::All {
-        painter.ask_for_footprints()?;
+        prepared.painter().ask_for_footprints()?;
     }
-    scale::tell(&mut painter, &view, scene, shading.coherence)?;
-    let picture = if reference {
-        let chosen = arguments.sample_pixels;
-        let radiance = reference_radiance(&mut painter, &view, &sampling, field, shading, chosen)?;
-        let display = displayed(&radiance, scene.exposure, scene.background);
-        Picture { size: arguments.size, radiance, display }
-    } else {
-        let bar = prepare::progress_bar("samples");
-        bar.set_length(sampling.count.into());
-        let shown = Shown { exposure: scene.exposure, background: scene.background };
-        let picture = painter.paint_samples(&view, &sampling, shown, &mut |done| {
-            bar.set_position(done.into());
-            Ok(())
-        });
-        bar.finish_and_clear();
-        picture?
-    };
-    drop(painter);
-    prepare::finish(&device)?;
-    Ok(picture)
+    scale::tell(prepared.painter(), &first.view, scene, shading.coherence)?;
+    let progress = Progress::over(shots.len(), if reference { "pixels" } else { "samples" });
+    for (number, shot) in shots.iter().enumerate() {
+        let told = |done, of| progress.show(number, done, of);
+        let picture = if reference {
+            reference_picture(&mut prepared, &shot.view, work, arguments.sample_pixels, &told)?
+        } else {
+            let samples = settings.sampling.count as usize;
+            prepared.draw(&shot.view, &mut |done| told(done as usize, samples))?
+        };
+        prepare::finish(&device)?;
+        picture_file::write(&shot.output, format, &picture, &shot.notes)?;
+    }
+    drop((progress, prepared));
+    prepare::finish(&device)
 }
 
-/// The directions that each light of `view` comes from in `sample`.
-fn directions_of(painter: &mut Painter, view: &View, sample: &Sample) -> Result<Vec<Directions>> {
-    (0..view.lights.len()).map(|light| painter.directions_of(view, light, sample)).collect()
+/// One bar over all pictures, gone with its value.
+struct Progress {
+    bar: ProgressBar,
+    pictures: usize,
 }
 
-/// The f64 picture, of all pixels that a sample covers or of `count` random ones of them.
-fn reference_radiance(
-    painter: &mut Painter,
+impl Progress {
+    /// Of so many pictures, each of which consists of `parts`.
+    fn over(pictures: usize, parts: &'static str) -> Self {
+        Self { bar: prepare::progress_bar(parts), pictures }
+    }
+
+    /// Shows that of the parts `of` picture number `number`, from 0, so many are `done`.
+    fn show(&self, number: usize, done: usize, of: usize) -> Result<()> {
+        if self.pictures > 1 {
+            self.bar.set_message(format!("picture {} of {}", number + 1, self.pictures));
+        }
+        self.bar.set_length((of * self.pictures) as u64);
+        self.bar.set_position((of * number + done) as u64);
+        Ok(())
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// The f64 picture of `view`, of all pixels that a sample covers or of `count` random ones of them.
+fn reference_picture(
+    prepared: &mut PreparedScene<'_>,
     view: &View,
-    sampling: &Sampling,
-    field: &HeightField,
-    shading: &Shading,
+    work: &Work<'_>,
     count: Option<usize>,
-) -> Result<Vec<[f32; 4]>> {
+    progress: nufft::Progress<'_>,
+) -> Result<Picture> {
+    let Work { scene, field, settings } = *work;
     prepare::warn_of_coarse_samples(field, SHORTEST);
-    let mut directions = |sample: &Sample| directions_of(painter, view, sample);
+    let sampling = &settings.sampling;
+    let mut directions = |sample: &Sample| prepared.directions(view, sample);
     let chosen = match count {
         Some(count) => {
             let mut covered = BTreeSet::new();
@@ -176,12 +250,8 @@ fn reference_radiance(
     };
     // The sample's pixels grow.
     let chosen = |pixel| chosen.as_ref().is_none_or(|chosen| chosen.binary_search(&pixel).is_ok());
-    let bar = prepare::progress_bar("pixels");
-    let radiance = reference_mean(field, shading, view, sampling, &mut directions, &chosen, &|done, of| {
-        bar.set_length(of as u64);
-        bar.set_position(done as u64);
-        Ok(())
-    });
-    bar.finish_and_clear();
-    radiance
+    let shading = &settings.optics.shading;
+    let radiance = reference_mean(field, shading, view, sampling, &mut directions, &chosen, progress)?;
+    let display = displayed(&radiance, scene.exposure, scene.background);
+    Ok(Picture { size: settings.size, radiance, display })
 }

@@ -3,7 +3,7 @@
 //! The fuzz targets in `fuzz/` call these, and `tests/regressions` replays what they once found. A reader may refuse what
 //! it is given; it may not panic, overflow, hang, or take memory out of proportion.
 
-use super::{eval, options, range, usage};
+use super::{eval, options, range, sequence, usage};
 use crate::cache::{self, Kept, Key};
 use crate::error::{Error, Result};
 use crate::measure::trade;
@@ -194,6 +194,7 @@ fn values(bytes: &[u8]) -> Result<()> {
         options::tolerance(text).map(drop),
         options::exposure(text).map(drop),
         options::seed(text).map(drop),
+        sequence::frames(text).map(drop),
         range::Range::parse(text, limits, "values").map(|range| drop(range.values())),
         DeviceChoice::parse(text).map(drop),
     ];

@@ -47,6 +47,18 @@ pub struct FootprintSizes {
     pub longer: f64,
 }
 
+impl FootprintSizes {
+    /// The finer of both along either axis, so that a source resolves both pictures. A picture without footprints asks for nothing.
+    #[must_use]
+    pub fn finer(self, other: Self) -> Self {
+        match (self.longer > 0.0, other.longer > 0.0) {
+            (true, false) => self,
+            (false, _) => other,
+            _ => Self { shorter: self.shorter.min(other.shorter), longer: self.longer.min(other.longer) },
+        }
+    }
+}
+
 /// Which of the samples of a pixel is shaded. The taps of [`MOST_SHARED`] samples together are as close as those of a single one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Share {
@@ -259,6 +271,16 @@ mod tests {
                 found >= 1.0 / (1.0 + NARROW * NARROW)
             });
         }
+    }
+
+    #[test]
+    fn the_finer_of_two_pictures_counts_and_one_without_footprints_does_not() {
+        let sizes = |shorter, longer| FootprintSizes { shorter, longer };
+        assert_eq!(sizes(1e-3, 5e-2).finer(sizes(2e-3, 3e-2)), sizes(1e-3, 3e-2));
+        let none = FootprintSizes::default();
+        assert_eq!(sizes(1e-3, 5e-2).finer(none), sizes(1e-3, 5e-2));
+        assert_eq!(none.finer(sizes(1e-3, 5e-2)), sizes(1e-3, 5e-2));
+        assert_eq!(none.finer(none), none);
     }
 
     #[test]

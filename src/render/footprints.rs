@@ -73,25 +73,27 @@ fn quantile(values: &[f64], share: f64) -> f64 {
     values.get((share.clamp(0.0, 1.0) * last as f64).round() as usize).copied().unwrap_or(0.0)
 }
 
-/// How large the footprints of a `sample` of `view` with `size` pixels are.
+/// How large the footprints of a `sample` of pictures of `size` pixels are: the finest of all `views`.
 ///
 /// # Errors
 /// Where the device is lost or has no room.
 pub fn sizes(
     device: &Arc<Device>,
     mesh: &Mesh,
-    view: &View,
+    views: &[View],
     size: [u32; 2],
     sample: &Sample,
 ) -> Result<FootprintSizes> {
     let source = Source::ClassicalGrating(ClassicalGrating::default());
-    let lights = view.lights.len();
+    let lights = views.iter().map(|view| view.lights.len()).max().unwrap_or(0);
     let mut painter =
         Painter::new(device, &source, &Shading::default(), mesh, &Pigment::white(), size, lights)?;
     painter.ask_for_footprints()?;
-    let directions: Vec<_> =
-        (0..lights).map(|light| painter.directions_of(view, light, sample)).collect::<Result<_>>()?;
-    Ok(sizes_of(&directions))
+    views.iter().try_fold(FootprintSizes::default(), |finest, view| {
+        let lights = 0..view.lights.len();
+        let directions = lights.map(|light| painter.directions_of(view, light, sample));
+        Ok(finest.finer(sizes_of(&directions.collect::<Result<Vec<_>>>()?)))
+    })
 }
 
 /// How large the footprints of shaded pixels in `directions` (one entry per light) are.

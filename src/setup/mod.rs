@@ -4,7 +4,7 @@ mod brdf;
 mod picture;
 
 pub use brdf::for_each_window;
-pub use picture::{PictureSettings, picture};
+pub use picture::{PictureSettings, PreparedScene, own_view, picture};
 
 use crate::cache::{Kept, Key, Store};
 use crate::error::{Error, Remedy, Result};

@@ -184,7 +184,8 @@ impl Preparer {
             && setup::averages_footprints(&settings)
         {
             let (mesh, sample) = (&picture.loaded.scene.mesh, Sampling::ONE.sample(0));
-            settings.footprints = footprints::sizes(device, mesh, &picture.view, picture.size, &sample)?;
+            let views = std::slice::from_ref(&picture.view);
+            settings.footprints = footprints::sizes(device, mesh, views, picture.size, &sample)?;
         }
         let made = setup::source(&field, &settings, &self.limits, &mut self.in_use, progress)?;
         let (shaded_from, shading) = (made.source, request.settings.shading.clone());

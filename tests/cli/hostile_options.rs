@@ -178,7 +178,10 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--explain", &[&["--explain"]]), // twice
     ("--quick", &[&["--quick"]]),     // twice
     ("--queries", &[&["", "nothing.csv", ".", "/dev/zero", "grey.png"]]),
-    ("--frames", &[NO_NUMBER, &["0", "2", "-3", "1e3", "100001"]]),
+    // A count for profile, a range for render, where there is no sequence to take a part of.
+    ("--frames", &[NO_NUMBER, &["0", "2", "-3", "1e3", "100001", "0..2", "2..2", "3..2", "..", "0..=2"]]),
+    ("--turntable", &[NO_NUMBER, &["0", "-3", "1.5", "1e3", "10001"]]),
+    ("--light-sweep", &[NO_NUMBER, &["0", "-3", "1.5", "1e3", "10001"]]),
     ("--samples", &[NO_NUMBER, &["0", "-3", "1.5", "1e3", "4097"]]),
     ("--sample-pixels", &[NO_NUMBER, &["0", "-3", "1.5", "1e3", "268435457", "10"]]), // 10: not with spectral
     ("--error", &[NO_NUMBER, &["0", "-3", "1.5", "1e3", "268435457", "ALL", "some"]]),

@@ -21,6 +21,7 @@ mod render;
 mod sampling;
 mod sandbox;
 mod scans;
+mod sequence;
 mod surface;
 mod table;
 mod trade;

@@ -1,0 +1,71 @@
+//! Which pictures of a sequence an earlier run finished: each says in its file what it was drawn from.
+
+use super::sequence::Sequence;
+use crate::cache::{Format, Key};
+use crate::error::{Error, Result};
+use crate::picture_file;
+use crate::render::frame::View;
+use crate::render::pigment::Pigment;
+use crate::scene::Scene;
+use crate::setup::PictureSettings;
+use crate::surface::HeightField;
+use std::path::Path;
+
+/// The note of a picture file that [`Origin::note`] is the value of.
+pub const NOTE: &str = "Drawn from";
+
+/// What the hash is of. Its version changes whenever the same settings lead to another picture.
+const SEQUENCES: Format = Format { name: "sequences", version: 1 };
+
+/// Everything that a sequence follows from.
+pub struct Origin(Key);
+
+impl Origin {
+    /// Of `sequence`, which begins with the view `first` of `scene`. What files hold counts, and not their names.
+    ///
+    /// # Errors
+    /// A pigment texture that cannot be read.
+    pub fn of(
+        sequence: &Sequence,
+        first: &View,
+        scene: &Scene,
+        field: &HeightField,
+        settings: &PictureSettings,
+    ) -> Result<Self> {
+        let hash = |bytes: &[u8]| blake3::hash(bytes).to_hex().to_string();
+        let mesh = [
+            hash(bytemuck::cast_slice(scene.mesh.vertices())),
+            hash(bytemuck::cast_slice(scene.mesh.indices())),
+        ];
+        let pigment = scene.pigment.as_deref().map(Pigment::read).transpose()?;
+        let pigment = pigment.map(|pigment| (pigment.size, hash(&pigment.texels)));
+        let shown = (scene.exposure, scene.background);
+        // Rust writes numbers so that they are read back exactly.
+        let turned = (sequence.motion, sequence.count, first);
+        let settings = format!("{:?}", (turned, shown, mesh, pigment, settings));
+        Key::new(&SEQUENCES, &settings, field).map(Self)
+    }
+
+    /// What picture number `frame` says of itself.
+    pub fn note(&self, frame: u32) -> String {
+        format!("{}, picture {frame}", self.0.to_hex())
+    }
+}
+
+/// Whether the file `path` is there and is the picture that says `note` of itself.
+///
+/// # Errors
+/// Where the file is another one: nothing that is there is written over, and no sequence has pictures of two kinds.
+pub fn is_there(path: &Path, note: &str) -> Result<bool> {
+    if !path.exists() {
+        return Ok(false);
+    }
+    if picture_file::note(path, NOTE).is_some_and(|own| own == note) {
+        return Ok(true);
+    }
+    Err(Error::usage(
+        "is there already and is not this picture under these settings",
+        "remove it and the rest of its sequence, or give the output another name",
+    )
+    .at(path.display()))
+}
