@@ -16,8 +16,10 @@ struct Sample {
 layout(set = 0, binding = 0, std140) uniform Frame {
     mat4 clip_from_world;
     vec4 eye;                       // xyz: position of the viewer in the world
-    vec4 lights[MAX_LIGHTS];        // xyz: unit vector to the light in the world; w: irradiance / pi
+    vec4 lights[MAX_LIGHTS];        // xyz: unit vector to the light in the world; w: variance of the directions that it stands for
+    vec4 irradiances[MAX_LIGHTS];   // rgb: of a surface that faces the light, over pi, linear sRGB
     vec4 base_color;                // rgb: albedo of the pigment, linear sRGB; w: 1 where the pigment texture counts
     ivec4 counts;                   // x: lights
+    mat4 shadow_from_world[MAX_LIGHTS]; // to the clip space of each light's depth map
     Sample at;                      // which sample of the picture the frame is
 } frame;

@@ -9,10 +9,18 @@ layout(set = 0, binding = 1) uniform sampler2D pigment;
 layout(constant_id = 0) const int LIGHTS = MAX_LIGHTS; // of the scene
 layout(constant_id = 1) const bool TEXTURED = true;    // whether the pigment is of a texture
 layout(constant_id = 2) const bool FOOTPRINTS = true;  // whether footprints are asked for
+layout(constant_id = 3) const bool SHADOWS = false;    // whether lights cast shadows
+
+// Depth from each light; an array of samplers would need a feature that not every device has.
+layout(set = 0, binding = 10) uniform sampler2D shadow_0;
+layout(set = 0, binding = 11) uniform sampler2D shadow_1;
+layout(set = 0, binding = 12) uniform sampler2D shadow_2;
+layout(set = 0, binding = 13) uniform sampler2D shadow_3;
 
 layout(location = 0) in vec3 view;
 layout(location = 1) in vec2 pigment_uv;
 layout(location = 2) in vec3 lights[MAX_LIGHTS];
+layout(location = 6) in vec3 world;
 
 // As `pixel.glsl` reads them. The attachments of a pass have no gaps: where footprints are asked for, they stand between the others, those
 // of a light behind the first image that a picture of so many lights has in any case. Images that a picture does not have are dropped.
@@ -33,8 +41,46 @@ vec2 projected(vec3 direction) {
     return depth > LEAST * size ? direction.xy / depth : vec2(1.0 / LEAST, 0.0);
 }
 
+// Whether something stands between the surface and a light, by the light's depth map. The depth of a plane that the light grazes changes
+// within a texel of the map: that much is left to it, and a little for rounding.
+bool in_shadow(int light, sampler2D map) {
+    const float ROUNDING = 2e-5, STEEPEST = 30.0;
+    vec3 normal = normalize(cross(dFdx(world), dFdy(world)));
+    float cosine = abs(dot(normal, frame.lights[light].xyz));
+    float slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 1e-6), STEEPEST);
+    vec3 place = (frame.shadow_from_world[light] * vec4(world, 1.0)).xyz;
+    vec2 size = vec2(textureSize(map, 0));
+    // Clip space is two units wide and one deep; the diagonal of a texel, either way.
+    float bias = ROUNDING + slope * 1.5 / size.x;
+    vec2 texel = clamp((place.xy * 0.5 + 0.5) * size, vec2(0.0), size - 1.0);
+    return texelFetch(map, ivec2(texel), 0).r < place.z - bias;
+}
+
+bool in_shadow_of(int light) {
+    switch (light) {
+    case 0: return in_shadow(0, shadow_0);
+    case 1: return in_shadow(1, shadow_1);
+    case 2: return in_shadow(2, shadow_2);
+    default: return in_shadow(3, shadow_3);
+    }
+}
+
+// Light that does not reach the surface is stored as light from below.
 vec2 projected_light(int light) {
-    return light < LIGHTS ? projected(lights[light]) : vec2(0.0);
+    if (light >= LIGHTS) {
+        return vec2(0.0);
+    }
+    return SHADOWS && in_shadow_of(light) ? projected(vec3(0.0, 0.0, -1.0)) : projected(lights[light]);
+}
+
+// The footprint whose covariance is that of `change` and that of a light whose directions vary by `variance` across it, seen in (u, v).
+vec4 widened(vec4 change, float variance, vec2 to_light) {
+    float uu = change.x * change.x + change.z * change.z + variance * (1.0 - to_light.x * to_light.x);
+    float uv = change.x * change.y + change.z * change.w - variance * to_light.x * to_light.y;
+    float vv = change.y * change.y + change.w * change.w + variance * (1.0 - to_light.y * to_light.y);
+    // Cholesky's root, as the columns of a Jacobian.
+    float u = sqrt(uu), v = uv / u;
+    return vec4(u, v, 0.0, sqrt(max(vv - v * v, 0.0)));
 }
 
 // How (u, v) changes from pixel to pixel: du/dx, dv/dx, du/dy, dv/dy. Differences within the triangle, also beside its edges, where a
@@ -44,9 +90,12 @@ vec4 footprint(int light) {
     if (light >= LIGHTS) {
         return vec4(0.0);
     }
-    vec2 uv = -(normalize(lights[light]).xy + normalize(view).xy);
+    vec3 to_light = normalize(lights[light]);
+    vec2 uv = -(to_light.xy + normalize(view).xy);
     vec4 change = vec4(dFdxFine(uv), dFdyFine(uv));
-    return any(isnan(change)) || any(isinf(change)) ? vec4(0.0) : change;
+    change = any(isnan(change)) || any(isinf(change)) ? vec4(0.0) : change;
+    float variance = frame.lights[light].w / (frame.at.footprint * frame.at.footprint);
+    return variance > 0.0 ? widened(change, variance, to_light.xy) : change;
 }
 
 void main() {

@@ -19,8 +19,14 @@ void main() {
     for (int i = 0; i < MAX_LIGHTS; ++i) {
         answers[n++] = frame.lights[i];
     }
+    for (int i = 0; i < MAX_LIGHTS; ++i) {
+        answers[n++] = frame.irradiances[i];
+    }
     answers[n++] = frame.base_color;
     answers[n++] = vec4(frame.counts);
+    for (int i = 0; i < 4 * MAX_LIGHTS; ++i) {
+        answers[n++] = frame.shadow_from_world[i >> 2][i & 3];
+    }
     answers[n++] = vec4(frame.at.jitter, frame.at.footprint, float(frame.at.index));
     answers[n++] = vec4(float(frame.at.count), float(frame.at.seed), frame.at.tap_offset, 0.0);
     answers[n++] = vec4(source.texture_size, source.origin);

@@ -36,7 +36,7 @@ void main() {
         float kept = OWN_REFLECTANCE ? schlick(NORMAL_OF_PIGMENT, pair.cos_half) : pair.reflectance;
         vec3 pigmented = albedo * ((1.0 - kept) * to_light.z / PI);
         // Below the horizon there is neither.
-        sum += pair.factor > 0.0 ? (diffracted + pigmented) * (frame.lights[i].w * PI) : vec3(0.0);
+        sum += pair.factor > 0.0 ? (diffracted + pigmented) * (frame.irradiances[i].rgb * PI) : vec3(0.0);
     }
     radiance = vec4(sum, 1.0);
 }

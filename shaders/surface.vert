@@ -13,6 +13,7 @@ layout(location = 3) in vec2 uv;
 layout(location = 0) out vec3 view;
 layout(location = 1) out vec2 pigment_uv;
 layout(location = 2) out vec3 lights[MAX_LIGHTS];
+layout(location = 6) out vec3 world;
 
 void main() {
     mat3 tangent_from_world = transpose(mat3(tangent.xyz, tangent.w * cross(normal, tangent.xyz), normal));
@@ -21,5 +22,6 @@ void main() {
         lights[i] = tangent_from_world * frame.lights[i].xyz;
     }
     pigment_uv = vec2(uv.x, 1.0 - uv.y); // v grows upward in meshes, rows of a texture downward
+    world = position;
     gl_Position = frame.clip_from_world * vec4(position, 1.0);
 }

@@ -158,7 +158,9 @@ impl BenchmarkScene {
         options.optics.for_pictures(&options.colour)?;
         let scene = prepare::scene(&options.scene)?;
         let field = options.surface.load(None, Some(&scene), "elaphe")?;
-        let view = View::of(&scene, lights_of(&options.light, &scene));
+        let lights = lights_of(&options.light, &scene);
+        let coherence = &options.optics.coherence;
+        let view = View::of(&scene, lights.iter().map(|light| light.beyond(coherence)).collect());
         let device = prepare::device(&options.device.wish())?;
         Ok(Self { device, scene, field, view, size: options.size })
     }
@@ -208,7 +210,7 @@ impl BenchmarkScene {
     /// # Errors
     /// When it does not fit on the device, or `source` cannot shade these directions.
     pub fn painter(&self, source: &Source, shading: &Shading) -> Result<(Painter, Vec<Directions>)> {
-        let (mesh, lights) = (&self.scene.mesh, self.view.lights.len());
+        let (mesh, lights) = (&self.scene.mesh, self.view.light_count());
         let mut painter =
             Painter::new(&self.device, source, shading, mesh, &Pigment::white(), self.size, lights)?;
         let directions =

@@ -16,7 +16,8 @@ use crate::optics::material::Material;
 use crate::optics::reflectance::{Film, Reflectance};
 use crate::optics::spectrum::Illuminant;
 use crate::render::shading::Shading;
-use crate::scene::{Camera, Light, MAX_LIGHTS, Scene};
+use crate::scene::environment::{self, Placement};
+use crate::scene::{Camera, Environment, Light, MAX_LIGHTS, Scene};
 use crate::setup;
 use crate::setup::Method;
 use crate::surface::HeightField;
@@ -297,9 +298,22 @@ pub struct ViewOptions {
     /// Exposure in stops, instead of the scene's
     #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true)]
     pub exposure: Option<f64>,
-    /// A light instead of the scene's, in degrees from up and around it; up to four
-    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
+    /// A light instead of the scene's, in degrees from up and around it; up to four. A point, or sun:THETA,PHI (0.533 degrees across), or
+    /// disc:SIZE:THETA,PHI as in disc:5deg:40,90
+    #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
     pub light: Vec<Light>,
+    /// Surroundings that light the scene beside its lights: sky (overcast), studio, an equirectangular .exr or .hdr picture, or none
+    #[arg(long, value_name = "NAME|FILE")]
+    pub environment: Option<OsString>,
+    /// Turns the surroundings about the world's up, as in 90deg
+    #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true)]
+    pub rotate_environment: Option<f64>,
+    /// Brightness of the surroundings in stops
+    #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true)]
+    pub environment_exposure: Option<f64>,
+    /// Let lights reach what other parts of the mesh stand in front of
+    #[arg(long)]
+    pub no_shadows: bool,
     /// Where the camera stands, instead of the scene's
     #[arg(long, value_name = "X,Y,Z", value_parser = units::triple, allow_hyphen_values = true)]
     pub eye: Option<[f64; 3]>,
@@ -324,6 +338,7 @@ impl ViewOptions {
         if !self.light.is_empty() {
             scene.lights = self.light.clone();
         }
+        self.surround(scene)?;
         if let Some(exposure) = self.exposure {
             scene.exposure = exposure;
         }
@@ -338,6 +353,47 @@ impl ViewOptions {
                 self.target.map_or(old.target, vector),
                 self.field_of_view.map_or(old.field_of_view, |deg| deg.to_radians() as f32),
             )?;
+        }
+        Ok(())
+    }
+}
+
+impl ViewOptions {
+    /// The file that the options name, if it is one and not built in.
+    pub fn files(&self) -> Option<&OsStr> {
+        self.environment.as_deref().filter(|name| *name != "none" && !environment::is_built_in(name))
+    }
+
+    /// Changes the surroundings and shadows of `scene`.
+    fn surround(&self, scene: &mut Scene) -> Result<()> {
+        scene.shadows &= !self.no_shadows;
+        match self.environment.as_deref() {
+            None => {}
+            Some(name) if name == "none" => scene.environment = None,
+            Some(name) => scene.environment = Some(Environment::open(name)?),
+        }
+        let placed = self.rotate_environment.is_some() || self.environment_exposure.is_some();
+        match &mut scene.environment {
+            None if placed => {
+                return Err(Error::usage(
+                    "--rotate-environment and --environment-exposure are about surroundings, and the scene has none",
+                    "add --environment sky, or leave them away",
+                ));
+            }
+            None => {}
+            Some(environment) => {
+                let old = environment.placement;
+                environment.placement = Placement::new(
+                    self.rotate_environment.unwrap_or(old.rotation),
+                    self.environment_exposure.unwrap_or(old.exposure),
+                )?;
+            }
+        }
+        if scene.environment.is_some() && scene.lights.len() >= MAX_LIGHTS {
+            return Err(Error::usage(
+                "there are too many lights",
+                format!("give at most {} beside surroundings", MAX_LIGHTS - 1),
+            ));
         }
         Ok(())
     }

@@ -85,6 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .reads(arguments.surface.files(None))
         .reads(arguments.colour.files())
         .reads(arguments.optics.files())
+        .reads(arguments.view.files())
         .writes(outputs);
     files.check()?;
     check_lights(&arguments.view.light)?;
@@ -107,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         optics: Settings::new(method, shading),
     };
     let work = Work { scene: &scene, field: &field, settings: &settings };
-    let view = setup::own_view(&scene);
+    let view = setup::own_view(&scene, &settings.optics.shading);
     let shots = shots(&arguments.output, sequence.as_ref(), &view, &work)?;
     let views = sequence.map_or_else(|| vec![view.clone()], |sequence| sequence.typical_views(&view));
     draw(arguments, format, &work, &views, &shots)

@@ -23,7 +23,7 @@ pub struct SequenceOptions {
     /// `-o turn.png` the files are turn-0000.png, turn-0001.png and so on. Those that an earlier run finished are kept
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST), allow_hyphen_values = true)]
     turntable: Option<u32>,
-    /// N pictures, once around: all lights turn about the world's up by 360/N degrees from each to the next. Files as for --turntable
+    /// N pictures, once around: all lights and the surroundings turn about the world's up by 360/N degrees from each to the next. Files as for --turntable
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST), allow_hyphen_values = true)]
     light_sweep: Option<u32>,
     /// Draw only pictures A to B-1 of the sequence, counted from 0: 0..24 are the first 24. Several machines can share a sequence so
@@ -107,7 +107,7 @@ impl Sequence {
     /// # Errors
     /// A sweep without lights.
     pub fn check(&self, first: &View) -> Result<()> {
-        if self.motion == Motion::LightSweep && first.lights.is_empty() {
+        if self.motion == Motion::LightSweep && first.lights.is_empty() && first.environment.is_none() {
             return Err(Error::usage(
                 "--light-sweep turns the lights, and the scene has none",
                 "add a light, as in --light 40,180",
@@ -127,6 +127,9 @@ impl Sequence {
             Motion::LightSweep => {
                 let turned = |light: &Light| Light { phi: light.phi + degrees, ..*light };
                 view.lights = first.lights.iter().map(turned).collect();
+                if let Some(environment) = &mut view.environment {
+                    environment.placement.rotation += degrees;
+                }
             }
         }
         view
@@ -171,7 +174,7 @@ mod tests {
 
     fn plate() -> View {
         let scene = Scene::open("plate").unwrap();
-        View::of(&scene, vec![Light { theta: 40.0, phi: 180.0, intensity: 2.0 }, scene.lights[0]])
+        View::of(&scene, vec![Light { theta: 40.0, phi: 180.0, intensity: 2.0, size: 0.0 }, scene.lights[0]])
     }
 
     #[test]

@@ -88,10 +88,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         shading.check_wavelengths()?;
     }
     setup::check(&Settings::new(method, shading.clone()))?;
-    let plain = prepare::scene(&arguments.scene)?;
+    let mut plain = prepare::scene(&arguments.scene)?;
     let mut scene = plain.clone();
     let shading = arguments.optics.material_of(&scene, shading);
     arguments.view.apply(&mut scene)?;
+    // The window has no controls for them.
+    plain.environment.clone_from(&scene.environment);
+    plain.shadows = scene.shadows;
     let surface = arguments.surface.source(None, Some(&scene), "elaphe")?;
     if surface.kind().is_none() {
         surface.load()?; // a file that is none is told before a window opens

@@ -16,7 +16,16 @@ pub fn render(settings: &ViewSettings, scene: &Scene, size: [u32; 2], output: &s
     words.surface(&settings.surface, scene);
     words.optics(settings);
     for light in &settings.lights {
-        words.option("light", format!("{},{},{}", light.theta, light.phi, light.intensity));
+        words.option("light", light.to_string());
+    }
+    if let Some(environment) = &scene.environment {
+        let placement = environment.placement;
+        words.option("environment", &environment.name);
+        words.option("rotate-environment", format!("{}deg", placement.rotation));
+        words.option("environment-exposure", placement.exposure.to_string());
+    }
+    if !scene.shadows {
+        words.0.push("--no-shadows".to_owned());
     }
     words.option("exposure", settings.exposure.to_string());
     if settings.base_color != scene.base_color {

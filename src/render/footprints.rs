@@ -85,12 +85,12 @@ pub fn sizes(
     sample: &Sample,
 ) -> Result<FootprintSizes> {
     let source = Source::ClassicalGrating(ClassicalGrating::default());
-    let lights = views.iter().map(|view| view.lights.len()).max().unwrap_or(0);
+    let lights = views.iter().map(|view| view.light_count()).max().unwrap_or(0);
     let mut painter =
         Painter::new(device, &source, &Shading::default(), mesh, &Pigment::white(), size, lights)?;
     painter.ask_for_footprints()?;
     views.iter().try_fold(FootprintSizes::default(), |finest, view| {
-        let lights = 0..view.lights.len();
+        let lights = 0..view.light_count();
         let directions = lights.map(|light| painter.directions_of(view, light, sample));
         Ok(finest.finer(sizes_of(&directions.collect::<Result<Vec<_>>>()?)))
     })
@@ -166,6 +166,7 @@ mod tests {
     fn a_distribution_counts_what_is_shaded_and_no_more() {
         let up = [0.0, 0.0, 1.0, 1.0];
         let seen = Directions {
+            irradiance: DVec3::ONE,
             light: vec![up, up, [0.0, 0.0, -1.0, 1.0], [0.0; 4]],
             view: vec![up, up, up, [0.0; 4]],
             footprints: vec![[2.0, 0.0, 0.0, 1.0], [4.0, 0.0, 0.0, 3.0], [9.0; 4], [0.0; 4]],

@@ -4,10 +4,10 @@ use super::frame_set::FrameBlock;
 use super::sampling::Sample;
 use super::source::BoundSource;
 use super::target::{self, Geometry, GeometrySettings, Target};
-use super::{shader, upload};
+use super::{shader, shadows, upload};
 use crate::error::{Error, Result};
 use crate::optics::color;
-use crate::scene::{Camera, Light, MAX_LIGHTS, Mesh, Scene, Vertex, camera};
+use crate::scene::{Camera, Environment, Incident, Light, MAX_LIGHTS, Mesh, Scene, Vertex, camera};
 use crate::vk::access::Access;
 use crate::vk::buffer::Buffer;
 use crate::vk::commands::Recorder;
@@ -55,6 +55,13 @@ impl DeviceMesh {
     }
 }
 
+impl DeviceMesh {
+    /// Draws all of it with the bound pipeline, which takes [`attributes`].
+    pub(super) fn draw(&self, draw: &Recorder<'_>) {
+        draw.draw_indexed(&self.vertices, &self.indices, self.count);
+    }
+}
+
 /// What a frame shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
@@ -66,6 +73,8 @@ pub struct View {
     pub radius: f32,
     /// Lights; those beyond [`MAX_LIGHTS`] are not drawn.
     pub lights: Vec<Light>,
+    /// Surroundings, from which each sample draws one light more.
+    pub environment: Option<Environment>,
     /// Albedo of the pigment.
     pub base_color: Vec3,
     /// Whether the pigment texture counts.
@@ -81,31 +90,54 @@ impl View {
             centre: bounds.centre,
             radius: bounds.radius,
             lights,
+            environment: scene.environment.clone(),
             base_color: scene.base_color,
             pigment: false,
         }
     }
 
+    /// Directions of light that a sample shades, at most [`MAX_LIGHTS`].
+    pub fn light_count(&self) -> usize {
+        (self.lights.len() + usize::from(self.environment.is_some())).min(MAX_LIGHTS)
+    }
+
+    /// What `sample` gets from each light, that from the surroundings last. Each has a pair of dimensions of its own, behind that of the
+    /// place in the pixel.
+    pub fn incidents(&self, sample: &Sample) -> Vec<Incident> {
+        let point = |number: usize| sample.pair(1 + number as u32);
+        let lights = self.lights.iter().enumerate().map(|(i, light)| light.incident(point(i), sample.count));
+        let around = self.environment.iter().map(|e| e.incident(point(MAX_LIGHTS), sample.count));
+        lights.chain(around).take(MAX_LIGHTS).collect()
+    }
+
     /// The `Frame` block for a `sample` of a picture of `size` pixels.
     pub fn block(&self, size: [u32; 2], sample: &Sample) -> FrameBlock {
+        let incidents = self.incidents(sample);
         let mut lights = [[0.0, 0.0, 1.0, 0.0]; MAX_LIGHTS];
-        for (slot, light) in lights.iter_mut().zip(&self.lights) {
-            *slot = light.direction().extend(light.intensity as f32).to_array();
+        let mut irradiances = [[0.0; 4]; MAX_LIGHTS];
+        let mut shadow_from_world = [[[0.0; 4]; 4]; MAX_LIGHTS];
+        for (i, incident) in incidents.iter().enumerate() {
+            lights[i] = incident.direction.as_vec3().extend(incident.variance as f32).to_array();
+            irradiances[i] = incident.irradiance.extend(0.0).to_array();
+            let map = shadows::clip_from_world(incident.direction, self.centre, self.radius, sample.jitter);
+            shadow_from_world[i] = map.to_cols_array_2d();
         }
         let clip_from_world = self.camera.clip_from_world(size, self.centre, self.radius);
         FrameBlock {
             clip_from_world: camera::jittered(clip_from_world, size, sample.jitter).to_cols_array_2d(),
             eye: self.camera.eye().extend(0.0).to_array(),
             lights,
+            irradiances,
+            shadow_from_world,
             base_color: self.base_color.extend(if self.pigment { 1.0 } else { 0.0 }).to_array(),
-            counts: [self.lights.len().min(MAX_LIGHTS) as i32, 0, 0, 0],
+            counts: [incidents.len() as i32, 0, 0, 0],
             sample: sample.block(),
         }
     }
 }
 
 /// Attributes of [`Vertex`], in the order of `surface.vert`.
-fn attributes() -> [vk::VertexInputAttributeDescription; 4] {
+pub(super) fn attributes() -> [vk::VertexInputAttributeDescription; 4] {
     let of = |location, format, offset: usize| {
         vk::VertexInputAttributeDescription::default().location(location).format(format).offset(offset as u32)
     };
@@ -134,15 +166,17 @@ impl GeometryPass {
             colors: &geometry.images().map(Image::format).collect::<Vec<_>>(),
             depth: Some((vk::CompareOp::LESS, true)),
         };
-        let GeometrySettings { lights, textured, footprints, .. } = geometry.settings;
+        let GeometrySettings { lights, textured, footprints, shadows, .. } = geometry.settings;
         // `constant_id`s of both stages.
         const LIGHTS: u32 = 0;
         const TEXTURED: u32 = 1;
         const FOOTPRINTS: u32 = 2;
+        const SHADOWS: u32 = 3;
         let constants = [
             Constant::new(LIGHTS, lights as u32),
             Constant::new(TEXTURED, textured),
             Constant::new(FOOTPRINTS, footprints),
+            Constant::new(SHADOWS, shadows),
         ];
         let fragment = Some(shader!("geometry.frag").with(&constants));
         let vertex = shader!("surface.vert").with(&constants);
@@ -166,7 +200,7 @@ impl GeometryPass {
         let colors: Vec<_> = geometry.images().map(|image| (image, mark)).collect();
         record.render(&colors, Some(&geometry.depth), |draw| {
             draw.bind(&self.pipeline, &[descriptors]);
-            draw.draw_indexed(&mesh.vertices, &mesh.indices, mesh.count);
+            mesh.draw(draw);
         });
         record.images(&change(Access::ColorAttachment, Access::ShaderRead));
     }

@@ -24,12 +24,16 @@ pub struct FrameBlock {
     pub clip_from_world: [[f32; 4]; 4],
     /// Position of the viewer; w unused.
     pub eye: [f32; 4],
-    /// Unit vector to each light, and its irradiance over π.
+    /// Unit vector to each light, and the variance of the directions that it stands for.
     pub lights: [[f32; 4]; MAX_LIGHTS],
+    /// Irradiance of a surface that faces each light, over π, linear sRGB; w unused.
+    pub irradiances: [[f32; 4]; MAX_LIGHTS],
     /// Albedo of the pigment; w: 1 where the texture counts.
     pub base_color: [f32; 4],
     /// x: number of lights.
     pub counts: [i32; 4],
+    /// World to the clip space of each light's depth map, column by column.
+    pub shadow_from_world: [[[f32; 4]; 4]; MAX_LIGHTS],
     /// Which sample of the picture the frame is.
     pub sample: SampleBlock,
 }
@@ -71,6 +75,8 @@ pub mod binding {
     pub const MORE_LIGHTS: u32 = 4;
     /// Footprints of every pixel for the first light; those of the others follow.
     pub const FOOTPRINTS: u32 = 6;
+    /// Depth from the first light; those from the others follow.
+    pub const SHADOWS: u32 = 10;
 }
 
 /// The set and what it points to.
@@ -78,9 +84,10 @@ pub struct FrameSet {
     /// The set that pipelines bind.
     pub descriptors: Descriptors,
     frame: Buffer,
-    _pigment: Image,
+    pigment: Image,
     _repeat: Sampler,
     edge: Sampler,
+    nearest: Sampler,
 }
 
 impl FrameSet {
@@ -91,7 +98,7 @@ impl FrameSet {
     pub fn new(device: &Arc<Device>, pigment: &Pigment, geometry: &Geometry) -> Result<Self> {
         use vk::DescriptorType as T;
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        let images = (binding::PIGMENT..binding::FOOTPRINTS + MAX_LIGHTS as u32)
+        let images = (binding::PIGMENT..binding::SHADOWS + MAX_LIGHTS as u32)
             .map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
         let bindings: Vec<Binding> = std::iter::once((binding::FRAME, T::UNIFORM_BUFFER))
             .chain(images)
@@ -101,6 +108,7 @@ impl FrameSet {
         let format = vk::Format::R8G8B8A8_SRGB;
         let image = upload::texture(device, "pigment", format, size, None, &pigment.texels)?;
         let edge = Sampler::linear(device, "pixel sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
+        let nearest = Sampler::nearest(device, "shadow sampler")?;
         let repeat = Sampler::linear(device, "pigment sampler", vk::SamplerAddressMode::REPEAT)?;
         let bytes = size_of::<FrameBlock>() as u64;
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
@@ -108,8 +116,9 @@ impl FrameSet {
         let descriptors = Descriptors::new(device, "frame set", &bindings)?;
         descriptors.buffer(binding::FRAME, &frame);
         descriptors.image(binding::PIGMENT, &image, &repeat);
-        let set = Self { descriptors, frame, _pigment: image, _repeat: repeat, edge };
+        let set = Self { descriptors, frame, pigment: image, _repeat: repeat, edge, nearest };
         set.read_from(geometry);
+        set.read_shadows(&[]);
         Ok(set)
     }
 
@@ -127,6 +136,20 @@ impl FrameSet {
             let image = geometry.footprints.get(light).unwrap_or(there);
             self.descriptors.image(binding::FOOTPRINTS + light as u32, image, &self.edge);
         }
+    }
+
+    /// Points the set at the depth maps of the lights. The device must not be using the set.
+    pub fn read_shadows(&self, maps: &[Image]) {
+        for light in 0..MAX_LIGHTS {
+            // As above; what is there is readable at any time.
+            let image = maps.get(light).unwrap_or(&self.pigment);
+            self.descriptors.image(binding::SHADOWS + light as u32, image, &self.nearest);
+        }
+    }
+
+    /// Points binding `number` of another set at the block.
+    pub fn share_block(&self, set: &Descriptors, number: u32) {
+        set.buffer(number, &self.frame);
     }
 
     /// Writes the block of the next frame. The device must not be using the set.

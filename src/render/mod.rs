@@ -13,6 +13,7 @@ pub mod pigment;
 pub mod reference_picture;
 pub mod sampling;
 pub mod shading;
+pub mod shadows;
 pub mod source;
 pub mod tables;
 pub mod target;

@@ -7,6 +7,7 @@ use super::frame_set::FrameSet;
 use super::pigment::Pigment;
 use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
+use super::shadows::Shadows;
 use super::source::{BoundSource, Source};
 use super::target::{self, Geometry, GeometrySettings, Target};
 use crate::error::{Error, Result};
@@ -37,6 +38,8 @@ pub struct Painter {
     asker: Option<Asker>,
     source: BoundSource,
     frame: FrameSet,
+    // Where lights cast shadows.
+    shadows: Option<Shadows>,
     // Rows of a strip that take a fitting time.
     strip: u32,
     // What the display shows.
@@ -94,6 +97,8 @@ pub struct Directions {
     pub filter: f64,
     /// Which of the samples of each pixel they are.
     pub share: Share,
+    /// Irradiance over π of a surface that faces the light, linear sRGB.
+    pub irradiance: DVec3,
 }
 
 impl Directions {
@@ -125,6 +130,7 @@ impl Painter {
             textured: pigment.is_textured(),
             marked: source.asks_what_is_covered,
             footprints: source.reads_footprints,
+            shadows: false,
         };
         let geometry = Geometry::new(device, size, settings)?;
         let frame = FrameSet::new(device, pigment, &geometry)?;
@@ -143,6 +149,7 @@ impl Painter {
             asker: None,
             source,
             frame,
+            shadows: None,
             strip: 64,
             shows: Content::Nothing,
             accumulation: None,
@@ -162,6 +169,9 @@ impl Painter {
         if settings.lights != old.lights {
             let frame = &self.frame.descriptors;
             self.shade = PixelPass::shading(&self.device, frame, &self.source, settings.lights)?;
+            if settings.shadows {
+                self.shadows = Some(Shadows::new(&self.device, &self.frame, settings.lights)?);
+            }
         }
         if settings != old || size != self.target.size() {
             self.find_anew(size, settings)?;
@@ -192,6 +202,20 @@ impl Painter {
         let settings = GeometrySettings { footprints: true, ..self.geometry.settings };
         if settings != self.geometry.settings {
             self.forget();
+            self.find_anew(self.target.size(), settings)?;
+        }
+        Ok(())
+    }
+
+    /// From now on the mesh casts shadows on itself.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn cast_shadows(&mut self) -> Result<()> {
+        let settings = GeometrySettings { shadows: true, ..self.geometry.settings };
+        if settings != self.geometry.settings {
+            self.forget();
+            self.shadows = Some(Shadows::new(&self.device, &self.frame, settings.lights)?);
             self.find_anew(self.target.size(), settings)?;
         }
         Ok(())
@@ -324,6 +348,9 @@ impl Painter {
             record.reset(&self.timestamps);
             record.timestamp(&self.timestamps, 0);
             if first {
+                if let Some(shadows) = &self.shadows {
+                    shadows.record(record, &self.mesh);
+                }
                 self.find.record(&all, geometry, frame, &self.mesh);
                 self.shade.record(&some, (geometry, target), sets);
             } else {
@@ -483,6 +510,7 @@ impl Painter {
             footprints: footprints.into_iter().zip(&covered).map(kept).collect(),
             filter: sample.footprint,
             share: sample.share(),
+            irradiance: view.incidents(sample).get(light).map_or(DVec3::ZERO, |i| i.irradiance.as_dvec3()),
         })
     }
 
@@ -494,6 +522,9 @@ impl Painter {
             self.shows = Content::Nothing;
         }
         self.commands.run(|record| {
+            if let Some(shadows) = &self.shadows {
+                shadows.record(record, &self.mesh);
+            }
             self.find.record(record, &self.geometry, &self.frame.descriptors, &self.mesh);
             Ok(())
         })

@@ -114,8 +114,8 @@ impl<'a> PixelReference<'a> {
         };
         let mut colors = vec![DVec3::ZERO; pixels.len()];
         let at_once = pixels.len().max(1);
-        for (light, (asked, diffracted)) in
-            view.lights.iter().zip(asked.chunks(at_once).zip(diffracted.chunks(at_once)))
+        for (seen, (asked, diffracted)) in
+            directions.iter().zip(asked.chunks(at_once).zip(diffracted.chunks(at_once)))
         {
             for (color, ((pair, _), xyz)) in colors.iter_mut().zip(asked.iter().zip(diffracted)) {
                 if !pair.above_horizon() {
@@ -123,7 +123,7 @@ impl<'a> PixelReference<'a> {
                 }
                 let reflectance = self.shading.reflectance.kept_from_pigment(pair.cos_half_angle());
                 let pigmented = view.base_color.as_dvec3() * ((1.0 - reflectance) * pair.light.z / PI);
-                *color += (xyz_to_linear_srgb(*xyz) + pigmented) * (light.intensity * PI);
+                *color += (xyz_to_linear_srgb(*xyz) + pigmented) * seen.irradiance * PI;
             }
         }
         Ok(colors)

@@ -37,6 +37,8 @@ pub struct GeometrySettings {
     pub marked: bool,
     /// Whether footprints are written for each light.
     pub footprints: bool,
+    /// Whether lights cast shadows.
+    pub shadows: bool,
 }
 
 /// What the geometry pass finds at each pixel, directions in stereographic projection.

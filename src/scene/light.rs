@@ -1,16 +1,116 @@
-//! Directional lights.
+//! Lights that are far away: points and discs of the sky.
 
+use crate::optics::coherence::Coherence;
 use crate::optics::geometry::direction;
+use crate::optics::spectrum::MIDDLE;
 pub use crate::units::Light;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
-/// Most lights of a scene: each costs a whole spectrum per fragment. Twin of `MAX_LIGHTS` in `interface.glsl`.
+/// Most lights of a scene: each costs a whole spectrum per fragment. Twin of `MAX_LIGHTS` in `frame.glsl`.
 pub const MAX_LIGHTS: usize = 4;
 
+/// What one sample of a picture gets from a light: one direction, which stands for a part of the light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Incident {
+    /// Unit vector to the light.
+    pub direction: DVec3,
+    /// Irradiance over π of a surface that faces it, linear sRGB: a white diffuse surface has this radiance.
+    pub irradiance: Vec3,
+    /// Variance of the directions that the sample stands for, along each axis across `direction`.
+    pub variance: f64,
+}
+
 impl Light {
-    /// The unit vector to the light, `theta` from the world's up (+z), `phi` from +x toward +y. Its intensity is the
-    /// irradiance over π: a white diffuse surface that faces a light of intensity 1 has a radiance of 1.
+    /// The unit vector to the light's centre, `theta` from the world's up (+z), `phi` from +x toward +y. Its intensity is the irradiance
+    /// over π: a white diffuse surface that faces a light of intensity 1 has a radiance of 1.
     pub fn direction(&self) -> Vec3 {
         direction(self.theta, self.phi).as_vec3()
+    }
+
+    /// What the sample at `point` (uniform in 0 … 1) of `count` samples gets. Directions are spread evenly over the light's solid angle, by
+    /// the map of Shirley and Chiu (1997), which keeps neighbours together; each stands for its part of the variance. One sample alone
+    /// looks at the centre.
+    pub fn incident(&self, point: [f64; 2], count: u32) -> Incident {
+        let centre = direction(self.theta, self.phi);
+        let cap = 1.0 - (0.5 * self.size).to_radians().cos();
+        let (radius, angle) = if count > 1 { concentric(point) } else { (0.0, 0.0) };
+        let height = radius * radius * cap; // 1 − cos α
+        let sine = (height * (2.0 - height)).max(0.0).sqrt();
+        let (across, along) = centre.any_orthonormal_pair();
+        let direction = centre * (1.0 - height) + (across * angle.cos() + along * angle.sin()) * sine;
+        Incident {
+            direction,
+            irradiance: Vec3::splat(self.intensity as f32),
+            variance: self.variance() / f64::from(count.max(1)),
+        }
+    }
+
+    /// Variance of the disc's directions along each axis across its centre: ⟨sin² α⟩/2 over its solid angle.
+    fn variance(&self) -> f64 {
+        let cap = 1.0 - (0.5 * self.size).to_radians().cos();
+        (cap - cap * cap / 3.0) / 2.0
+    }
+
+    /// The light without the extent that `coherence` holds already: light of a coherence length comes from directions that spread by
+    /// λ/(√8 π σ), which is the sun's disc for sunlight.
+    #[must_use]
+    pub fn beyond(self, coherence: &Coherence) -> Self {
+        let held = coherence.sigma().map_or(0.0, |sigma| (MIDDLE / (8f64.sqrt() * PI * sigma)).powi(2));
+        let own = self.variance();
+        let left = if own > 0.0 { (1.0 - held / own).max(0.0).sqrt() } else { 0.0 };
+        Self { size: self.size * left, ..self }
+    }
+}
+
+/// Takes the unit square to the unit disc so that equal areas stay equal: radius and angle.
+fn concentric([u, v]: [f64; 2]) -> (f64, f64) {
+    let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+    if x == 0.0 && y == 0.0 {
+        return (0.0, 0.0);
+    }
+    if x.abs() > y.abs() {
+        (x.abs(), FRAC_PI_4 * (y / x) + if x < 0.0 { PI } else { 0.0 })
+    } else {
+        (y.abs(), TAU / 4.0 - FRAC_PI_4 * (x / y) + if y < 0.0 { PI } else { 0.0 })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units;
+
+    #[test]
+    fn samples_of_a_disc_cover_its_solid_angle_evenly() {
+        let light = units::light("disc:40deg:30,70").unwrap();
+        let centre = light.direction().as_dvec3();
+        let side = 200;
+        let place = |i: usize| (i as f64 + 0.5) / f64::from(side);
+        let points = (0..side * side).map(|i| [place((i % side) as usize), place((i / side) as usize)]);
+        let directions: Vec<DVec3> = points.map(|p| light.incident(p, 16).direction).collect();
+        let count = directions.len() as f64;
+        let cosines: Vec<f64> = directions.iter().map(|d| d.dot(centre)).collect();
+        let edge = 20f64.to_radians().cos();
+        assert!(cosines.iter().all(|c| *c >= edge - 1e-12));
+        assert!(directions.iter().all(|d| (d.length() - 1.0).abs() < 1e-12));
+        // The cosine is uniform over a cap, and the variance across is what a sample says, for all samples together.
+        assert!((cosines.iter().sum::<f64>() / count - (1.0 + edge) / 2.0).abs() < 1e-4);
+        let across = centre.any_orthonormal_vector();
+        let variance = directions.iter().map(|d| d.dot(across).powi(2)).sum::<f64>() / count;
+        assert!((variance / (16.0 * light.incident([0.1, 0.2], 16).variance) - 1.0).abs() < 1e-3);
+        assert_eq!(light.incident([0.1, 0.2], 1).direction, centre);
+    }
+
+    #[test]
+    fn the_sun_is_no_more_than_what_the_coherence_of_sunlight_holds() {
+        let sun = units::light("sun:30,70").unwrap();
+        assert_eq!(sun.beyond(&Coherence::SUNLIGHT).size, 0.0);
+        assert_eq!(sun.beyond(&Coherence::Repeats([3, 3])), sun);
+        let disc = units::light("disc:5deg:30,70").unwrap();
+        let left = disc.beyond(&Coherence::SUNLIGHT);
+        let held = (MIDDLE / (8f64.sqrt() * PI * 65.0 / 4.0)).powi(2);
+        assert!((left.variance() + held - disc.variance()).abs() < 1e-3 * held, "{left:?}");
+        assert_eq!(units::light("30,70").unwrap().beyond(&Coherence::SUNLIGHT).size, 0.0);
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod camera;
 pub mod corner;
+pub mod environment;
 pub mod light;
 pub mod mesh;
 mod normals;
@@ -14,6 +15,7 @@ mod tangents;
 
 pub use camera::Camera;
 pub use corner::Corner;
-pub use light::{Light, MAX_LIGHTS};
+pub use environment::Environment;
+pub use light::{Incident, Light, MAX_LIGHTS};
 pub use mesh::{Bounds, Mesh, Progress, Vertex};
 pub use scene_file::Scene;

@@ -1,6 +1,7 @@
 //! Scene files: TOML, with the built-in scenes as examples (`assets/scenes`).
 
 use super::camera::Camera;
+use super::environment::{self, Environment, Placement};
 use super::light::{Light, MAX_LIGHTS};
 use super::{Mesh, Progress, obj, primitives, snake};
 use crate::error::{Error, Result};
@@ -44,6 +45,10 @@ pub struct Scene {
     pub camera: Camera,
     /// The lights, at most [`MAX_LIGHTS`].
     pub lights: Vec<Light>,
+    /// Surroundings that light the scene beside the lights.
+    pub environment: Option<Environment>,
+    /// Whether the mesh casts shadows on itself.
+    pub shadows: bool,
     /// Albedo of the pigment, linear sRGB.
     pub base_color: Vec3,
     /// Pigment texture, multiplied with the base colour.
@@ -81,6 +86,9 @@ struct File {
     #[serde(default = "dark_grey")]
     background: Triple<f64>,
     scale: Option<String>,
+    environment: Option<FileEnvironment>,
+    #[serde(default = "yes")]
+    shadows: bool,
     camera: FileCamera,
     lights: Vec<String>,
 }
@@ -91,6 +99,30 @@ struct FileCamera {
     eye: Triple<f32>,
     target: Triple<f32>,
     field_of_view: String,
+}
+
+/// Surroundings: `sky`, `studio` or a picture, and how they stand.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileEnvironment {
+    name: String,
+    rotation: Option<String>,
+    #[serde(default)]
+    exposure: f64,
+}
+
+impl FileEnvironment {
+    fn open(&self, folder: &Path) -> Result<Environment> {
+        let name = if environment::is_built_in(&self.name) {
+            self.name.clone().into()
+        } else {
+            folder.join(&self.name).into_os_string()
+        };
+        let mut environment = Environment::open(name)?;
+        let rotation = self.rotation.as_deref().map_or(Ok(0.0), units::angle)?;
+        environment.placement = Placement::new(rotation, self.exposure)?;
+        Ok(environment)
+    }
 }
 
 /// Which axis of the mesh file points up.
@@ -114,6 +146,10 @@ impl<T: Copy> TryFrom<Vec<T>> for Triple<T> {
         let count = numbers.len();
         numbers.try_into().map(Self).map_err(|_| format!("{count} numbers where 3 belong"))
     }
+}
+
+fn yes() -> bool {
+    true
 }
 
 fn black() -> Triple<f32> {
@@ -207,10 +243,15 @@ impl Scene {
         let pigment = file.pigment.map(|p| folder.join(p));
         let mesh_file = (!BUILT_IN_MESHES.contains(&file.mesh.as_str())).then(|| folder.join(&file.mesh));
         let surface_file = (!built_in_surface).then(|| PathBuf::from(&surface));
+        let environment_file = file.environment.as_ref().filter(|e| !environment::is_built_in(&e.name));
+        let environment_file = environment_file.map(|e| folder.join(&e.name));
         let material_file =
             file.material.as_ref().filter(|m| !Material::is_built_in(m)).map(|m| folder.join(m));
         Ok(Self {
-            files: [mesh_file, surface_file, material_file, pigment.clone()].into_iter().flatten().collect(),
+            files: [mesh_file, surface_file, material_file, environment_file, pigment.clone()]
+                .into_iter()
+                .flatten()
+                .collect(),
             mesh: open_mesh(&file.mesh, file.up, folder, progress)?,
             surface,
             pixel_size: file.pixel_size.as_deref().map(units::length_pair).transpose()?,
@@ -218,6 +259,8 @@ impl Scene {
             prepare: steps(&file.prepare)?,
             camera: Camera::looking(file.camera.eye.0.into(), file.camera.target.0.into(), field_of_view)?,
             lights,
+            environment: file.environment.as_ref().map(|e| e.open(folder)).transpose()?,
+            shadows: file.shadows,
             base_color: base_color.into(),
             pigment,
             reflectance: reflectance(file.material.as_deref(), file.film.as_deref(), folder)?,

@@ -37,9 +37,11 @@ impl PictureSettings {
     }
 }
 
-/// The scene's own view, with its pigment texture where it has one.
-pub fn own_view(scene: &Scene) -> View {
-    View { pigment: scene.pigment.is_some(), ..View::of(scene, scene.lights.clone()) }
+/// The scene's own view under `shading`, with its pigment texture where it has one. What the coherence of the light holds of its extent is not
+/// counted twice.
+pub fn own_view(scene: &Scene, shading: &Shading) -> View {
+    let lights = scene.lights.iter().map(|light| light.beyond(&shading.coherence)).collect();
+    View { pigment: scene.pigment.is_some(), ..View::of(scene, lights) }
 }
 
 /// A scene on a device, ready to be drawn from several views: mesh, pigment and source are there once.
@@ -70,9 +72,12 @@ impl<'a> PreparedScene<'a> {
             optics.footprints = footprints::sizes(device, &scene.mesh, views, size, &sampling.sample(0))?;
         }
         let source = make(&optics)?;
-        let lights = views.iter().map(|view| view.lights.len()).max().unwrap_or(0);
+        let lights = views.iter().map(|view| view.light_count()).max().unwrap_or(0);
         let shading = &settings.optics.shading;
-        let painter = Painter::new(device, &source, shading, &scene.mesh, &pigment, size, lights)?;
+        let mut painter = Painter::new(device, &source, shading, &scene.mesh, &pigment, size, lights)?;
+        if scene.shadows {
+            painter.cast_shadows()?;
+        }
         Ok(Self { scene, settings, source, painter })
     }
 
@@ -104,7 +109,7 @@ impl<'a> PreparedScene<'a> {
     /// # Errors
     /// Where the device is lost.
     pub fn directions(&mut self, view: &View, sample: &Sample) -> Result<Vec<Directions>> {
-        (0..view.lights.len()).map(|light| self.painter.directions_of(view, light, sample)).collect()
+        (0..view.light_count()).map(|light| self.painter.directions_of(view, light, sample)).collect()
     }
 
     /// What draws.
@@ -124,7 +129,7 @@ pub fn picture(
     field: &HeightField,
     settings: &PictureSettings,
 ) -> Result<Picture> {
-    let view = own_view(scene);
+    let view = own_view(scene, &settings.optics.shading);
     let make = |optics: &Settings| {
         let made = source(field, optics, device.candidate(), &mut InUse::default(), &|_, _, _| Ok(()))?;
         Ok(made.source)

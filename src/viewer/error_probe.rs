@@ -29,7 +29,7 @@ pub struct ProbeSamples {
 /// # Errors
 /// When the device is lost.
 pub fn directions(painter: &mut Painter, view: &View) -> Result<Vec<Directions>> {
-    (0..view.lights.len()).map(|light| painter.directions(view, light)).collect()
+    (0..view.light_count()).map(|light| painter.directions(view, light)).collect()
 }
 
 /// About [`COUNTED`] of `pixels`, evenly spaced.

@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn a_light_crosses_the_zenith_and_stays_above_the_horizon() {
-        let light = Light { theta: 10.0, phi: 90.0, intensity: 2.0 };
+        let light = Light { theta: 10.0, phi: 90.0, intensity: 2.0, size: 0.0 };
         // The camera looks toward +y, so away is +y: up moves the light from the far side farther away.
         let away = light_dragged(light, camera(), Vec2::new(0.0, -40.0), 400.0);
         assert!(away.theta > light.theta && (away.phi - 90.0).abs() < 0.2, "{away:?}");

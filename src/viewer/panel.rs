@@ -149,7 +149,7 @@ fn lights(ui: &mut Ui, model: &mut Model) {
     }
     if lights.len() < MAX_LIGHTS && ui.small_button("add a light").clicked() {
         let phi = lights.last().map_or(0.0, |l| (l.phi + 90.0) % 360.0);
-        lights.push(Light { theta: 40.0, phi, intensity: 1.0 });
+        lights.push(Light { theta: 40.0, phi, intensity: 1.0, size: 0.0 });
     }
 }
 

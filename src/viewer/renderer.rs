@@ -315,7 +315,7 @@ fn serving<'a>(
     prepared: &Arc<Prepared>,
     request: &FrameRequest,
 ) -> Result<&'a mut Slot> {
-    let lights = request.view.lights.len();
+    let lights = request.view.light_count();
     // A painter that does not serve is dropped here, so that its memory is free for the next one.
     let ready = match slot.take().filter(|slot| slot.serves(prepared, request)) {
         Some(mut ready) => {
@@ -326,8 +326,11 @@ fn serving<'a>(
         None => {
             let LoadedScene { scene, pigment } = &*request.loaded;
             let Prepared { shaded_from, shading, .. } = &**prepared;
-            let painter =
+            let mut painter =
                 Painter::new(device, shaded_from, shading, &scene.mesh, pigment, request.size, lights)?;
+            if scene.shadows {
+                painter.cast_shadows()?;
+            }
             let (prepared, loaded) = (prepared.clone(), request.loaded.clone());
             Slot { painter, prepared, loaded, displayed: None }
         }

@@ -329,7 +329,7 @@ impl Recorder<'_> {
         depth: Option<(&Image, vk::AttachmentLoadOp)>,
         draw: impl FnOnce(&Self),
     ) {
-        let Some(size) = colors.first().map(|c| c.0.size()) else { return };
+        let Some(size) = colors.first().map(|c| c.0).or(depth.map(|d| d.0)).map(Image::size) else { return };
         let (size, rows) = self.part.clone().unwrap_or((size, 0..size[1]));
         let drawn = Part { layer: [0; 2], from: [0, rows.start], to: [size[0], rows.end] };
         for (image, ..) in colors {

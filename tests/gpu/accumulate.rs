@@ -25,7 +25,7 @@ fn painter(device: &Arc<Device>, scene: &Scene, lights: usize) -> Painter {
 }
 
 fn view(scene: &Scene) -> View {
-    let mut view = View::of(scene, vec![Light { theta: 40.0, phi: -30.0, intensity: 1.0 }]);
+    let mut view = View::of(scene, vec![Light { theta: 40.0, phi: -30.0, intensity: 1.0, size: 0.0 }]);
     view.base_color = Vec3::new(0.9, 0.5, 0.2);
     view
 }
@@ -199,7 +199,7 @@ fn coverage_beside_a_straight_edge_is_the_gaussian_of_the_jitter() {
 #[test]
 fn footprints_are_the_differences_of_directions() {
     let lights: Vec<_> = [(40.0, -30.0), (20.0, 100.0), (60.0, 10.0), (30.0, 200.0)]
-        .map(|(theta, phi)| Light { theta, phi, intensity: 1.0 })
+        .map(|(theta, phi)| Light { theta, phi, intensity: 1.0, size: 0.0 })
         .to_vec();
     with_device(|device| {
         for (name, count, tolerance) in [("plate", 4, 2e-5), ("plate", 1, 2e-5), ("sphere", 3, 2e-2)] {
@@ -247,7 +247,7 @@ fn footprints_are_the_differences_of_directions() {
 #[test]
 fn footprints_of_a_sphere_are_those_of_exact_normals() {
     let scene = Scene::open("sphere").unwrap();
-    let light = Light { theta: 35.0, phi: -50.0, intensity: 1.0 };
+    let light = Light { theta: 35.0, phi: -50.0, intensity: 1.0, size: 0.0 };
     let view = View::of(&scene, vec![light]);
     let clip = view.camera.clip_from_world(SIZE, view.centre, view.radius).as_dmat4().inverse();
     let eye = view.camera.eye().as_dvec3();

@@ -35,6 +35,10 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             *light = vector();
             expected.push(*light);
         }
+        for irradiance in &mut frame.irradiances {
+            *irradiance = vector();
+            expected.push(*irradiance);
+        }
         frame.base_color = vector();
         frame.counts = [3, 4, 5, 6];
         frame.sample = SampleBlock {
@@ -47,6 +51,10 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             padding: 0,
         };
         expected.extend([frame.base_color, frame.counts.map(|n| n as f32)]);
+        for column in frame.shadow_from_world.iter_mut().flatten() {
+            *column = vector();
+            expected.push(*column);
+        }
         expected.extend([[51.0, 52.0, 53.0, 54.0], [55.0, 56.0, 57.0, 0.0]]);
         let optics = SpectraBlock {
             texture_size: [101.0, 102.0],

@@ -38,7 +38,7 @@ fn run(device: &Arc<Device>, frames: usize, looks: usize) -> Vec<Sample> {
     let shading = shading(4.0, 1e-1);
     let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
     let scene = Scene::open("plate").unwrap();
-    let mut view = View::of(&scene, vec![Light { theta: 40.0, phi: 0.0, intensity: 1.0 }]);
+    let mut view = View::of(&scene, vec![Light { theta: 40.0, phi: 0.0, intensity: 1.0, size: 0.0 }]);
     let mut painter =
         Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), [16, 12], 1)
             .unwrap();

@@ -193,8 +193,8 @@ fn pictures_are_the_reference_picture(method: Method, allowed: f64) {
     let field = patch(Kind::Elaphe, 12.0);
     let scene = Scene::open("sphere").unwrap();
     let lights = vec![
-        Light { theta: 45.0, phi: -40.0, intensity: 2.0 },
-        Light { theta: 70.0, phi: 60.0, intensity: 0.7 },
+        Light { theta: 45.0, phi: -40.0, intensity: 2.0, size: 0.0 },
+        Light { theta: 70.0, phi: 60.0, intensity: 0.7, size: 0.0 },
     ];
     let view = View::of(&scene, lights);
     let shading = shading(16.0, 2e-2).for_pictures();
@@ -248,7 +248,7 @@ fn a_picture_by_power_spectra_is_near_the_reference_picture_over_the_same_footpr
 fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
     let field = patch(Kind::Elaphe, 12.0);
     let scene = Scene::open("sphere").unwrap();
-    let view = View::of(&scene, vec![Light { theta: 45.0, phi: -40.0, intensity: 2.0 }]);
+    let view = View::of(&scene, vec![Light { theta: 45.0, phi: -40.0, intensity: 2.0, size: 0.0 }]);
     let shading = shading(16.0, 2e-2).for_pictures();
     let sampling = Sampling { count: 16, seed: 7 };
     let shown = Shown { exposure: 0.0, background: DVec3::ZERO };
@@ -287,7 +287,7 @@ fn a_turntable_does_not_shimmer() {
     let shading = shading(16.0, 2e-2).for_pictures();
     let view_of = |frame: usize| {
         let phi = -40.0 + STEP * frame as f64;
-        View::of(&scene, vec![Light { theta: 45.0, phi, intensity: 2.0 }])
+        View::of(&scene, vec![Light { theta: 45.0, phi, intensity: 2.0, size: 0.0 }])
     };
     with_device(|device| {
         let first = directions(device, &scene, &view_of(0));
@@ -327,7 +327,7 @@ fn a_turntable_does_not_shimmer() {
 fn the_work_of_a_table_is_three_samples_for_each_tap() {
     let field = patch(Kind::Bumps, 4.0);
     let scene = Scene::open("sphere").unwrap();
-    let view = View::of(&scene, vec![Light { theta: 45.0, phi: -40.0, intensity: 2.0 }]);
+    let view = View::of(&scene, vec![Light { theta: 45.0, phi: -40.0, intensity: 2.0, size: 0.0 }]);
     let shading = shading(8.0, 1e-1).for_pictures();
     with_device(|device| {
         let seen = directions(device, &scene, &view);

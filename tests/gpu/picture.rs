@@ -46,8 +46,8 @@ fn a_picture_is_the_reference_picture_within_its_tolerance() {
     let field = patch(Kind::Elaphe, 6.0);
     let scene = Scene::open("sphere").unwrap();
     let lights = vec![
-        Light { theta: 45.0, phi: -40.0, intensity: 2.0 },
-        Light { theta: 70.0, phi: 60.0, intensity: 0.7 },
+        Light { theta: 45.0, phi: -40.0, intensity: 2.0, size: 0.0 },
+        Light { theta: 70.0, phi: 60.0, intensity: 0.7, size: 0.0 },
     ];
     let view = View::of(&scene, lights);
     with_device(|device| {
@@ -81,7 +81,7 @@ fn a_pigment_texture_of_one_colour_is_that_base_colour_under_one_light_and_under
     let field = patch(Kind::Flat, 2.0);
     let scene = Scene::open("sphere").unwrap();
     let shading = shading(4.0, 1e-1);
-    let light = |phi: f64| Light { theta: 40.0, phi, intensity: 1.0 };
+    let light = |phi: f64| Light { theta: 40.0, phi, intensity: 1.0, size: 0.0 };
     // sRGB codes 255 and 0 are exactly 1 and 0.
     let green = Pigment { size: [2, 2], texels: [0, 255, 0, 255].repeat(4) };
     let base = |color: Vec3, view: &View| View { base_color: color, ..view.clone() };
@@ -128,9 +128,9 @@ fn an_upright_sphere_is_lit_from_where_the_light_is() {
         sides
     };
     // The camera looks along +y: +x is to the right, +z is up (row 0 is the top).
-    let right = half(Light { theta: 80.0, phi: 0.0, intensity: 1.0 });
+    let right = half(Light { theta: 80.0, phi: 0.0, intensity: 1.0, size: 0.0 });
     assert!(right[0][1] > 1.5 * right[0][0], "{right:?}");
-    let top = half(Light { theta: 0.0, phi: 0.0, intensity: 1.0 });
+    let top = half(Light { theta: 0.0, phi: 0.0, intensity: 1.0, size: 0.0 });
     assert!(top[1][0] > 1.5 * top[1][1], "{top:?}");
 }
 
@@ -182,7 +182,7 @@ fn on_sphere(view: &View, pixel: usize) -> Option<DVec3> {
 #[test]
 fn interpolated_tangent_space_directions_are_close_to_those_of_exact_frames() {
     let scene = Scene::open("sphere").unwrap();
-    let light = Light { theta: 45.0, phi: -40.0, intensity: 1.0 };
+    let light = Light { theta: 45.0, phi: -40.0, intensity: 1.0, size: 0.0 };
     let view = View::of(&scene, vec![light]);
     with_device(|device| {
         let (_, directions) = paint(device, &patch(Kind::Flat, 4.0), &shading(4.0, 1e-1), &scene, &view);

@@ -105,8 +105,8 @@ fn answers_through_repeats_are_the_reference_within_their_tolerance() {
 fn pictures_meet_their_tolerance(cases: &[(Kind, f64, [u32; 2], [u32; 2])], tolerances: &[f64]) {
     let scene = Scene::open("sphere").unwrap();
     let lights = vec![
-        Light { theta: 45.0, phi: -40.0, intensity: 2.0 },
-        Light { theta: 70.0, phi: 60.0, intensity: 0.7 },
+        Light { theta: 45.0, phi: -40.0, intensity: 2.0, size: 0.0 },
+        Light { theta: 70.0, phi: 60.0, intensity: 0.7, size: 0.0 },
     ];
     let view = View::of(&scene, lights);
     let errors =

@@ -28,7 +28,7 @@ fn painter(device: &Arc<Device>, scene: &Scene, size: [u32; 2]) -> Painter {
 }
 
 fn view(scene: &Scene, intensity: f64) -> View {
-    let view = View::of(scene, vec![Light { theta: 40.0, phi: -30.0, intensity }]);
+    let view = View::of(scene, vec![Light { theta: 40.0, phi: -30.0, intensity, size: 0.0 }]);
     View { base_color: Vec3::ZERO, ..view }
 }
 
@@ -130,7 +130,10 @@ fn strips_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displ
             strips += 1;
             strips < 2
         };
-        let other = View { lights: vec![Light { theta: 70.0, phi: 100.0, intensity: 1.0 }], ..view.clone() };
+        let other = View {
+            lights: vec![Light { theta: 70.0, phi: 100.0, intensity: 1.0, size: 0.0 }],
+            ..view.clone()
+        };
         let done = painter.draw_while(&other, 1.0, background, SIZE, &mut once).unwrap();
         if done.is_none() {
             assert!(painter.picture().unwrap().display == expected.display);

@@ -236,7 +236,7 @@ impl<'a> Sweep<'a> {
         format!(
             "{}, {width} x {height} pixels, {} light(s), on {}, {}. Errors against the f64 reference of the same directions.{noise}",
             self.arguments.scene.display(),
-            self.scene.view.lights.len(),
+            self.scene.view.light_count(),
             candidate.name,
             candidate.driver,
         )

@@ -1,0 +1,126 @@
+//! Shadows: the depth of the mesh from each light, drawn anew for every sample, so that the samples of a light with an extent add up to
+//! soft shadows. The geometry pass compares with it; its twins are `shaders/shadow.vert` and `in_shadow` of `shaders/geometry.frag`.
+//!
+//! A height field casts no shadows on itself: what is smaller than a wavelength casts none.
+
+use super::frame::{DeviceMesh, attributes};
+use super::frame_set::FrameSet;
+use super::shader;
+use super::target;
+use crate::error::Result;
+use crate::scene::Vertex;
+use crate::vk::access::Access;
+use crate::vk::commands::Recorder;
+use crate::vk::descriptors::{Binding, Descriptors};
+use crate::vk::device::Device;
+use crate::vk::image::{Description, Image};
+use crate::vk::pipeline::{Constant, Drawing, Pipeline};
+use ash::vk;
+use glam::{DVec3, Mat4, Vec3, Vec4};
+use std::sync::Arc;
+
+/// Side of a depth map \[texels\]: about as many as a picture has pixels over the same mesh.
+pub const SIDE: u32 = 2048;
+
+/// Depth maps of the lights.
+pub struct Shadows {
+    /// One a light.
+    pub maps: Vec<Image>,
+    pipelines: Vec<Pipeline>,
+    block: Descriptors,
+}
+
+impl Shadows {
+    /// Maps for `lights` lights of the frames that `frame` describes, which reads them from now on.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn new(device: &Arc<Device>, frame: &FrameSet, lights: usize) -> Result<Self> {
+        let binding = Binding {
+            number: 0,
+            kind: vk::DescriptorType::UNIFORM_BUFFER,
+            stages: vk::ShaderStageFlags::VERTEX,
+        };
+        let block = Descriptors::new(device, "shadow set", &[binding])?;
+        frame.share_block(&block, 0);
+        let drawing = Drawing {
+            vertex_stride: size_of::<Vertex>() as u32,
+            attributes: &attributes()[..1],
+            colors: &[],
+            depth: Some((vk::CompareOp::LESS, true)),
+        };
+        /// `constant_id` of `shadow.vert`.
+        const LIGHT: u32 = 0;
+        let pipeline = |light: usize| {
+            let constants = [Constant::new(LIGHT, light as u32)];
+            let vertex = shader!("shadow.vert").with(&constants);
+            Pipeline::graphics(device, vertex, None, &drawing, &[&block], 0)
+        };
+        let map = |_| {
+            let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
+            let (size, format) = ([SIDE; 2], target::DEPTH);
+            Image::new(
+                device,
+                &Description { name: "shadow map", format, size, layers: 1, array: false, usage },
+            )
+        };
+        let pipelines = (0..lights).map(pipeline).collect::<Result<_>>()?;
+        let maps: Vec<Image> = (0..lights).map(map).collect::<Result<_>>()?;
+        frame.read_shadows(&maps);
+        Ok(Self { maps, pipelines, block })
+    }
+
+    /// Records the drawing of `mesh` into the maps, which it leaves readable by shaders.
+    pub fn record(&self, record: &Recorder<'_>, mesh: &DeviceMesh) {
+        let all = record.within([SIDE; 2], 0..SIDE);
+        for (map, pipeline) in self.maps.iter().zip(&self.pipelines) {
+            all.images(&[(map, Access::Nothing, Access::DepthAttachment)]);
+            all.render(&[], Some(map), |draw| {
+                draw.bind(pipeline, &[&self.block]);
+                mesh.draw(draw);
+            });
+            all.images(&[(map, Access::DepthAttachment, Access::ShaderRead)]);
+        }
+    }
+}
+
+/// World to the clip space of the depth map of a light in this `direction`, which holds a sphere of `radius` around `centre`. `jitter`
+/// \[texels\] moves the map against the mesh, so that the texels of many samples blur into each other.
+pub fn clip_from_world(direction: DVec3, centre: Vec3, radius: f32, jitter: [f64; 2]) -> Mat4 {
+    /// A little more than the sphere, so that nothing ends at the edge of the map.
+    const ROOM: f32 = 1.02;
+    let toward = direction.as_vec3();
+    let (x, y) = toward.any_orthonormal_pair();
+    let scale = 1.0 / (ROOM * radius.max(f32::MIN_POSITIVE));
+    let moved = |axis: usize| (2.0 * jitter[axis] / f64::from(SIDE)) as f32;
+    // Depth grows from 0, next to the light, to 1.
+    let rows = [
+        (x * scale).extend(moved(0) - scale * x.dot(centre)),
+        (y * scale).extend(moved(1) - scale * y.dot(centre)),
+        (toward * (-0.5 * scale)).extend(0.5 + 0.5 * scale * toward.dot(centre)),
+        Vec4::W,
+    ];
+    Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_map_holds_the_sphere_and_what_is_nearer_to_the_light_has_less_depth() {
+        let (direction, centre, radius) = (DVec3::new(0.6, 0.0, 0.8), Vec3::new(3.0, -2.0, 1.0), 2.5);
+        let clip = clip_from_world(direction, centre, radius, [0.0; 2]);
+        for toward in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::new(-0.6, 0.0, -0.8)] {
+            let place = clip.project_point3(centre + toward * radius);
+            assert!(
+                place.x.abs() <= 1.0 && place.y.abs() <= 1.0 && (0.0..=1.0).contains(&place.z),
+                "{place}"
+            );
+        }
+        let depth = |p: Vec3| clip.project_point3(p).z;
+        assert!(depth(centre + direction.as_vec3()) < depth(centre) && (depth(centre) - 0.5).abs() < 1e-6);
+        let moved = clip_from_world(direction, centre, radius, [1.0, 0.0]).project_point3(centre);
+        assert!((moved.x * SIDE as f32 / 2.0 - 1.0).abs() < 1e-3);
+    }
+}

@@ -1,0 +1,394 @@
+//! Surroundings that light a scene from everywhere: an equirectangular picture of radiance.
+//!
+//! The picture's middle column stands at azimuth 0, the world's +x; azimuth grows to the left, as for one who stands inside and looks
+//! out. Its top row is up, +z. A radiance of 1 is that of a white diffuse surface that faces a light of intensity 1.
+
+use super::light::Incident;
+use crate::error::{Error, Result};
+use crate::input;
+use crate::memory;
+use crate::optics::color::LUMINANCE;
+use glam::{DVec3, Vec3};
+use std::f64::consts::{PI, TAU};
+use std::ffi::OsStr;
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The surroundings that the program makes.
+pub const BUILT_IN: [&str; 2] = ["sky", "studio"];
+
+/// Whether [`Environment::open`] takes `name` for one of the program's own.
+pub fn is_built_in(name: impl AsRef<OsStr>) -> bool {
+    BUILT_IN.iter().any(|known| name.as_ref() == *known)
+}
+
+/// Width of made surroundings, and the largest of pictures that light is drawn from \[pixels\]. Larger ones are averaged.
+const WIDTH: usize = 512;
+const LARGEST_WIDTH: usize = 2048;
+/// Largest side of a picture that is read \[pixels\].
+const LARGEST_SIDE: u32 = 1 << 14;
+/// Largest radiance; beyond it 32-bit sums lose their small parts.
+const LARGEST_RADIANCE: f32 = 1e9;
+
+/// How surroundings stand in the world.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Placement {
+    /// Angle by which they are turned about the world's up, from +x toward +y \[degrees\].
+    pub rotation: f64,
+    /// Their radiance is multiplied by two to the power of it \[stops\].
+    pub exposure: f64,
+}
+
+impl Placement {
+    /// Turned by `rotation` \[degrees\] and brighter by `exposure` \[stops\].
+    ///
+    /// # Errors
+    /// An exposure beyond −40 to 40 stops.
+    pub fn new(rotation: f64, exposure: f64) -> Result<Self> {
+        if (-40.0..=40.0).contains(&exposure) {
+            return Ok(Self { rotation, exposure });
+        }
+        Err(Error::failed(
+            "the exposure of the surroundings is not within -40 to 40 stops",
+            "0 is a good start",
+        ))
+    }
+}
+
+/// Surroundings of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Environment {
+    /// Their name or file.
+    pub name: String,
+    /// How they stand.
+    pub placement: Placement,
+    picture: Arc<Picture>,
+}
+
+/// Radiance over directions, and the distribution that light is drawn from.
+#[derive(Debug, PartialEq)]
+struct Picture {
+    width: usize,
+    height: usize,
+    /// Linear sRGB, row by row from the top.
+    radiance: Vec<Vec3>,
+    /// Part of the light below and in each row, growing to 1.
+    rows: Vec<f64>,
+    /// The same for the pixels of each row.
+    columns: Vec<f64>,
+}
+
+impl Environment {
+    /// Surroundings by name, `sky` or `studio`, or an equirectangular picture, .exr or .hdr.
+    ///
+    /// # Errors
+    /// A name that is neither, a file that cannot be read, or one that holds no light.
+    pub fn open(name: impl AsRef<OsStr>) -> Result<Self> {
+        let name = name.as_ref();
+        let picture = match name.to_str() {
+            Some("sky") => Picture::of(WIDTH, &sky),
+            Some("studio") => Picture::of(WIDTH, &studio),
+            _ => Picture::read(Path::new(name))?,
+        };
+        Ok(Self {
+            name: name.to_string_lossy().into_owned(),
+            placement: Placement::default(),
+            picture: Arc::new(picture),
+        })
+    }
+
+    /// Surroundings of this radiance, linear sRGB, over directions.
+    pub fn of(radiance: &dyn Fn(DVec3) -> Vec3) -> Self {
+        let picture = Picture::of(WIDTH, radiance);
+        Self { name: String::new(), placement: Placement::default(), picture: Arc::new(picture) }
+    }
+
+    /// What the sample at `point` (uniform in 0 … 1) of `count` samples gets: a direction is as likely as it is bright, and stands for
+    /// the solid angle of its share.
+    pub fn incident(&self, point: [f64; 2], count: u32) -> Incident {
+        let picture = &*self.picture;
+        let (row, down) = drawn(&picture.rows, point[1]);
+        let of_row = &picture.columns[row * picture.width..][..picture.width];
+        let (column, across) = drawn(of_row, point[0]);
+        let before = |parts: &[f64], i: usize| if i == 0 { 0.0 } else { parts[i - 1] };
+        let chance =
+            (picture.rows[row] - before(&picture.rows, row)) * (of_row[column] - before(of_row, column));
+        let [top, bottom] = [row, row + 1].map(|i| (PI * i as f64 / picture.height as f64).cos());
+        let solid_angle = TAU / picture.width as f64 * (top - bottom);
+        // Even within a pixel.
+        let z = top + (bottom - top) * down;
+        let azimuth = PI - TAU * (column as f64 + across) / picture.width as f64;
+        let (sin, cos) = (azimuth + self.placement.rotation.to_radians()).sin_cos();
+        let flat = (1.0 - z * z).max(0.0).sqrt();
+        let part = solid_angle / chance; // 1 over the density [sr]
+        let scale = self.placement.exposure.exp2() * part / PI;
+        let share = part / f64::from(count.max(1));
+        Incident {
+            direction: DVec3::new(flat * cos, flat * sin, z),
+            irradiance: picture.radiance[row * picture.width + column] * scale as f32,
+            variance: variance_of(share),
+        }
+    }
+
+    /// Irradiance over π of a surface that faces `normal`, linear sRGB.
+    pub fn irradiance(&self, normal: DVec3) -> DVec3 {
+        let picture = &*self.picture;
+        let mut sum = DVec3::ZERO;
+        for (i, radiance) in picture.radiance.iter().enumerate() {
+            let (row, column) = (i / picture.width, i % picture.width);
+            let [top, bottom] = [row, row + 1].map(|i| (PI * i as f64 / picture.height as f64).cos());
+            let direction = self.direction(column as f64 + 0.5, 0.5 * (top + bottom));
+            let solid_angle = TAU / picture.width as f64 * (top - bottom);
+            sum += radiance.as_dvec3() * (direction.dot(normal).max(0.0) * solid_angle);
+        }
+        sum * self.placement.exposure.exp2() / PI
+    }
+
+    fn direction(&self, column: f64, z: f64) -> DVec3 {
+        let azimuth = PI - TAU * column / self.picture.width as f64 + self.placement.rotation.to_radians();
+        let flat = (1.0 - z * z).max(0.0).sqrt();
+        DVec3::new(flat * azimuth.cos(), flat * azimuth.sin(), z)
+    }
+}
+
+/// Variance of the directions within a cap of this solid angle \[sr\], along each axis across its centre.
+fn variance_of(solid_angle: f64) -> f64 {
+    let cap = (solid_angle / TAU).min(1.0);
+    (cap - cap * cap / 3.0) / 2.0
+}
+
+/// The entry of `parts` (growing to 1) that holds `share`, and the place within it, 0 … 1.
+fn drawn(parts: &[f64], share: f64) -> (usize, f64) {
+    let i = parts.partition_point(|part| *part <= share).min(parts.len() - 1);
+    let before = if i == 0 { 0.0 } else { parts[i - 1] };
+    let size = parts[i] - before;
+    (i, if size > 0.0 { ((share - before) / size).clamp(0.0, 1.0) } else { 0.5 })
+}
+
+/// Sums of `weights` up to each, over the sum of all.
+fn parts(weights: impl Iterator<Item = f64>) -> (Vec<f64>, f64) {
+    let mut sum = 0.0;
+    let mut parts: Vec<f64> = weights
+        .map(|weight| {
+            sum += weight;
+            sum
+        })
+        .collect();
+    parts.iter_mut().for_each(|part| *part /= sum.max(f64::MIN_POSITIVE));
+    if let Some(last) = parts.last_mut() {
+        *last = 1.0;
+    }
+    (parts, sum)
+}
+
+impl Picture {
+    /// A picture `width` pixels wide of this radiance over directions.
+    fn of(width: usize, radiance: &dyn Fn(DVec3) -> Vec3) -> Self {
+        let height = width / 2;
+        let at = |i: usize| {
+            let (row, column) = (i / width, i % width);
+            let (sin, cos) = (PI * (row as f64 + 0.5) / height as f64).sin_cos();
+            let azimuth = PI - TAU * (column as f64 + 0.5) / width as f64;
+            radiance(DVec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos))
+        };
+        Self::new(width, height, (0..width * height).map(at).collect())
+    }
+
+    fn new(width: usize, height: usize, radiance: Vec<Vec3>) -> Self {
+        let mut columns = Vec::with_capacity(radiance.len());
+        let mut totals = Vec::with_capacity(height);
+        for (row, pixels) in radiance.chunks_exact(width).enumerate() {
+            // Light below the horizon of a floor matters less than light from above; it is drawn as it is bright all the same.
+            let sine = (PI * (row as f64 + 0.5) / height as f64).sin();
+            let (parts, sum) = parts(pixels.iter().map(|c| LUMINANCE.dot(c.as_dvec3()).max(0.0)));
+            columns.extend(parts);
+            totals.push(sum * sine);
+        }
+        let (rows, _) = parts(totals.into_iter());
+        Self { width, height, radiance, rows, columns }
+    }
+
+    fn read(path: &Path) -> Result<Self> {
+        let mut bytes = Vec::new();
+        let file = input::open(path, PICTURE, input::MAX_TEXT)?;
+        let failed = |e: &dyn std::fmt::Display| {
+            Error::failed(format!("it cannot be read as surroundings ({e})"), format!("give {PICTURE}"))
+                .at(path.display())
+        };
+        file.take(input::MAX_TEXT).read_to_end(&mut bytes).map_err(|e| failed(&e))?;
+        Self::from_bytes(&bytes).map_err(|e| e.at(path.display()))
+    }
+
+    /// The picture in the bytes of an .exr or .hdr file.
+    fn from_bytes(bytes: &[u8]) -> Result<Self> {
+        use image::ImageFormat::{Hdr, OpenExr};
+        let refuse = |what: &dyn std::fmt::Display| {
+            Error::failed(format!("it cannot be read as surroundings ({what})"), format!("give {PICTURE}"))
+        };
+        let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
+            .with_guessed_format()
+            .map_err(|e| refuse(&e))?;
+        if !matches!(reader.format(), Some(Hdr | OpenExr)) {
+            return Err(refuse(&"neither EXR nor Radiance HDR"));
+        }
+        let mut limits = image::Limits::default();
+        limits.max_image_width = Some(LARGEST_SIDE);
+        limits.max_image_height = Some(LARGEST_SIDE);
+        reader.limits(limits);
+        let picture = reader.decode().map_err(|e| refuse(&e))?;
+        let (width, height) = (picture.width() as usize, picture.height() as usize);
+        /// Copies of the picture: as read, as three floats, and averaged with its distribution.
+        const BYTES: u64 = 64;
+        memory::ensure_room((width * height) as u64 * BYTES, "the surroundings")?;
+        if width != 2 * height {
+            return Err(Error::failed(
+                format!("the surroundings have {width} x {height} pixels"),
+                "give an equirectangular picture, twice as wide as high",
+            ));
+        }
+        let texels = picture.into_rgb32f().into_raw();
+        let bounded = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(0.0, LARGEST_RADIANCE) };
+        let colors: Vec<Vec3> =
+            texels.chunks_exact(3).map(|c| Vec3::new(c[0], c[1], c[2]).map(bounded)).collect();
+        let own = averaged(width, height, colors);
+        if own.radiance.iter().all(|c| *c == Vec3::ZERO) {
+            return Err(Error::failed("the surroundings are black", "give a picture that holds light"));
+        }
+        Ok(own)
+    }
+}
+
+/// What a file of surroundings is.
+const PICTURE: &str = "sky, studio or an equirectangular .exr or .hdr picture";
+
+/// The picture with at most [`LARGEST_WIDTH`] columns: means over whole squares of pixels. What remains beyond them is left out.
+fn averaged(width: usize, height: usize, colors: Vec<Vec3>) -> Picture {
+    let by = width.div_ceil(LARGEST_WIDTH);
+    if by == 1 {
+        return Picture::new(width, height, colors);
+    }
+    let (columns, rows) = (width / by, height / by);
+    let mean = |i: usize| {
+        let (row, column) = (i / columns * by, i % columns * by);
+        let sum: Vec3 = (row..row + by).flat_map(|r| &colors[r * width + column..][..by]).sum();
+        sum / (by * by) as f32
+    };
+    Picture::new(columns, rows, (0..columns * rows).map(mean).collect())
+}
+
+/// An overcast sky by the CIE's formula, L = L_z (1 + 2 sin γ)/3 (Moon and Spencer 1942), bluish, over a dark ground. The sun is a light of
+/// its own.
+fn sky(direction: DVec3) -> Vec3 {
+    const ZENITH: Vec3 = Vec3::new(0.26, 0.31, 0.38);
+    const GROUND: Vec3 = Vec3::new(0.030, 0.026, 0.022);
+    if direction.z > 0.0 { ZENITH * ((1.0 + 2.0 * direction.z as f32) / 3.0) } else { GROUND }
+}
+
+/// A dim room with a window of four panes and two softboxes.
+fn studio(direction: DVec3) -> Vec3 {
+    const ROOM: Vec3 = Vec3::new(0.035, 0.034, 0.033);
+    const WINDOW: Vec3 = Vec3::new(4.6, 5.0, 5.6);
+    const SOFTBOX: Vec3 = Vec3::new(3.2, 3.1, 3.0);
+    let azimuth = direction.y.atan2(direction.x).to_degrees();
+    let height = direction.z.asin().to_degrees();
+    // Halves of the openings' sides, about their centres [degrees].
+    let within = |centre: [f64; 2], half: [f64; 2]| {
+        let around = (azimuth - centre[0] + 540.0).rem_euclid(360.0) - 180.0;
+        [around, height - centre[1]].iter().zip(half).all(|(x, half)| x.abs() <= half)
+    };
+    let panes = [[-9.0, 9.0], [9.0, 9.0], [-9.0, -9.0], [9.0, -9.0]];
+    if panes.iter().any(|[x, y]| within([-60.0 + x, 38.0 + y], [8.0, 8.0])) {
+        return WINDOW;
+    }
+    if within([120.0, 45.0], [22.0, 12.0]) || within([30.0, 70.0], [30.0, 8.0]) {
+        return SOFTBOX;
+    }
+    ROOM
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points of a regular lattice.
+    fn points(side: u32) -> impl Iterator<Item = [f64; 2]> {
+        let place = move |i: u32| (f64::from(i) + 0.5) / f64::from(side);
+        (0..side * side).map(move |i| [place(i % side), place(i / side)])
+    }
+
+    fn mean(environment: &Environment, normal: DVec3) -> DVec3 {
+        let side = 128;
+        let sum: DVec3 = points(side)
+            .map(|p| environment.incident(p, side * side))
+            .map(|i| i.irradiance.as_dvec3() * i.direction.dot(normal).max(0.0))
+            .sum();
+        sum / f64::from(side * side)
+    }
+
+    #[test]
+    fn a_white_sphere_of_surroundings_lights_every_surface_by_its_radiance() {
+        let white = Environment::of(&|_| Vec3::ONE);
+        for normal in [DVec3::Z, DVec3::X, DVec3::new(-0.3, 0.4, -0.866).normalize()] {
+            assert!((mean(&white, normal) - DVec3::ONE).length() < 1e-3, "{}", mean(&white, normal));
+            assert!((white.irradiance(normal) - DVec3::ONE).length() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn drawn_light_adds_up_to_the_light_of_all_pixels_however_it_is_turned() {
+        for name in BUILT_IN {
+            let mut environment = Environment::open(name).unwrap();
+            environment.placement = Placement { rotation: 77.0, exposure: 1.0 };
+            for normal in [DVec3::Z, DVec3::new(0.6, -0.5, 0.62).normalize()] {
+                let (found, exact) = (mean(&environment, normal), environment.irradiance(normal));
+                assert!((found - exact).length() < 0.01 * exact.length(), "{name}: {found} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_drawn_stands_where_the_light_is_and_turns_with_it() {
+        // A spot at azimuth 40 degrees, height 30.
+        let centre = crate::optics::geometry::direction(60.0, 40.0);
+        let spot = |d: DVec3| if d.dot(centre) > 0.99 { Vec3::ONE } else { Vec3::ZERO };
+        let mut environment = Environment::of(&spot);
+        for turn in [0.0, 120.0] {
+            environment.placement.rotation = turn;
+            let expected = crate::optics::geometry::direction(60.0, 40.0 + turn);
+            for point in points(8) {
+                assert!(environment.incident(point, 64).direction.dot(expected) > 0.985);
+            }
+        }
+        // All 64 samples together stand for about the spot's solid angle.
+        let share = environment.incident([0.5, 0.5], 64).variance;
+        assert!((share / variance_of(TAU * 0.01 / 64.0) - 1.0).abs() < 0.1, "{share}");
+    }
+
+    #[test]
+    fn pictures_are_read_with_their_orientation_and_others_are_refused() {
+        // One bright pixel in the middle of the right half, above the horizon: azimuth −90 degrees.
+        let (width, height) = (64u32, 32u32);
+        let mut picture = image::Rgb32FImage::new(width, height);
+        picture.put_pixel(48, 8, image::Rgb([8.0, 4.0, 2.0]));
+        for format in [image::ImageFormat::Hdr, image::ImageFormat::OpenExr] {
+            let mut bytes = std::io::Cursor::new(Vec::new());
+            image::DynamicImage::from(picture.clone()).write_to(&mut bytes, format).unwrap();
+            let picture = Arc::new(Picture::from_bytes(bytes.get_ref()).unwrap());
+            let environment = Environment { name: String::new(), placement: Placement::default(), picture };
+            let incident = environment.incident([0.5, 0.5], 1);
+            assert!(incident.direction.y < -0.7 && incident.direction.z > 0.6, "{incident:?}");
+            let ratio = incident.irradiance / incident.irradiance.z;
+            assert!((ratio - Vec3::new(4.0, 2.0, 1.0)).length() < 0.05, "{ratio}");
+        }
+        let square = image::DynamicImage::from(image::Rgb32FImage::new(8, 8));
+        let black = image::DynamicImage::from(image::Rgb32FImage::new(8, 4));
+        for (picture, said) in [(square, "8 x 8"), (black, "black")] {
+            let mut bytes = std::io::Cursor::new(Vec::new());
+            picture.write_to(&mut bytes, image::ImageFormat::OpenExr).unwrap();
+            let error = Picture::from_bytes(bytes.get_ref()).unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
+        }
+        assert!(Picture::from_bytes(b"no picture").is_err());
+    }
+}
