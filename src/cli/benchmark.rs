@@ -32,7 +32,7 @@ use std::sync::Arc;
 /// What is drawn, how it is shaded, and on which device.
 #[derive(Args, Clone, Debug)]
 pub struct BenchmarkOptions {
-    /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
+    /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
     pub scene: OsString,
     /// Width and height in pixels

@@ -7,8 +7,8 @@ use crate::picture_file;
 use crate::render::frame::View;
 use crate::render::pigment::Pigment;
 use crate::scene::Scene;
-use crate::setup::PictureSettings;
 use crate::surface::HeightField;
+use std::fmt::Debug;
 use std::path::Path;
 
 /// The note of a picture file that [`Origin::note`] is the value of.
@@ -21,7 +21,8 @@ const SEQUENCES: Format = Format { name: "sequences", version: 1 };
 pub struct Origin(Key);
 
 impl Origin {
-    /// Of `sequence`, which begins with the view `first` of `scene`. What files hold counts, and not their names.
+    /// Of `sequence`, which begins with the view `first` of `scene`; its `settings` count as they are written for debugging. What files hold
+    /// counts, and not their names.
     ///
     /// # Errors
     /// A pigment texture that cannot be read.
@@ -30,7 +31,7 @@ impl Origin {
         first: &View,
         scene: &Scene,
         field: &HeightField,
-        settings: &PictureSettings,
+        settings: &impl Debug,
     ) -> Result<Self> {
         let hash = |bytes: &[u8]| blake3::hash(bytes).to_hex().to_string();
         let mesh = [

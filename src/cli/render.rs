@@ -40,7 +40,7 @@ use std::path::{Path, PathBuf};
   diffract render --turntable 120 -o turn.png          once around the snake: turn-0000.png to turn-0119.png
   diffract render --light-sweep 90 --frames 0..45 -o sun.png   the first half of a turn of the lights")]
 pub struct Arguments {
-    /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
+    /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
     scene: OsString,
     /// Where the picture goes: .png as displayed, .exr linear and signed, premultiplied; alpha is the coverage of the pixel
@@ -107,7 +107,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         sampling: Sampling { count: arguments.samples, seed: arguments.surface.seed },
         optics: Settings::new(method, shading),
     };
-    let work = Work { scene: &scene, field: &field, settings: &settings };
+    let shaded = arguments.sample_pixels;
+    let work = Work { scene: &scene, field: &field, settings: &settings, shaded };
     let view = setup::own_view(&scene, &settings.optics.shading);
     let shots = shots(&arguments.output, sequence.as_ref(), &view, &work)?;
     let views = sequence.map_or_else(|| vec![view.clone()], |sequence| sequence.typical_views(&view));
@@ -119,6 +120,8 @@ struct Work<'a> {
     scene: &'a Scene,
     field: &'a HeightField,
     settings: &'a PictureSettings,
+    // Random pixels of a reference picture; all where there is no number.
+    shaded: Option<usize>,
 }
 
 /// A picture that is to be drawn.
@@ -135,7 +138,7 @@ fn shots(output: &Path, sequence: Option<&Sequence>, view: &View, work: &Work<'_
         return Ok(vec![Shot { view: view.clone(), output: output.to_owned(), notes }]);
     };
     sequence.check(view)?;
-    let origin = Origin::of(sequence, view, work.scene, work.field, work.settings)?;
+    let origin = Origin::of(sequence, view, work.scene, work.field, &(work.settings, work.shaded))?;
     let mut shots = Vec::new();
     for frame in sequence.frames.clone() {
         let (output, note) = (sequence.file(output, frame), origin.note(frame));
@@ -160,7 +163,7 @@ fn draw(
     shots: &[Shot],
 ) -> Result<()> {
     let Some(first) = shots.first() else { return Ok(()) };
-    let Work { scene, field, settings } = *work;
+    let Work { scene, field, settings, .. } = *work;
     let shading = &settings.optics.shading;
     let reference = settings.optics.method == Method::Reference;
     if reference && scene.pigment.is_some() {
@@ -185,7 +188,7 @@ fn draw(
     for (number, shot) in shots.iter().enumerate() {
         let told = |done, of| progress.show(number, done, of);
         let picture = if reference {
-            reference_picture(&mut prepared, &shot.view, work, arguments.sample_pixels, &told)?
+            reference_picture(&mut prepared, &shot.view, work, &told)?
         } else {
             let samples = settings.sampling.count as usize;
             prepared.draw(&shot.view, &mut |done| told(done as usize, samples))?
@@ -226,19 +229,18 @@ impl Drop for Progress {
     }
 }
 
-/// The f64 picture of `view`, of all pixels that a sample covers or of `count` random ones of them.
+/// The f64 picture of `view`, of all pixels that a sample covers or of the wanted number of random ones of them.
 fn reference_picture(
     prepared: &mut PreparedScene<'_>,
     view: &View,
     work: &Work<'_>,
-    count: Option<usize>,
     progress: nufft::Progress<'_>,
 ) -> Result<Picture> {
-    let Work { scene, field, settings } = *work;
+    let Work { scene, field, settings, shaded } = *work;
     prepare::warn_of_coarse_samples(field, SHORTEST);
     let sampling = &settings.sampling;
     let mut directions = |sample: &Sample| prepared.directions(view, sample);
-    let chosen = match count {
+    let chosen = match shaded {
         Some(count) => {
             let mut covered = BTreeSet::new();
             for index in 0..sampling.count {

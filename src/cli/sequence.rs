@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 const MOST: i64 = 10_000;
 /// Fewest digits of the number in a file's name.
 const DIGITS: usize = 4;
-/// Views that stand for a whole sequence: 30 degrees from one to the next, over which the sizes of footprints change little.
+/// Views that stand for a whole sequence, 30 degrees from one to the next. On the sphere under a turning light their finest footprints are 1.2
+/// times those of 36 views, and sources are made in octaves of that size.
 const VIEWS: u32 = 12;
 
 /// Which pictures are drawn instead of one.

@@ -23,7 +23,7 @@ use std::ffi::{OsStr, OsString};
 Left drag orbits, right drag moves the light, the wheel zooms. F1 lists all keys.
 S saves the picture with the `diffract render` that draws the same.")]
 pub struct Arguments {
-    /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
+    /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
     scene: OsString,
     /// Width and height of the window in pixels

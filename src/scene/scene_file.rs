@@ -16,11 +16,13 @@ use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 /// Names of the built-in scenes; the first is the default.
-pub const BUILT_IN: [(&str, &str); 4] = [
+pub const BUILT_IN: [(&str, &str); 6] = [
     ("snake", include_str!("../../assets/scenes/snake.toml")),
     ("plate", include_str!("../../assets/scenes/plate.toml")),
     ("sphere", include_str!("../../assets/scenes/sphere.toml")),
     ("disc", include_str!("../../assets/scenes/disc.toml")),
+    ("cd", include_str!("../../assets/scenes/cd.toml")),
+    ("skin", include_str!("../../assets/scenes/skin.toml")),
 ];
 
 /// Length of a unit of scenes that do not say it, as of OBJ files \[um\]: a metre.

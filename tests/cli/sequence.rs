@@ -92,8 +92,9 @@ fn pictures_of_other_settings_are_neither_kept_nor_written_over() {
     render(&sandbox, &["--turntable", "3", "-o", "turn.png"]).refused(2);
     assert_eq!(sandbox.content(), before);
     // What the inputs hold counts, and not what they are called.
-    let flipped = image::open(sandbox.path("small.png")).unwrap().fliph();
-    flipped.save(sandbox.path("small.png")).unwrap();
+    let mut upside_down = image::open(sandbox.path("small.png")).unwrap();
+    upside_down.invert();
+    upside_down.save(sandbox.path("small.png")).unwrap();
     render(&sandbox, &turn).refused(2);
     sandbox.write("small.png", before[std::ffi::OsStr::new("small.png")].as_ref().unwrap());
     render(&sandbox, &[&turn[..], &["-q"]].concat()).done();

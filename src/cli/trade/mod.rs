@@ -32,7 +32,7 @@ use std::path::{Path, PathBuf};
 The folder gets trade.csv, trade.md, trade.svg and trade.png. A second run goes on where the first was stopped; \
 delete trade.csv to measure anew.")]
 pub struct Arguments {
-    /// snake, plate, sphere, disc, a scene file (.toml) or a mesh (.obj)
+    /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
     scene: OsString,
     /// Folder for the results; made where it is missing

@@ -1,0 +1,264 @@
+//! Lights with an extent, surroundings and shadows.
+
+use crate::device::with_device;
+use crate::evaluation::patch;
+use crate::mean::source;
+use diffract::brdf::mean::{Mean, TabulatedMean};
+use diffract::optics::coherence::{Coherence, Windows};
+use diffract::optics::color::xyz_to_linear_srgb;
+use diffract::optics::footprint::{Covariance, FootprintSizes};
+use diffract::optics::geometry::{Pair, direction};
+use diffract::optics::spectrum::{Illuminant, SHORTEST};
+use diffract::random::Random;
+use diffract::render::frame::{Shown, View};
+use diffract::render::picture::Painter;
+use diffract::render::pigment::Pigment;
+use diffract::render::sampling::Sampling;
+use diffract::render::shading::Shading;
+use diffract::render::source::{ClassicalGrating, Source};
+use diffract::scene::{Camera, Corner, Environment, Light, Mesh, Scene};
+use diffract::setup::Method;
+use diffract::surface::HeightField;
+use diffract::surface::synth::Kind;
+use diffract::units;
+use diffract::vk::device::Device;
+use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+const SHOWN: Shown = Shown { exposure: 0.0, background: DVec3::ZERO };
+
+/// A plate without pigment, looked at from afar, so that all of it is seen from nearly one direction.
+fn plate(theta: f32, lights: Vec<Light>, environment: Option<Environment>) -> (Scene, View) {
+    const FAR: f32 = 200.0;
+    let scene = Scene::open("plate").unwrap();
+    let (sin, cos) = theta.sin_cos();
+    let mut view = View::of(&scene, lights);
+    view.camera = Camera::looking(Vec3::new(FAR * sin, 0.0, FAR * cos), Vec3::ZERO, 0.02).unwrap();
+    view.base_color = Vec3::ZERO;
+    view.environment = environment;
+    (scene, view)
+}
+
+fn shading(length: f64, reflectance: f64) -> Shading {
+    Shading {
+        coherence: Coherence::Gaussian { length },
+        windows: Windows::All,
+        tolerance: 2e-2,
+        reflectance: reflectance.into(),
+        ..Shading::default()
+    }
+    .for_pictures()
+}
+
+/// Mean radiance of the covered pixels of the mean of `samples` samples.
+fn radiance(
+    device: &Arc<Device>,
+    field: &HeightField,
+    shading: &Shading,
+    (scene, view): &(Scene, View),
+    samples: u32,
+) -> DVec3 {
+    const SIZE: [u32; 2] = [12, 12];
+    let source = source(device, field, shading, Method::Table, FootprintSizes::default());
+    let lights = view.light_count();
+    let mut painter =
+        Painter::new(device, &source, shading, &scene.mesh, &Pigment::white(), SIZE, lights).unwrap();
+    painter.cast_shadows().unwrap();
+    let sampling = Sampling { count: samples, seed: 5 };
+    let picture = painter.paint_samples(view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+    let inside = picture.radiance.iter().filter(|p| p[3] == 1.0);
+    let (sum, count) = inside.fold((DVec3::ZERO, 0.0), |(sum, count), p| {
+        (sum + DVec3::new(p[0].into(), p[1].into(), p[2].into()), count + 1.0)
+    });
+    assert!(count >= 20.0, "only {count} pixels are covered");
+    sum / count
+}
+
+/// Refractive index of a mirror that reflects everything.
+const MIRROR: f64 = 1e9;
+
+#[test]
+fn under_a_white_sky_a_surface_that_absorbs_nothing_is_as_bright_as_its_closed_form() {
+    let white = Environment::of(&|_| Vec3::ONE);
+    let shading = shading(8.0, MIRROR);
+    with_device(|device| {
+        for (kind, theta) in
+            [(Kind::Flat, 0.0f64), (Kind::Flat, 40.0), (Kind::Sinusoid, 0.0), (Kind::Blaze, 20.0)]
+        {
+            let field = patch(kind, 10.0);
+            let scene = plate(theta.to_radians() as f32, Vec::new(), Some(white.clone()));
+            let found = radiance(device, &field, &shading, &scene, 256);
+            let expected = albedo(&field, &shading, theta);
+            let apart = (found - expected).length() / expected.length();
+            eprintln!("{} at {theta}: {found:.3} for {expected:.3}", kind.name());
+            assert!(apart < 0.03, "{} at {theta}: {found} instead of {expected}", kind.name());
+            if kind == Kind::Flat {
+                // All of the light comes back.
+                assert!((expected - DVec3::ONE).length() < 0.05, "{expected}");
+            }
+        }
+    });
+}
+
+/// Linear sRGB of what comes back to `theta` \[degrees\] of light from everywhere, in f64: the sum over a fine lattice of (u, v), where
+/// cos θ_i dω_i = du dv, of f itself.
+fn albedo(field: &HeightField, shading: &Shading, theta: f64) -> DVec3 {
+    let sigma = shading.coherence.sigma().unwrap();
+    let reflectance = shading.reflectance.clone();
+    let mean = Mean { field, sigma, beyond: shading.beyond, reflectance };
+    let table = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap();
+    let view = direction(theta, 0.0);
+    // Fine against the blur of the orders by coherence, λ/(√8 π σ) ≥ 0.02; the lattice adds its own.
+    const SIDE: i32 = 160;
+    let step = 2.0 / f64::from(SIDE);
+    let own = Covariance { uu: step * step, uv: 0.0, vv: step * step };
+    let place = |i: i32| (f64::from(i) + 0.5) * step - 1.0;
+    let pairs: Vec<(Pair, Covariance)> = (0..SIDE * SIDE)
+        .map(|i| (place(i % SIDE), place(i / SIDE)))
+        .filter(|(x, y)| x * x + y * y < 1.0)
+        .map(|(x, y)| (Pair::new(DVec3::new(x, y, (1.0 - x * x - y * y).sqrt()), view), own))
+        .collect();
+    let weighted = table.xyz(&Illuminant::D65, &pairs, &|_, _| Ok(())).unwrap();
+    let sum: DVec3 =
+        pairs.iter().zip(weighted).map(|((pair, _), xyz)| xyz / pair.light.z * (step * step)).sum();
+    xyz_to_linear_srgb(sum)
+}
+
+#[test]
+fn a_disc_of_light_is_the_mean_over_its_points() {
+    let field = patch(Kind::Blaze, 10.0);
+    let shading = shading(16.0, MIRROR);
+    let disc = units::light("disc:12deg:35,20").unwrap();
+    with_device(|device| {
+        let scene = plate(0.3, vec![disc], None);
+        let found = radiance(device, &field, &shading, &scene, 64);
+        // In f64, over independent directions within the disc.
+        let sigma = shading.coherence.sigma().unwrap();
+        let reflectance = shading.reflectance.clone();
+        let mean = Mean { field: &field, sigma, beyond: shading.beyond, reflectance };
+        let table = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap();
+        let view = DVec3::new(0.3f64.sin(), 0.0, 0.3f64.cos());
+        let centre = direction(disc.theta, disc.phi);
+        let mut random = Random::new(8);
+        let edge = (0.5 * disc.size).to_radians().cos();
+        let (x, y) = centre.any_orthonormal_pair();
+        const POINTS: usize = 4000;
+        let pairs: Vec<(Pair, Covariance)> = (0..POINTS)
+            .map(|_| {
+                let cosine = 1.0 - random.share() * (1.0 - edge);
+                let (sin, cos) = (2.0 * PI * random.share()).sin_cos();
+                let light = centre * cosine + (x * cos + y * sin) * (1.0 - cosine * cosine).sqrt();
+                (Pair::new(light, view), Covariance::default())
+            })
+            .collect();
+        let sum: DVec3 = table.xyz(&Illuminant::D65, &pairs, &|_, _| Ok(())).unwrap().into_iter().sum();
+        let exact = xyz_to_linear_srgb(sum / POINTS as f64) * PI;
+        let apart = (found - exact).length() / exact.length();
+        eprintln!("a disc: {found:.4} for {exact:.4}, {apart:.3}");
+        assert!(apart < 0.06, "{found} instead of {exact}");
+        let point = plate(0.3, vec![Light { size: 0.0, ..disc }], None);
+        let wrong = radiance(device, &field, &shading, &point, 64);
+        assert!((wrong - exact).length() > 0.2 * exact.length(), "a point is as good: {wrong}");
+    });
+}
+
+/// A floor of side 4 around the origin, and a roof of side 2 at `height` over its half x < 0.
+fn floor_below_a_roof(height: f32) -> Mesh {
+    let square = |x: [f32; 2], y: [f32; 2], z: f32| {
+        let corner = |i: usize, j: usize| Corner {
+            position: [x[i], y[j], z],
+            normal: Some([0.0, 0.0, 1.0]),
+            uv: Some([x[i], y[j]]),
+        };
+        [[corner(0, 0), corner(1, 0), corner(1, 1)], [corner(0, 0), corner(1, 1), corner(0, 1)]]
+    };
+    let floor = square([-2.0, 2.0], [-2.0, 2.0], 0.0);
+    let roof = square([-1.0, 0.0], [-1.0, 1.0], height);
+    Mesh::from_triangles([floor, roof].concat()).unwrap()
+}
+
+/// Brightness of the floor along the line y = 0 below the roof's edge at x = 0, over that without shadows, and the x of each pixel.
+fn across_the_edge(device: &Arc<Device>, light: Light, height: f32, samples: u32) -> Vec<[f64; 2]> {
+    const SIZE: [u32; 2] = [3, 161];
+    /// Of the camera, which looks below the roof at 45 degrees.
+    const AWAY: f32 = 4.0;
+    const FIELD_OF_VIEW: f32 = 0.025;
+    let mesh = floor_below_a_roof(height);
+    let source = Source::ClassicalGrating(ClassicalGrating::default());
+    let mut view = View::of(&Scene::open("plate").unwrap(), vec![light]);
+    view.camera = Camera::looking(Vec3::new(AWAY, 0.0, AWAY), Vec3::ZERO, FIELD_OF_VIEW).unwrap();
+    (view.centre, view.radius) = (mesh.bounds().centre, mesh.bounds().radius);
+    view.base_color = Vec3::ONE;
+    let column = |shadows: bool| -> Vec<f64> {
+        let shading = Shading { reflectance: 1.0.into(), ..Shading::default() };
+        let mut painter = Painter::new(device, &source, &shading, &mesh, &Pigment::white(), SIZE, 1).unwrap();
+        if shadows {
+            painter.cast_shadows().unwrap();
+        }
+        let sampling = Sampling { count: samples, seed: 2 };
+        let picture = painter.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+        picture.radiance.iter().skip(1).step_by(3).map(|p| f64::from(p[1])).collect()
+    };
+    // The picture's top is the far end, x < 0. The floor is seen at 45 degrees.
+    let step = f64::from(2.0 * (FIELD_OF_VIEW / 2.0).tan() * AWAY * 2.0) / f64::from(SIZE[1]);
+    let x = (0..SIZE[1]).map(|row| (f64::from(row) - 80.0) * step);
+    x.zip(column(true).iter().zip(column(false))).map(|(x, (a, b))| [x, a / b.max(1e-9)]).collect()
+}
+
+#[test]
+fn a_shadow_s_edge_is_as_soft_as_the_light_and_the_height_make_it() {
+    with_device(|device| {
+        for (size, height) in [(8.0, 0.2f32), (16.0, 0.2), (16.0, 0.1)] {
+            let light = Light { theta: 0.0, phi: 0.0, intensity: 1.0, size };
+            let column = across_the_edge(device, light, height, 256);
+            // The part of a disc that an edge leaves free.
+            let reach = f64::from(height) * (0.5 * size).to_radians().tan();
+            let free = |x: f64| {
+                let t = (x / reach).clamp(-1.0, 1.0);
+                0.5 + (t * (1.0 - t * t).sqrt() + t.asin()) / PI
+            };
+            let square = column.iter().map(|[x, lit]| (lit - free(*x)).powi(2)).sum::<f64>();
+            let rms = (square / column.len() as f64).sqrt();
+            eprintln!("{size} degrees, {height} high: {rms:.3}");
+            assert!(rms < 0.03, "{size} degrees, {height} high: {rms}: {column:.2?}");
+            let (first, last) = (column[0][1], column[column.len() - 1][1]);
+            assert!(first < 0.01 && last > 0.99, "{first} to {last}");
+        }
+    });
+}
+
+#[test]
+fn convex_meshes_cast_no_shadow_on_themselves() {
+    with_device(|device| {
+        for name in ["sphere", "plate", "disc"] {
+            let scene = Scene::open(name).unwrap();
+            let source = Source::ClassicalGrating(ClassicalGrating::default());
+            for theta in [0.0, 45.0, 80.0, 89.0] {
+                let mut view = View::of(&scene, vec![Light { theta, phi: 20.0, intensity: 1.0, size: 0.0 }]);
+                view.base_color = Vec3::ONE;
+                let paint = |shadows: bool| {
+                    let mut painter = Painter::new(
+                        device,
+                        &source,
+                        &Shading::default(),
+                        &scene.mesh,
+                        &Pigment::white(),
+                        [160, 120],
+                        1,
+                    )
+                    .unwrap();
+                    if shadows {
+                        painter.cast_shadows().unwrap();
+                    }
+                    painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance
+                };
+                let (with, without) = (paint(true), paint(false));
+                let largest = without.iter().fold(0.0f32, |m, p| m.max(p[1]));
+                let apart = with.iter().zip(&without).map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f32::max);
+                // Next to the terminator a triangle may be turned away where its interpolated normal is not.
+                assert!(apart <= 0.04 * largest, "{name} at {theta}: {apart} of {largest}");
+            }
+        }
+    });
+}
