@@ -21,6 +21,7 @@ layout(location = 0) in vec3 view;
 layout(location = 1) in vec2 pigment_uv;
 layout(location = 2) in vec3 lights[MAX_LIGHTS];
 layout(location = 6) in vec3 world;
+layout(location = 7) in vec3 world_normal;
 
 // As `pixel.glsl` reads them. The attachments of a pass have no gaps: where footprints are asked for, they stand between the others, those
 // of a light behind the first image that a picture of so many lights has in any case. Images that a picture does not have are dropped.
@@ -32,6 +33,18 @@ layout(location = 4) out vec4 image_4; // footprint of the second light
 layout(location = 5) out vec4 image_5; // footprint of the third light
 layout(location = 6) out vec4 image_6; // the fourth light
 layout(location = 7) out vec4 image_7; // footprint of the fourth light
+
+// The triangle's normal, toward the viewer.
+vec3 face_normal() {
+    vec3 normal = normalize(cross(dFdx(world), dFdy(world)));
+    return dot(normal, frame.eye.xyz - world) < 0.0 ? -normal : normal;
+}
+
+// Meshes are seen from both sides: where the back of a surface is seen, as of a mesh that is wound inward, its frame is turned about T.
+vec3 seen(vec3 direction) {
+    bool back = dot(world_normal, face_normal()) < 0.0;
+    return back ? vec3(direction.x, -direction.yz) : direction;
+}
 
 // Stereographic from -N. Near there the direction is far below the horizon, and which one it is does not matter.
 vec2 projected(vec3 direction) {
@@ -45,8 +58,7 @@ vec2 projected(vec3 direction) {
 // within a texel of the map: that much is left to it, and a little for rounding.
 bool in_shadow(int light, sampler2D map) {
     const float ROUNDING = 2e-5, STEEPEST = 30.0;
-    vec3 normal = normalize(cross(dFdx(world), dFdy(world)));
-    float cosine = abs(dot(normal, frame.lights[light].xyz));
+    float cosine = abs(dot(face_normal(), frame.lights[light].xyz));
     float slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 1e-6), STEEPEST);
     vec3 place = (frame.shadow_from_world[light] * vec4(world, 1.0)).xyz;
     vec2 size = vec2(textureSize(map, 0));
@@ -70,7 +82,7 @@ vec2 projected_light(int light) {
     if (light >= LIGHTS) {
         return vec2(0.0);
     }
-    return SHADOWS && in_shadow_of(light) ? projected(vec3(0.0, 0.0, -1.0)) : projected(lights[light]);
+    return SHADOWS && in_shadow_of(light) ? projected(vec3(0.0, 0.0, -1.0)) : projected(seen(lights[light]));
 }
 
 // The footprint whose covariance is that of `change` and that of a light whose directions vary by `variance` across it, seen in (u, v).
@@ -90,8 +102,8 @@ vec4 footprint(int light) {
     if (light >= LIGHTS) {
         return vec4(0.0);
     }
-    vec3 to_light = normalize(lights[light]);
-    vec2 uv = -(to_light.xy + normalize(view).xy);
+    vec3 to_light = normalize(seen(lights[light]));
+    vec2 uv = -(to_light.xy + normalize(seen(view)).xy);
     vec4 change = vec4(dFdxFine(uv), dFdyFine(uv));
     change = any(isnan(change)) || any(isinf(change)) ? vec4(0.0) : change;
     float variance = frame.lights[light].w / (frame.at.footprint * frame.at.footprint);
@@ -99,7 +111,7 @@ vec4 footprint(int light) {
 }
 
 void main() {
-    directions = vec4(projected(view), projected_light(0));
+    directions = vec4(projected(seen(view)), projected_light(0));
     vec4 more_lights_0 = vec4(projected_light(1), projected_light(2));
     vec4 more_lights_1 = vec4(projected_light(3), 0.0, 0.0);
     vec4 albedo = vec4(frame.base_color.rgb, 1.0);

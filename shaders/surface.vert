@@ -14,6 +14,7 @@ layout(location = 0) out vec3 view;
 layout(location = 1) out vec2 pigment_uv;
 layout(location = 2) out vec3 lights[MAX_LIGHTS];
 layout(location = 6) out vec3 world;
+layout(location = 7) out vec3 world_normal;
 
 void main() {
     mat3 tangent_from_world = transpose(mat3(tangent.xyz, tangent.w * cross(normal, tangent.xyz), normal));
@@ -23,5 +24,6 @@ void main() {
     }
     pigment_uv = vec2(uv.x, 1.0 - uv.y); // v grows upward in meshes, rows of a texture downward
     world = position;
+    world_normal = normal;
     gl_Position = frame.clip_from_world * vec4(position, 1.0);
 }

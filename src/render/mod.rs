@@ -3,6 +3,7 @@
 
 pub mod accumulate;
 pub mod device_brdf;
+pub mod device_mesh;
 pub mod difference;
 pub mod evaluator;
 pub mod footprints;

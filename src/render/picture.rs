@@ -1,8 +1,9 @@
 //! One picture, offscreen: what `diffract render` writes.
 
 use super::accumulate::Accumulation;
+use super::device_mesh::DeviceMesh;
 use super::evaluator::{Asker, Query};
-use super::frame::{DeviceMesh, DisplayPass, GeometryPass, PixelPass, Probe, Shown, View};
+use super::frame::{DisplayPass, GeometryPass, PixelPass, Probe, Shown, View};
 use super::frame_set::FrameSet;
 use super::pigment::Pigment;
 use super::sampling::{Sample, Sampling};

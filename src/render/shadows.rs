@@ -3,7 +3,7 @@
 //!
 //! A height field casts no shadows on itself: what is smaller than a wavelength casts none.
 
-use super::frame::{DeviceMesh, attributes};
+use super::device_mesh::{DeviceMesh, attributes};
 use super::frame_set::FrameSet;
 use super::shader;
 use super::target;

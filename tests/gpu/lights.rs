@@ -30,7 +30,7 @@ const SHOWN: Shown = Shown { exposure: 0.0, background: DVec3::ZERO };
 
 /// A plate without pigment, looked at from afar, so that all of it is seen from nearly one direction.
 fn plate(theta: f32, lights: Vec<Light>, environment: Option<Environment>) -> (Scene, View) {
-    const FAR: f32 = 200.0;
+    const FAR: f32 = 60.0;
     let scene = Scene::open("plate").unwrap();
     let (sin, cos) = theta.sin_cos();
     let mut view = View::of(&scene, lights);
@@ -260,5 +260,32 @@ fn convex_meshes_cast_no_shadow_on_themselves() {
                 assert!(apart <= 0.04 * largest, "{name} at {theta}: {apart} of {largest}");
             }
         }
+    });
+}
+
+#[test]
+fn a_mesh_that_is_wound_inward_is_as_bright_as_one_that_is_not() {
+    with_device(|device| {
+        let source = Source::ClassicalGrating(ClassicalGrating::default());
+        let corner = |position: [f32; 3]| Corner { position, normal: None, uv: None };
+        let [a, b, c] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.5, 0.0]].map(corner);
+        let paint = |triangle: [Corner; 3]| {
+            let mesh = Mesh::from_triangles(vec![triangle]).unwrap();
+            let light = Light { theta: 40.0, phi: 20.0, intensity: 1.0, size: 0.0 };
+            let mut view = View::of(&Scene::open("plate").unwrap(), vec![light]);
+            view.camera = Camera::looking(Vec3::new(1.0, -1.0, 3.0), Vec3::ZERO, 0.9).unwrap();
+            (view.centre, view.radius) = (mesh.bounds().centre, mesh.bounds().radius);
+            view.base_color = Vec3::ONE;
+            let shading = Shading::default();
+            let mut painter =
+                Painter::new(device, &source, &shading, &mesh, &Pigment::white(), [40, 30], 1).unwrap();
+            painter.cast_shadows().unwrap();
+            painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance
+        };
+        let (outward, inward) = (paint([a, b, c]), paint([a, c, b]));
+        let lit = outward.iter().filter(|p| p[1] > 0.1).count();
+        assert!(lit > 100, "only {lit} pixels are lit");
+        let apart = outward.iter().zip(&inward).map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f32::max);
+        assert!(apart < 1e-5, "{apart}");
     });
 }

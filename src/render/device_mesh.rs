@@ -1,0 +1,64 @@
+//! A mesh on the device, and how shaders read its vertices.
+
+use super::upload;
+use crate::error::{Error, Result};
+use crate::scene::{Mesh, Vertex};
+use crate::vk::buffer::Buffer;
+use crate::vk::commands::Recorder;
+use crate::vk::device::Device;
+use ash::vk;
+use std::mem::offset_of;
+use std::sync::Arc;
+
+/// A mesh in device memory.
+pub struct DeviceMesh {
+    vertices: Buffer,
+    indices: Buffer,
+    count: u32,
+}
+
+impl DeviceMesh {
+    /// Uploads `mesh`.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn new(device: &Arc<Device>, mesh: &Mesh) -> Result<Self> {
+        let count = u32::try_from(mesh.indices().len())
+            .map_err(|_| Error::failed("the mesh has too many triangles", "simplify it first"))?;
+        Ok(Self {
+            vertices: upload::buffer(
+                device,
+                "vertices",
+                vk::BufferUsageFlags::VERTEX_BUFFER,
+                bytemuck::cast_slice(mesh.vertices()),
+            )?,
+            indices: upload::buffer(
+                device,
+                "indices",
+                vk::BufferUsageFlags::INDEX_BUFFER,
+                bytemuck::cast_slice(mesh.indices()),
+            )?,
+            count,
+        })
+    }
+}
+
+impl DeviceMesh {
+    /// Draws all of it with the bound pipeline, which takes [`attributes`].
+    pub(super) fn draw(&self, draw: &Recorder<'_>) {
+        draw.draw_indexed(&self.vertices, &self.indices, self.count);
+    }
+}
+
+/// Attributes of [`Vertex`], in the order of `surface.vert`.
+pub(super) fn attributes() -> [vk::VertexInputAttributeDescription; 4] {
+    let of = |location, format, offset: usize| {
+        vk::VertexInputAttributeDescription::default().location(location).format(format).offset(offset as u32)
+    };
+    [
+        of(0, vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, position)),
+        of(1, vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, normal)),
+        of(2, vk::Format::R32G32B32A32_SFLOAT, offset_of!(Vertex, tangent)),
+        of(3, vk::Format::R32G32_SFLOAT, offset_of!(Vertex, uv)),
+    ]
+}
