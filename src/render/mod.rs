@@ -5,6 +5,7 @@ pub mod accumulate;
 pub mod device_brdf;
 pub mod difference;
 pub mod evaluator;
+pub mod exposure;
 pub mod footprints;
 pub mod frame;
 pub mod frame_set;

@@ -96,6 +96,9 @@ fn lights_and_exposure_and_level_act_on_the_picture() {
     let viewer = Viewer::open(&[&["plate"][..], &LARGE].concat());
     let stops = viewer.drag("exposure", 0, 24);
     let (first, _) = viewer.shows_number("--exposure", &stops);
+    viewer.press("neutral");
+    let (soft, command) = viewer.shows("--tone neutral");
+    assert!(soft != first, "{command}");
     viewer.press("mean");
     viewer.shows("--level mean");
     viewer.press("add a light");
