@@ -5,7 +5,7 @@ use crate::display::wait_for;
 use crate::viewer::Viewer;
 
 /// Room for all of the panel.
-const LARGE: [&str; 2] = ["--size", "600x1040"];
+const LARGE: [&str; 2] = ["--size", "600x1064"];
 
 #[test]
 fn windows_method_and_what_else_the_optics_has_act_on_the_picture() {

@@ -1,7 +1,7 @@
 //! How a picture is displayed.
 
 use super::exposure;
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// The exposure of a display.
 #[derive(Clone, Copy, Debug, PartialEq)]
