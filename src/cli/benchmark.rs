@@ -224,7 +224,7 @@ impl BenchmarkScene {
     /// # Errors
     /// When the device is lost.
     pub fn paint(&self, painter: &mut Painter) -> Result<Picture> {
-        painter.paint(&self.view, self.scene.exposure, self.scene.background)
+        self.paint_samples(painter, Sampling::ONE)
     }
 
     /// Errors of the picture at `count` random covered pixels.
@@ -238,7 +238,8 @@ impl BenchmarkScene {
         let colors = self.reference(&benchmark.shading, &benchmark.directions, &pixels)?;
         let one = shown(&picture, &pixels);
         let errors = PixelErrors::of(&one, &colors, self.scene.exposure);
-        let more = shown(&self.paint_samples(&mut benchmark.painter, MORE_SAMPLES)?, &pixels);
+        let sampling = Sampling { count: MORE_SAMPLES, seed: 0 };
+        let more = shown(&self.paint_samples(&mut benchmark.painter, sampling)?, &pixels);
         let sampling = PixelErrors::of(&one, &more, self.scene.exposure).relative_l2;
         let whole = pixels.len() == covered.len();
         let exact = ReferencePixels { pixels, colors };
@@ -246,10 +247,9 @@ impl BenchmarkScene {
         Ok(PictureErrors { pixels: Some(errors), flip, sampling: Some(sampling) })
     }
 
-    /// Draws the picture of `painter` from several samples a pixel.
-    fn paint_samples(&self, painter: &mut Painter, count: u32) -> Result<Picture> {
-        let shown = Shown { exposure: self.scene.exposure, background: self.scene.background };
-        painter.paint_samples(&self.view, &Sampling { count, seed: 0 }, shown, &mut |_| Ok(()))
+    /// Draws the picture of `painter` from all samples of `sampling`, displayed as the scene says.
+    fn paint_samples(&self, painter: &mut Painter, sampling: Sampling) -> Result<Picture> {
+        painter.paint_samples(&self.view, &sampling, Shown::of(&self.scene), &mut |_| Ok(()))
     }
 
     /// Times the frame and measures the errors of its picture; the fields that depend on the setting stay empty.
@@ -301,7 +301,7 @@ impl BenchmarkScene {
         for (&pixel, color) in exact.pixels.iter().zip(&exact.colors) {
             radiance[pixel] = color.as_vec3().extend(1.0).to_array();
         }
-        let exact = displayed(&radiance, self.scene.exposure, self.scene.background);
+        let exact = displayed(&radiance, Shown::of(&self.scene));
         error::flip(&picture.display, &exact, picture.size)
     }
 }

@@ -21,15 +21,15 @@ const SEQUENCES: Format = Format { name: "sequences", version: 1 };
 pub struct Origin(Key);
 
 impl Origin {
-    /// Of `sequence`, which begins with the view `first` of `scene`; its `settings` count as they are written for debugging. What files hold
-    /// counts, and not their names.
+    /// Of `sequence`, which begins with the view `first` of `scene`, at an exposure that is `measured` or the scene's. What files hold counts, and not
+    /// their names.
     ///
     /// # Errors
     /// A pigment texture that cannot be read.
     pub fn of(
         sequence: &Sequence,
         first: &View,
-        scene: &Scene,
+        (scene, measured): (&Scene, bool),
         field: &HeightField,
         settings: &impl Debug,
     ) -> Result<Self> {
@@ -40,7 +40,7 @@ impl Origin {
         ];
         let pigment = scene.pigment.as_deref().map(Pigment::read).transpose()?;
         let pigment = pigment.map(|pigment| (pigment.size, hash(&pigment.texels)));
-        let shown = (scene.exposure, scene.background);
+        let shown = (scene.exposure, measured, scene.tone, scene.background);
         // Rust writes numbers so that they are read back exactly.
         let turned = (sequence.motion, sequence.count, first);
         let settings = format!("{:?}", (turned, shown, mesh, pigment, settings));

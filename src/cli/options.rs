@@ -1,8 +1,10 @@
 //! Options that several commands share, with the same word and meaning in each.
 
+mod display;
 mod preparation;
 mod surface;
 
+pub use display::Exposure;
 #[cfg(any(feature = "viewer", test))] // for what the viewer saves
 pub use preparation::as_options;
 pub use surface::SurfaceOptions;
@@ -12,6 +14,7 @@ use crate::cache;
 use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
+use crate::optics::color::Tone;
 use crate::optics::material::Material;
 use crate::optics::reflectance::{Film, Reflectance};
 use crate::optics::spectrum::Illuminant;
@@ -295,9 +298,14 @@ impl CacheOptions {
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "View")]
 pub struct ViewOptions {
-    /// Exposure in stops, instead of the scene's
-    #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true)]
-    pub exposure: Option<f64>,
+    /// Exposure in stops, instead of the scene's. auto displays the log-average luminance of what is lit as middle grey, to a tenth of a stop;
+    /// it is measured in one sample a pixel of the first picture and holds for all of a sequence, whichever part of it is drawn
+    #[arg(long, value_name = "EV|auto", value_parser = Exposure::parse, allow_hyphen_values = true)]
+    pub exposure: Option<Exposure>,
+    /// What the display makes of highlights, instead of what the scene says: none (moved to the edge of the gamut) or neutral (softly to white,
+    /// with their hue: the Khronos PBR Neutral Tone Mapper) [default: none]
+    #[arg(long, value_name = "NAME", value_parser = Tone::from_name)]
+    pub tone: Option<Tone>,
     /// A light instead of the scene's, in degrees from up and around it; up to four. A point, or sun:THETA,PHI (0.533 degrees across), or
     /// disc:SIZE:THETA,PHI as in disc:5deg:40,90
     #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
@@ -339,8 +347,11 @@ impl ViewOptions {
             scene.lights = self.light.clone();
         }
         self.surround(scene)?;
-        if let Some(exposure) = self.exposure {
+        if let Some(Exposure::Stops(exposure)) = self.exposure {
             scene.exposure = exposure;
+        }
+        if let Some(tone) = self.tone {
+            scene.tone = tone;
         }
         if let Some(color) = self.base_color {
             scene.base_color = color.map(|c| c as f32).into();

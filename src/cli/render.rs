@@ -2,8 +2,8 @@
 
 use super::finished::{self, Origin};
 use super::options::{
-    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, check_lights,
-    sample_pixels,
+    CacheOptions, ColourOptions, DeviceOptions, Exposure, OpticsOptions, SurfaceOptions, ViewOptions,
+    check_lights, sample_pixels,
 };
 use super::sequence::{Sequence, SequenceOptions};
 use super::verbosity::say;
@@ -15,7 +15,8 @@ use crate::optics::coherence::Windows;
 use crate::optics::nufft;
 use crate::optics::spectrum::SHORTEST;
 use crate::picture_file::{self, Format, Notes};
-use crate::render::frame::View;
+use crate::render::exposure;
+use crate::render::frame::{Shown, View};
 use crate::render::picture::Picture;
 use crate::render::reference_picture::{self, displayed, reference_mean};
 use crate::render::sampling::{Sample, Sampling};
@@ -36,6 +37,7 @@ use std::path::{Path, PathBuf};
   diffract render -o snake.png
   diffract render disc --surface blaze --light 20,90 --size 800x800 -o disc.png
   diffract render --tolerance 1e-3 -o exact.exr        EXR: linear radiance, before exposure
+  diffract render --exposure auto --tone neutral -o bright.png   as bright as suits it, highlights softly to white
   diffract render --samples 64 -o fine.png             smoother edges and highlights than the default 16
   diffract render --turntable 120 -o turn.png          once around the snake: turn-0000.png to turn-0119.png
   diffract render --light-sweep 90 --frames 0..45 -o sun.png   the first half of a turn of the lights")]
@@ -108,7 +110,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         optics: Settings::new(method, shading),
     };
     let shaded = arguments.sample_pixels;
-    let work = Work { scene: &scene, field: &field, settings: &settings, shaded };
+    let measured = arguments.view.exposure == Some(Exposure::Auto);
+    let work = Work { scene: &scene, field: &field, settings: &settings, shaded, measured };
     let view = setup::own_view(&scene, &settings.optics.shading);
     let shots = shots(&arguments.output, sequence.as_ref(), &view, &work)?;
     let views = sequence.map_or_else(|| vec![view.clone()], |sequence| sequence.typical_views(&view));
@@ -120,8 +123,10 @@ struct Work<'a> {
     scene: &'a Scene,
     field: &'a HeightField,
     settings: &'a PictureSettings,
-    // Random pixels of a reference picture; all where there is no number.
+    /// Random pixels of a reference picture; all where there is no number.
     shaded: Option<usize>,
+    /// Whether the exposure is measured, and not the scene's.
+    measured: bool,
 }
 
 /// A picture that is to be drawn.
@@ -138,7 +143,8 @@ fn shots(output: &Path, sequence: Option<&Sequence>, view: &View, work: &Work<'_
         return Ok(vec![Shot { view: view.clone(), output: output.to_owned(), notes }]);
     };
     sequence.check(view)?;
-    let origin = Origin::of(sequence, view, work.scene, work.field, &(work.settings, work.shaded))?;
+    let settings = &(work.settings, work.shaded);
+    let origin = Origin::of(sequence, view, (work.scene, work.measured), work.field, settings)?;
     let mut shots = Vec::new();
     for frame in sequence.frames.clone() {
         let (output, note) = (sequence.file(output, frame), origin.note(frame));
@@ -154,7 +160,7 @@ fn shots(output: &Path, sequence: Option<&Sequence>, view: &View, work: &Work<'_
     Ok(shots)
 }
 
-/// Draws `shots` from one source, which is made for `views`, and writes each as it is finished.
+/// Draws `shots` from one source, which is made for `views`, the first of which all exposures follow, and writes each as it is finished.
 fn draw(
     arguments: &Arguments,
     format: Format,
@@ -183,12 +189,17 @@ fn draw(
     if reference && shading.windows == Windows::All {
         prepared.painter().ask_for_footprints()?;
     }
+    let mut shown = Shown::of(scene);
+    if let Some(first) = views.first().filter(|_| work.measured) {
+        shown.exposure = measured_exposure(&mut prepared, first, work)?;
+        prepared.show(shown);
+    }
     scale::tell(prepared.painter(), &first.view, scene, shading.coherence)?;
     let progress = Progress::over(shots.len(), if reference { "pixels" } else { "samples" });
     for (number, shot) in shots.iter().enumerate() {
         let told = |done, of| progress.show(number, done, of);
         let picture = if reference {
-            reference_picture(&mut prepared, &shot.view, work, &told)?
+            reference_picture(&mut prepared, &shot.view, work, shown, &told)?
         } else {
             let samples = settings.sampling.count as usize;
             prepared.draw(&shot.view, &mut |done| told(done as usize, samples))?
@@ -229,14 +240,35 @@ impl Drop for Progress {
     }
 }
 
+/// The exposure that suits `view`, measured in one sample a pixel, and told. Where nothing is lit it is the scene's.
+fn measured_exposure(prepared: &mut PreparedScene<'_>, view: &View, work: &Work<'_>) -> Result<f64> {
+    /// Pixels whose mean is certain to about a tenth of a stop; each of the reference takes long.
+    const PIXELS: usize = 2000;
+    prepared.check(view)?;
+    let measured = if work.settings.optics.method == Method::Reference {
+        let settings = PictureSettings { sampling: Sampling::ONE, ..work.settings.clone() };
+        let one = Work { settings: &settings, shaded: Some(PIXELS), ..*work };
+        let shown = Shown::of(work.scene);
+        let picture = reference_picture(prepared, view, &one, shown, &|_, _| Ok(()))?;
+        exposure::automatic(&picture.radiance)
+    } else {
+        prepared.meter(view)?
+    };
+    let stops = measured.unwrap_or(work.scene.exposure);
+    let unlit = if measured.is_none() { ", the scene's own: nothing is lit" } else { "" };
+    say(&format_args!("exposure {stops:.1} stops{unlit}"));
+    Ok(stops)
+}
+
 /// The f64 picture of `view`, of all pixels that a sample covers or of the wanted number of random ones of them.
 fn reference_picture(
     prepared: &mut PreparedScene<'_>,
     view: &View,
     work: &Work<'_>,
+    shown: Shown,
     progress: nufft::Progress<'_>,
 ) -> Result<Picture> {
-    let Work { scene, field, settings, shaded } = *work;
+    let Work { field, settings, shaded, .. } = *work;
     prepare::warn_of_coarse_samples(field, SHORTEST);
     let sampling = &settings.sampling;
     let mut directions = |sample: &Sample| prepared.directions(view, sample);
@@ -255,6 +287,6 @@ fn reference_picture(
     let chosen = |pixel| chosen.as_ref().is_none_or(|chosen| chosen.binary_search(&pixel).is_ok());
     let shading = &settings.optics.shading;
     let radiance = reference_mean(field, shading, view, sampling, &mut directions, &chosen, progress)?;
-    let display = displayed(&radiance, scene.exposure, scene.background);
+    let display = displayed(&radiance, shown);
     Ok(Picture { size: settings.size, radiance, display })
 }

@@ -7,6 +7,7 @@ use super::{eval, options, range, sequence, usage};
 use crate::cache::{self, Kept, Key};
 use crate::error::{Error, Result};
 use crate::measure::trade;
+use crate::optics::color::Tone;
 use crate::optics::spectrum::Illuminant;
 use crate::precompute::Layers;
 use crate::render::pigment::Pigment;
@@ -193,6 +194,8 @@ fn values(bytes: &[u8]) -> Result<()> {
         options::coherence(text).map(drop),
         options::tolerance(text).map(drop),
         options::exposure(text).map(drop),
+        options::Exposure::parse(text).map(drop),
+        Tone::from_name(text).map(drop),
         options::seed(text).map(drop),
         sequence::frames(text).map(drop),
         range::Range::parse(text, limits, "values").map(|range| drop(range.values())),

@@ -1,7 +1,7 @@
 //! `diffract view`: a scene in a window.
 
 use super::options::{
-    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, real,
+    CacheOptions, ColourOptions, DeviceOptions, Exposure, OpticsOptions, SurfaceOptions, ViewOptions, real,
 };
 use super::{check_validation, prepare, validation};
 use crate::error::{Error, Result};
@@ -116,6 +116,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         illuminant: utf8(&arguments.colour.illuminant)?,
         size: arguments.size,
         fps: arguments.fps,
+        measures_exposure: arguments.view.exposure == Some(Exposure::Auto),
         present: match arguments.present {
             Present::Fifo => vk::PresentModeKHR::FIFO,
             Present::Mailbox => vk::PresentModeKHR::MAILBOX,

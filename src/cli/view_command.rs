@@ -28,6 +28,9 @@ pub fn render(settings: &ViewSettings, scene: &Scene, size: [u32; 2], output: &s
         words.0.push("--no-shadows".to_owned());
     }
     words.option("exposure", settings.exposure.to_string());
+    if settings.tone != scene.tone {
+        words.option("tone", settings.tone.name());
+    }
     if settings.base_color != scene.base_color {
         words.option("base-color", ViewSettings::triple(settings.base_color));
     }
@@ -121,6 +124,7 @@ impl Words {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::optics::color::Tone;
     use crate::setup::Method;
     use crate::viewer::OpticsSettings;
     use crate::viewer::settings_of_a_plate as settings;
@@ -155,6 +159,14 @@ mod tests {
         let told = render(&repeats, &scene, [64, 48], "a.png");
         assert!(told.contains("--coherence grating:3x7") && !told.contains("--wavelengths"), "{told}");
         assert!(told.contains("--method spectral --windows 1x1"), "{told}");
+        assert!(!told.contains("--tone"), "{told}");
+        s.tone = Tone::Neutral;
+        let told = render(&s, &scene, [64, 48], "a.png");
+        assert!(told.contains("--tone neutral"), "{told}");
+        let neutral = Scene { tone: Tone::Neutral, ..scene.clone() };
+        assert!(!render(&s, &neutral, [64, 48], "a.png").contains("--tone"));
+        s.tone = Tone::None;
+        assert!(render(&s, &neutral, [64, 48], "a.png").contains("--tone none"));
         s.surface.name = "my scan's.png".into();
         s.surface.pixel_size = Some([0.09, 0.1]);
         s.camera.phi += 0.25;

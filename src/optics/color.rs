@@ -1,5 +1,6 @@
 //! From tristimulus values to linear sRGB, and from there to a display.
 
+use crate::error::{Error, Result};
 use glam::{DMat3, DVec3};
 
 /// Relative luminance of linear sRGB, the second row of the matrix to XYZ (IEC 61966-2-1).
@@ -33,6 +34,85 @@ pub fn map_to_gamut(rgb: DVec3) -> DVec3 {
     (DVec3::splat(grey) + away * reach).clamp(DVec3::ZERO, DVec3::ONE)
 }
 
+/// How colours reach a display that is less bright and less saturated than they are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tone {
+    /// As they are, up to the edge of the gamut: [`map_to_gamut`].
+    #[default]
+    None,
+    /// The highlights softly to white: [`neutral`].
+    Neutral,
+}
+
+impl Tone {
+    /// All tones.
+    pub const ALL: [Self; 2] = [Self::None, Self::Neutral];
+
+    /// The name, as users write it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Neutral => "neutral",
+        }
+    }
+
+    /// The tone of that name.
+    ///
+    /// # Errors
+    /// Another name; lists those that there are.
+    pub fn from_name(name: &str) -> Result<Self> {
+        Self::ALL.into_iter().find(|tone| tone.name() == name).ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(" or ");
+            Error::usage(format!("there is no tone `{name}`"), format!("give {names}"))
+        })
+    }
+
+    /// What is displayed of an exposed linear colour: within 0 … 1.
+    pub fn map(self, rgb: DVec3) -> DVec3 {
+        match self {
+            Self::None => map_to_gamut(rgb),
+            Self::Neutral => neutral(rgb),
+        }
+    }
+}
+
+/// The Khronos PBR Neutral Tone Mapper (Khronos Group, 2024) after [`without_negatives`]. Colours are kept, less what Fresnel's equations add to
+/// a dielectric of index 1.5; only where one component is bright they go to white, and hue stays. The twin of `neutral` in `color.glsl`.
+pub fn neutral(rgb: DVec3) -> DVec3 {
+    /// Reflectance at normal incidence of a dielectric, which is taken away.
+    const FRESNEL: f64 = 0.04;
+    /// The brightest component from which on highlights are compressed.
+    const START: f64 = 0.8 - FRESNEL;
+    /// How soon highlights lose their saturation.
+    const DESATURATION: f64 = 0.15;
+    /// Between the start and white.
+    const ROOM: f64 = 1.0 - START;
+    let rgb = without_negatives(rgb);
+    let least = rgb.min_element();
+    // A parabola from 0 to the reflectance at twice of it, where its slope is that of the line.
+    let offset = if least < 2.0 * FRESNEL { least - least * least / (4.0 * FRESNEL) } else { FRESNEL };
+    let rgb = (rgb - offset).max(DVec3::ZERO);
+    let peak = rgb.max_element();
+    if peak < START {
+        return rgb;
+    }
+    let compressed = 1.0 - ROOM * ROOM / (peak + ROOM - START);
+    let white = 1.0 - 1.0 / (DESATURATION * (peak - compressed) + 1.0);
+    (rgb * (compressed / peak)).lerp(DVec3::splat(compressed), white)
+}
+
+/// Moves a linear colour along the line to the grey of its own luminance until no component is negative. The twin of `without_negatives` in
+/// `color.glsl`.
+pub fn without_negatives(rgb: DVec3) -> DVec3 {
+    let least = rgb.min_element();
+    if least >= 0.0 {
+        return rgb;
+    }
+    let grey = LUMINANCE.dot(rgb).max(0.0);
+    let reach = grey / (grey - least);
+    DVec3::splat(grey).lerp(rgb, reach).max(DVec3::ZERO)
+}
+
 /// The sRGB transfer function (IEC 61966-2-1) from linear 0 … 1 to code value 0 … 1.
 pub fn srgb_transfer(linear: f64) -> f64 {
     // The two segments meet here by the standard's definition.
@@ -48,10 +128,10 @@ pub fn display(rgb: DVec3, exposure: f64) -> [u8; 3] {
     code(map_to_gamut(rgb * exposure.exp2()))
 }
 
-/// The same where `rgb` covers the part `coverage` (0 … 1) of a pixel and `background`, linear sRGB that no exposure changes, the rest. What is
-/// seen of both is mixed in linear light, as it reaches a sensor. The twin of `display.frag`.
-pub fn display_over(rgb: DVec3, exposure: f64, coverage: f64, background: DVec3) -> [u8; 3] {
-    code(map_to_gamut(background).lerp(map_to_gamut(rgb * exposure.exp2()), coverage))
+/// The same by `tone` where `rgb` covers the part `coverage` (0 … 1) of a pixel and `background`, linear sRGB that neither exposure nor tone changes,
+/// the rest. What is seen of both is mixed in linear light, as it reaches a sensor. The twin of `display.frag`.
+pub fn display_over(rgb: DVec3, exposure: f64, tone: Tone, coverage: f64, background: DVec3) -> [u8; 3] {
+    code(map_to_gamut(background).lerp(tone.map(rgb * exposure.exp2()), coverage))
 }
 
 /// The 8-bit code of a linear colour within 0 … 1.
@@ -83,5 +163,88 @@ mod tests {
         assert!((mapped - DVec3::new(0.0, 0.6, 0.2)).length() > 0.01);
         assert_eq!(display(DVec3::splat(1e30), 0.0), [255; 3]);
         assert_eq!(display(DVec3::splat(-1.0), 0.0), [0; 3]);
+    }
+
+    /// Colours of every kind, also outside of the gamut.
+    fn colours() -> Vec<DVec3> {
+        let steps = [-0.4, 0.0, 0.03, 0.08, 0.3, 0.76, 1.0, 7.0];
+        let with = |r, g| steps.map(|b| DVec3::new(r, g, b));
+        steps.iter().flat_map(|&r| steps.iter().flat_map(move |&g| with(r, g))).collect()
+    }
+
+    #[test]
+    fn the_neutral_tone_is_what_its_formula_gives_by_hand() {
+        for (rgb, expected) in [
+            ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+            // The least component is above 0.08: 0.04 less.
+            ([0.5, 0.5, 0.5], [0.46, 0.46, 0.46]),
+            ([0.1, 0.3, 0.7], [0.06, 0.26, 0.66]),
+            // Below: 0.04 − 6.25 · 0.04² = 0.03 less.
+            ([0.04, 0.04, 0.04], [0.01, 0.01, 0.01]),
+            ([0.04, 0.24, 0.53], [0.01, 0.21, 0.50]),
+            ([0.0, 0.5, 0.75], [0.0, 0.5, 0.75]),
+            // 1 − 0.24²/(1.96 − 0.52) = 0.96.
+            ([2.0, 2.0, 2.0], [0.96, 0.96, 0.96]),
+            // 1 − 0.24²/(4 − 0.52) = 0.983448…, of which 1 − 1/(0.15 · 3.016551… + 1) = 0.311523… is white.
+            ([4.0, 0.0, 0.0], [0.983_448_275_862, 0.306_367_473_471, 0.306_367_473_471]),
+        ] {
+            let found = neutral(rgb.into());
+            assert!((found - DVec3::from(expected)).abs().max_element() < 1e-9, "{rgb:?}: {found}");
+        }
+    }
+
+    #[test]
+    fn the_neutral_tone_has_no_step_where_its_pieces_meet() {
+        const STEP: f64 = 1e-9;
+        let apart = |a: [f64; 3], b: [f64; 3]| (neutral(a.into()) - neutral(b.into())).abs().max_element();
+        // Of the offset, at 0.08; of the compression, at 0.76 behind the offset; of the gamut.
+        assert!(apart([0.08 - STEP, 0.3, 0.5], [0.08 + STEP, 0.3, 0.5]) < 4.0 * STEP);
+        assert!(apart([0.0, 0.3, 0.76 - STEP], [0.0, 0.3, 0.76 + STEP]) < 4.0 * STEP);
+        assert!(apart([0.2, 0.3, 0.8 - STEP], [0.2, 0.3, 0.8 + STEP]) < 4.0 * STEP);
+        assert!(apart([-STEP, 0.3, 0.9], [STEP, 0.3, 0.9]) < 4.0 * STEP);
+    }
+
+    #[test]
+    fn the_neutral_tone_is_within_the_gamut_and_more_light_is_brighter() {
+        for rgb in colours() {
+            let mut former = -1.0;
+            for stops in -30..30 {
+                let shown = neutral(rgb * f64::from(stops).exp2());
+                assert!(shown.min_element() >= 0.0 && shown.max_element() <= 1.0, "{rgb}: {shown}");
+                let luminance = LUMINANCE.dot(shown);
+                assert!(luminance >= former - 1e-12, "{rgb} at {stops} stops: {luminance} after {former}");
+                former = luminance;
+            }
+        }
+        assert!((neutral(DVec3::splat(1e30)) - DVec3::ONE).length() < 1e-15);
+    }
+
+    #[test]
+    fn the_neutral_tone_keeps_hue_and_below_its_start_the_differences_of_components() {
+        for rgb in colours() {
+            let inside = without_negatives(rgb);
+            assert!((LUMINANCE.dot(inside) - LUMINANCE.dot(rgb).max(0.0)).abs() < 1e-12, "{rgb}: {inside}");
+            let shown = neutral(rgb);
+            // The same ratios of differences of components: (a − b)(b' − c') = (a' − b')(b − c).
+            for from in [inside, rgb] {
+                let across =
+                    (from.x - from.y) * (shown.y - shown.z) - (shown.x - shown.y) * (from.y - from.z);
+                assert!(across.abs() < 1e-12, "{rgb} is shown as {shown}");
+            }
+            if inside.max_element() < 0.76 {
+                let lost = inside - shown;
+                assert!((lost - lost.x).abs().max_element() < 1e-15, "{rgb} is shown as {shown}");
+            }
+        }
+    }
+
+    #[test]
+    fn tones_have_names_and_other_names_are_refused_with_them() {
+        for tone in Tone::ALL {
+            assert_eq!(Tone::from_name(tone.name()).unwrap(), tone);
+        }
+        let wrong = Tone::from_name("filmic").unwrap_err().to_string();
+        assert!(wrong.contains("`filmic`") && wrong.contains("none or neutral"), "{wrong}");
+        assert_eq!(Tone::default().map(DVec3::splat(0.5)), DVec3::splat(0.5));
     }
 }

@@ -7,7 +7,7 @@ use super::source::BoundSource;
 use super::target::{self, Geometry, GeometrySettings, Target};
 use super::{shader, shadows};
 use crate::error::Result;
-use crate::optics::color;
+use crate::optics::color::{self, Tone};
 use crate::scene::{Camera, Environment, Incident, Light, MAX_LIGHTS, Scene, Vertex, camera};
 use crate::vk::access::Access;
 use crate::vk::commands::Recorder;
@@ -340,6 +340,7 @@ impl DisplayPass {
             background: color::map_to_gamut(shown.background).as_vec3().to_array(),
             exposure: shown.exposure as f32,
             samples: samples as f32,
+            neutral: (shown.tone == Tone::Neutral).into(),
         };
         draw.bind(&self.pipeline, &[&self.descriptors]);
         draw.push(&self.pipeline, bytemuck::bytes_of(&block));
@@ -352,8 +353,22 @@ impl DisplayPass {
 pub struct Shown {
     /// Exposure \[stops\].
     pub exposure: f64,
-    /// What is displayed where nothing is covered, linear sRGB; no exposure changes it.
+    /// What becomes of highlights.
+    pub tone: Tone,
+    /// What is displayed where nothing is covered, linear sRGB; neither exposure nor tone changes it.
     pub background: DVec3,
+}
+
+impl Shown {
+    /// As `scene` says.
+    pub fn of(scene: &Scene) -> Self {
+        Self { exposure: scene.exposure, tone: scene.tone, background: scene.background }
+    }
+
+    /// At `exposure` over `background`, without a tone.
+    pub const fn plain(exposure: f64, background: DVec3) -> Self {
+        Self { exposure, tone: Tone::None, background }
+    }
 }
 
 /// Push constants of `display.frag`.
@@ -363,6 +378,7 @@ struct DisplayBlock {
     background: [f32; 3],
     exposure: f32,
     samples: f32,
+    neutral: u32,
 }
 
 /// What a display pass clears to: the code of `background`, which no exposure changes.

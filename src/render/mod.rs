@@ -6,6 +6,7 @@ pub mod device_brdf;
 pub mod device_mesh;
 pub mod difference;
 pub mod evaluator;
+pub mod exposure;
 pub mod footprints;
 pub mod frame;
 pub mod frame_set;

@@ -238,13 +238,13 @@ impl Painter {
         source.rebind(&self.device, &mut self.source, shading)
     }
 
-    /// Draws one sample of `view` at the centres of pixels and leaves the result on the device; milliseconds that the device took for
-    /// shading and display.
+    /// Draws one sample of `view` at the centres of pixels, displays it without a tone and leaves the result on the device; milliseconds that the
+    /// device took for shading and display.
     ///
     /// # Errors
     /// Where the device is lost.
     pub fn draw(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<[f64; 2]> {
-        self.draw_sample(view, &Sampling::ONE.sample(0), Shown { exposure, background })
+        self.draw_sample(view, &Sampling::ONE.sample(0), Shown::plain(exposure, background))
     }
 
     /// Draws `sample` alone of `view`, as [`Self::draw`] does.
@@ -266,13 +266,12 @@ impl Painter {
     pub fn draw_while(
         &mut self,
         view: &View,
-        exposure: f64,
-        background: DVec3,
+        shown: Shown,
         size: [u32; 2],
         go_on: &mut dyn FnMut() -> bool,
     ) -> Result<Option<f64>> {
         self.write(view, size, &Sampling::ONE.sample(0))?;
-        let times = self.submit_strips(size, Finish::Display, Shown { exposure, background }, go_on)?;
+        let times = self.submit_strips(size, Finish::Display, shown, go_on)?;
         Ok(times.map(|times| times[0] + times[1]))
     }
 
@@ -303,13 +302,12 @@ impl Painter {
         Ok(Some(total))
     }
 
-    /// Shows what was drawn last at another exposure or before another background; false where there is nothing whole.
+    /// Shows what was drawn last at another exposure, by another tone or before another background; false where there is nothing whole.
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn display_again(&mut self, size: [u32; 2], exposure: f64, background: DVec3) -> Result<bool> {
+    pub fn display_again(&mut self, size: [u32; 2], shown: Shown) -> Result<bool> {
         let (geometry, target, display) = (&self.geometry, &self.target, &self.display);
-        let shown = Shown { exposure, background };
         let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
         match self.shows {
             Content::Nothing => return Ok(false),
@@ -428,7 +426,7 @@ impl Painter {
         Ok(best)
     }
 
-    /// Draws one sample of `view` at the centres of pixels and reads the picture back.
+    /// Draws one sample of `view` at the centres of pixels, displays it without a tone and reads the picture back.
     ///
     /// # Errors
     /// Where the device is lost.

@@ -1,6 +1,6 @@
 //! The picture that f64 optics give for the very directions that a frame shaded: only shading differs.
 
-use super::frame::View;
+use super::frame::{Shown, View};
 use super::picture::Directions;
 use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
@@ -137,17 +137,18 @@ pub fn covered(directions: &[Directions]) -> Vec<usize> {
 }
 
 /// What a display shows of `radiance`, whose colours are premultiplied by their alpha, by the f64 twin of the display pass.
-pub fn displayed(radiance: &[[f32; 4]], exposure: f64, background: DVec3) -> Vec<[u8; 4]> {
-    let shown = |pixel: &[f32; 4]| {
+pub fn displayed(radiance: &[[f32; 4]], shown: Shown) -> Vec<[u8; 4]> {
+    let Shown { exposure, tone, background } = shown;
+    let code = |pixel: &[f32; 4]| {
         let [r, g, b, coverage] = pixel.map(f64::from);
         let [r, g, b] = if coverage > 0.0 {
-            color::display_over(DVec3::new(r, g, b) / coverage, exposure, coverage, background)
+            color::display_over(DVec3::new(r, g, b) / coverage, exposure, tone, coverage, background)
         } else {
             color::display(background, 0.0)
         };
         [r, g, b, 255]
     };
-    radiance.iter().map(shown).collect()
+    radiance.iter().map(code).collect()
 }
 
 /// The mean of `sampling`'s samples, each shaded in f64, for the pixels that are `chosen` by their number; the others stay empty.

@@ -3,7 +3,7 @@
 //! The picture's middle column stands at azimuth 0, the world's +x; azimuth grows to the left, as for one who stands inside and looks
 //! out. Its top row is up, +z. A radiance of 1 is that of a white diffuse surface that faces a light of intensity 1.
 
-use super::light::Incident;
+use super::light::{Incident, WIDER};
 use crate::error::{Error, Result};
 use crate::input;
 use crate::memory;
@@ -123,7 +123,7 @@ impl Environment {
         let flat = (1.0 - z * z).max(0.0).sqrt();
         let part = solid_angle / chance; // 1 over the density [sr]
         let scale = self.placement.exposure.exp2() * part / PI;
-        let share = part / f64::from(count.max(1));
+        let share = WIDER * part / f64::from(count.max(1));
         Incident {
             direction: DVec3::new(flat * cos, flat * sin, z),
             irradiance: picture.radiance[row * picture.width + column] * scale as f32,
@@ -362,7 +362,7 @@ mod tests {
         }
         // All 64 samples together stand for about the spot's solid angle.
         let share = environment.incident([0.5, 0.5], 64).variance;
-        assert!((share / variance_of(TAU * 0.01 / 64.0) - 1.0).abs() < 0.1, "{share}");
+        assert!((share / variance_of(WIDER * TAU * 0.01 / 64.0) - 1.0).abs() < 0.1, "{share}");
     }
 
     #[test]

@@ -10,6 +10,10 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 /// Most lights of a scene: each costs a whole spectrum per fragment. Twin of `MAX_LIGHTS` in `frame.glsl`.
 pub const MAX_LIGHTS: usize = 4;
 
+/// By how much wider than its own part of a light a sample averages. With parts that just touch, the sum of their blurs would go up and down from
+/// one to the next; twice the width (four times the variance) leaves little of that (Křivánek and Colbert 2008, 4.2).
+pub(super) const WIDER: f64 = 4.0;
+
 /// What one sample of a picture gets from a light: one direction, which stands for a part of the light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incident {
@@ -28,13 +32,14 @@ impl Light {
         direction(self.theta, self.phi).as_vec3()
     }
 
-    /// What the sample at `point` (uniform in 0 … 1) of `count` samples gets. Directions are spread evenly over the light's solid angle, by
-    /// the map of Shirley and Chiu (1997), which keeps neighbours together; each stands for its part of the variance. One sample alone
-    /// looks at the centre.
+    /// What the sample at `point` (uniform in 0 … 1) of `count` samples gets. Directions are spread evenly over a disc around the light's
+    /// centre, by the map of Shirley and Chiu (1997), which keeps neighbours together. Each stands for [`WIDER`] times its part of the
+    /// variance, and the disc is smaller by as much, so that all samples together have the light's. Few samples look at the centre.
     pub fn incident(&self, point: [f64; 2], count: u32) -> Incident {
         let centre = direction(self.theta, self.phi);
-        let cap = 1.0 - (0.5 * self.size).to_radians().cos();
-        let (radius, angle) = if count > 1 { concentric(point) } else { (0.0, 0.0) };
+        let share = (WIDER / f64::from(count.max(1))).min(1.0);
+        let cap = (1.0 - (0.5 * self.size).to_radians().cos()) * (1.0 - share);
+        let (radius, angle) = concentric(point);
         let height = radius * radius * cap; // 1 − cos α
         let sine = (height * (2.0 - height)).max(0.0).sqrt();
         let (across, along) = centre.any_orthonormal_pair();
@@ -42,7 +47,7 @@ impl Light {
         Incident {
             direction,
             irradiance: Vec3::splat(self.intensity as f32),
-            variance: self.variance() / f64::from(count.max(1)),
+            variance: self.variance() * share,
         }
     }
 
@@ -88,18 +93,26 @@ mod tests {
         let side = 200;
         let place = |i: usize| (i as f64 + 0.5) / f64::from(side);
         let points = (0..side * side).map(|i| [place((i % side) as usize), place((i / side) as usize)]);
-        let directions: Vec<DVec3> = points.map(|p| light.incident(p, 16).direction).collect();
+        let directions: Vec<DVec3> = points.map(|p| light.incident(p, 1 << 20).direction).collect();
         let count = directions.len() as f64;
         let cosines: Vec<f64> = directions.iter().map(|d| d.dot(centre)).collect();
         let edge = 20f64.to_radians().cos();
         assert!(cosines.iter().all(|c| *c >= edge - 1e-12));
         assert!(directions.iter().all(|d| (d.length() - 1.0).abs() < 1e-12));
-        // The cosine is uniform over a cap, and the variance across is what a sample says, for all samples together.
+        // The cosine is uniform over a cap.
         assert!((cosines.iter().sum::<f64>() / count - (1.0 + edge) / 2.0).abs() < 1e-4);
         let across = centre.any_orthonormal_vector();
         let variance = directions.iter().map(|d| d.dot(across).powi(2)).sum::<f64>() / count;
-        assert!((variance / (16.0 * light.incident([0.1, 0.2], 16).variance) - 1.0).abs() < 1e-3);
-        assert_eq!(light.incident([0.1, 0.2], 1).direction, centre);
+        assert!((variance / light.variance() - 1.0).abs() < 1e-3);
+        assert!((light.incident([0.1, 0.2], 4).direction - centre).length() < 1e-7);
+        // However many samples there are, their spread and what each averages over make up the light's variance.
+        for count in [5, 16, 100] {
+            let all = (0..side * side)
+                .map(|i| light.incident([place((i % side) as usize), place((i / side) as usize)], count));
+            let spread = all.map(|i| i.direction.dot(across).powi(2)).sum::<f64>() / f64::from(side * side);
+            let sum = spread + light.incident([0.1, 0.2], count).variance;
+            assert!((sum / light.variance() - 1.0).abs() < 0.01, "{count}: {sum}");
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::light::{Light, MAX_LIGHTS};
 use super::{Mesh, Progress, obj, primitives, snake};
 use crate::error::{Error, Result};
 use crate::input;
+use crate::optics::color::Tone;
 use crate::optics::material::Material;
 use crate::optics::reflectance::{Film, Reflectance};
 use crate::surface::prepare::Step;
@@ -59,6 +60,8 @@ pub struct Scene {
     pub reflectance: Option<Reflectance>,
     /// Exposure of the display \[stops\].
     pub exposure: f64,
+    /// What the display makes of highlights.
+    pub tone: Tone,
     /// What is displayed where nothing is covered, linear sRGB.
     pub background: DVec3,
     /// Length of one unit of the scene's coordinates \[m\].
@@ -85,6 +88,8 @@ struct File {
     film: Option<String>,
     #[serde(default)]
     exposure: f64,
+    #[serde(default)]
+    tone: ToneName,
     #[serde(default = "dark_grey")]
     background: Triple<f64>,
     scale: Option<String>,
@@ -134,6 +139,19 @@ enum Up {
     #[default]
     Y,
     Z,
+}
+
+/// The name of a tone.
+#[derive(Clone, Copy, Deserialize, Default)]
+#[serde(try_from = "String")]
+struct ToneName(Tone);
+
+impl TryFrom<String> for ToneName {
+    type Error = String;
+
+    fn try_from(name: String) -> std::result::Result<Self, String> {
+        Tone::from_name(&name).map(Self).map_err(|e| e.to_string())
+    }
 }
 
 /// Exactly three numbers; an array of three would take the first three of more.
@@ -267,6 +285,7 @@ impl Scene {
             pigment,
             reflectance: reflectance(file.material.as_deref(), file.film.as_deref(), folder)?,
             exposure: file.exposure,
+            tone: file.tone.0,
             background: background.into(),
             unit: file.scale.as_deref().map_or(Ok(UNIT), units::length)? * METRES_PER_MICROMETRE,
         })
@@ -363,6 +382,20 @@ mod tests {
         {
             assert!(with(wrong).unwrap_err().to_string().contains(said), "{wrong}");
         }
+    }
+
+    #[test]
+    fn a_scene_names_a_tone_or_has_none() {
+        let plate = BUILT_IN[1].1;
+        let tone = |line: &str| Scene::parse(&format!("{line}\n{plate}"), Path::new("")).map(|s| s.tone);
+        assert_eq!(tone("").unwrap(), Tone::None);
+        assert_eq!(tone("tone = \"none\"").unwrap(), Tone::None);
+        assert_eq!(tone("tone = \"neutral\"").unwrap(), Tone::Neutral);
+        for wrong in ["tone = \"filmic\"", "tone = \"Neutral\"", "tone = \"\""] {
+            let said = tone(wrong).unwrap_err().to_string();
+            assert!(said.contains("line 1") && said.contains("none or neutral"), "{wrong}: {said}");
+        }
+        assert!(tone("tone = 1").is_err());
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::{InUse, Method, Settings, averages_footprints, source};
 use crate::error::Result;
+use crate::render::exposure;
 use crate::render::footprints;
 use crate::render::frame::{Shown, View};
 use crate::render::picture::{Directions, Painter, Picture};
@@ -46,8 +47,8 @@ pub fn own_view(scene: &Scene, shading: &Shading) -> View {
 
 /// A scene on a device, ready to be drawn from several views: mesh, pigment and source are there once.
 pub struct PreparedScene<'a> {
-    scene: &'a Scene,
     settings: &'a PictureSettings,
+    shown: Shown,
     source: Source,
     painter: Painter,
 }
@@ -78,7 +79,7 @@ impl<'a> PreparedScene<'a> {
         if scene.shadows {
             painter.cast_shadows()?;
         }
-        Ok(Self { scene, settings, source, painter })
+        Ok(Self { settings, shown: Shown::of(scene), source, painter })
     }
 
     /// Fails where a picture of `view` takes more than the source can do.
@@ -100,8 +101,21 @@ impl<'a> PreparedScene<'a> {
     /// # Errors
     /// Where the device is lost or has no room, and what `progress` returns.
     pub fn draw(&mut self, view: &View, progress: &mut dyn FnMut(u32) -> Result<()>) -> Result<Picture> {
-        let shown = Shown { exposure: self.scene.exposure, background: self.scene.background };
-        self.painter.paint_samples(view, &self.settings.sampling, shown, progress)
+        self.painter.paint_samples(view, &self.settings.sampling, self.shown, progress)
+    }
+
+    /// Shows pictures as `shown` says from now on, instead of as the scene does.
+    pub fn show(&mut self, shown: Shown) {
+        self.shown = shown;
+    }
+
+    /// The exposure \[stops\] that [`exposure::automatic`] gives one sample of `view`; `None` where nothing in it is lit.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn meter(&mut self, view: &View) -> Result<Option<f64>> {
+        self.painter.draw_sample(view, &Sampling::ONE.sample(0), self.shown)?;
+        Ok(exposure::automatic(&self.painter.picture()?.radiance))
     }
 
     /// The directions that each light of `view` comes from in `sample`.

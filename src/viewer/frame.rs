@@ -5,11 +5,10 @@ use super::inset::Inset;
 use super::prepared::Prepared;
 use super::quality::Quality;
 use crate::error::Result;
-use crate::render::frame::View;
+use crate::render::frame::{Shown, View};
 use crate::render::pigment::Pigment;
 use crate::scene::Scene;
 use crate::vk::image::Image;
-use glam::DVec3;
 use std::sync::Arc;
 
 /// A scene with its pigment texture read, ready for upload.
@@ -51,10 +50,10 @@ pub struct FrameRequest {
     pub again: bool,
     /// Camera, lights, pigment.
     pub view: View,
-    /// Exposure \[stops\].
-    pub exposure: f64,
-    /// Linear sRGB of pixels that the mesh does not cover.
-    pub background: DVec3,
+    /// How it is displayed.
+    pub shown: Shown,
+    /// Whether its exposure is to be measured, and not that of `shown`.
+    pub measured: bool,
     /// Pixels of the picture.
     pub size: [u32; 2],
     /// What is shown right of the split.
@@ -75,8 +74,8 @@ impl FrameRequest {
             && self.moving == other.moving
             && self.size == other.size
             && self.inset == other.inset
-            && self.exposure == other.exposure
-            && self.background == other.background
+            && self.shown == other.shown
+            && self.measured == other.measured
             && self.view == other.view
     }
 
@@ -95,7 +94,7 @@ pub struct RenderedFrame {
     pub sizes: [[u32; 2]; 2],
     /// How much of the work was done.
     pub quality: Quality,
-    /// Time on the device \[ms\]; 0 when only the exposure changed.
+    /// Time on the device \[ms\]; 0 when only the display changed.
     pub gpu_ms: f64,
     /// Elapsed time \[ms\].
     pub wall_ms: f64,
@@ -103,6 +102,8 @@ pub struct RenderedFrame {
     pub first: bool,
     /// Cost of the whole picture, if it was counted.
     pub cost: Option<PictureCost>,
+    /// The exposure \[stops\], where it was measured.
+    pub exposure: Option<f64>,
     /// The hemisphere, if it was asked for.
     pub inset: Option<Arc<Inset>>,
     /// [`Prepared::number`] of the setting shown.

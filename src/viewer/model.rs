@@ -195,6 +195,8 @@ pub struct Model {
     pub device: DeviceStatus,
     /// What the user has asked for.
     pub actions: Actions,
+    /// Whether the next picture says how it is exposed.
+    pub measures_exposure: bool,
 }
 
 impl Model {
@@ -227,7 +229,14 @@ impl Model {
             size: [0, 0],
             device: DeviceStatus { name: device, memory: 0, present_mode: "" },
             actions: Actions::default(),
+            measures_exposure: false,
         }
+    }
+
+    /// Exposes as a picture asks for that was measured; a reset returns to it.
+    pub fn expose(&mut self, stops: f64) {
+        (self.settings.exposure, self.original.exposure) = (stops, stops);
+        self.measures_exposure = false;
     }
 
     /// The settings of the picture that is shown: optics as prepared, everything else as set now.
@@ -237,6 +246,7 @@ impl Model {
             scene: done.scene.clone(),
             lights: now.lights.clone(),
             exposure: now.exposure,
+            tone: now.tone,
             base_color: now.base_color,
             camera: now.camera,
             ..done.clone()

@@ -7,6 +7,7 @@ mod surface;
 use super::compare::Compare;
 use super::model::Model;
 use super::style;
+use crate::optics::color::Tone;
 use crate::scene::scene_file::BUILT_IN;
 use crate::scene::{Light, MAX_LIGHTS};
 use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, Ui};
@@ -100,6 +101,12 @@ fn scene(ui: &mut Ui, model: &mut Model) {
         row(ui, "exposure", |ui| {
             let exposure = &mut model.settings.exposure;
             ui.add(number(exposure).speed(0.05).range(-20.0..=20.0).fixed_decimals(1).suffix(" EV"));
+        });
+        row(ui, "tone", |ui| {
+            let tone = &mut model.settings.tone;
+            for other in Tone::ALL {
+                ui.selectable_value(tone, other, other.name());
+            }
         });
         row(ui, "base colour", |ui| {
             let mut rgb = model.settings.base_color.to_array();

@@ -10,7 +10,8 @@ use super::quality::{Detail, Quality};
 use crate::error::{Error, Result};
 use crate::optics::validity::Validity;
 use crate::render::difference::DifferencePass;
-use crate::render::frame::View;
+use crate::render::exposure;
+use crate::render::frame::{Shown, View};
 use crate::render::picture::Painter;
 use crate::render::source::Source;
 use crate::vk::device::Device;
@@ -30,7 +31,7 @@ struct Slot {
 #[derive(Clone, PartialEq)]
 struct Displayed {
     view: View,
-    exposure: f64,
+    shown: Shown,
     size: [u32; 2],
 }
 
@@ -53,7 +54,7 @@ impl Slot {
     }
 }
 
-/// Time that a frame took \[ms\]; zero when only its exposure changed.
+/// Time that a frame took \[ms\]; zero when only its display changed.
 #[derive(Clone, Copy, Default)]
 struct FrameTime {
     gpu: f64,
@@ -144,6 +145,7 @@ impl Renderer {
         let Some(mut time) = painted else {
             return Ok(request.moving.then(|| RenderReply::TooSlow(request.quality, milliseconds())));
         };
+        let measured = if request.measured { expose(slot, request.shown, size)? } else { None };
         let Some(left) = slot.as_ref().map(|s| s.painter.target().display.clone()) else { return Ok(None) };
         let mut right = left.clone();
         if let Some(other) = request.other.as_ref().filter(|_| request.compare != Compare::Alone) {
@@ -169,6 +171,7 @@ impl Renderer {
             wall_ms: time.wall,
             first,
             cost,
+            exposure: measured,
             inset,
             number: request.own.number,
         }))))
@@ -186,7 +189,8 @@ impl Renderer {
         };
         let targets = [own, other].map(|slot| slot.painter.target());
         let geometry = other.painter.geometry();
-        pass.draw(geometry, targets, request.exposure, request.background).map(|image| Some(image.clone()))
+        pass.draw(geometry, targets, request.shown.exposure, request.shown.background)
+            .map(|image| Some(image.clone()))
     }
 
     /// Frees the painters of moving pictures that belong to a former setting.
@@ -263,7 +267,7 @@ impl Renderer {
                 samples: error_probe::samples(&mut slot.painter, &request.view)?,
                 prepared: request.own.clone(),
                 view: request.view.clone(),
-                exposure: request.exposure,
+                exposure: request.shown.exposure,
             }))),
         }
     }
@@ -280,17 +284,17 @@ fn paint(
     go_on: &mut dyn FnMut() -> bool,
 ) -> Result<Option<FrameTime>> {
     let slot = serving(device, slot, prepared, request)?;
-    let (view, exposure, background) = (&request.view, request.exposure, request.background);
-    let wanted = Displayed { view: view.clone(), exposure, size };
+    let (view, shown) = (&request.view, request.shown);
+    let wanted = Displayed { view: view.clone(), shown, size };
     if let Some(displayed) = &slot.displayed
         && !request.again
         && slot.painter.target().size() == request.size
-        && *displayed == (Displayed { exposure: displayed.exposure, ..wanted.clone() })
+        && *displayed == (Displayed { shown: displayed.shown, ..wanted.clone() })
     {
-        if displayed.exposure == exposure {
+        if displayed.shown == shown {
             return Ok(Some(FrameTime::default()));
         }
-        if slot.painter.display_again(size, exposure, background)? {
+        if slot.painter.display_again(size, shown)? {
             slot.displayed = Some(wanted);
             return Ok(Some(FrameTime::default()));
         }
@@ -301,11 +305,28 @@ fn paint(
     }
     slot.displayed = None;
     let start = Instant::now();
-    let gpu = slot.painter.draw_while(view, exposure, background, size, go_on)?;
+    let gpu = slot.painter.draw_while(view, shown, size, go_on)?;
     Ok(gpu.map(|gpu| {
         slot.displayed = Some(wanted);
         FrameTime { gpu, wall: start.elapsed().as_secs_f64() * 1e3 }
     }))
+}
+
+/// Displays the picture of `slot`, of `size` pixels, at the exposure \[stops\] that suits it, otherwise as `shown` says; `None` where nothing is lit.
+fn expose(slot: &mut Option<Slot>, shown: Shown, size: [u32; 2]) -> Result<Option<f64>> {
+    let Some(slot) = slot else { return Ok(None) };
+    let picture = slot.painter.picture()?;
+    let rows = picture.radiance.chunks(picture.size[0].max(1) as usize).take(size[1] as usize);
+    let radiance: Vec<_> = rows.flat_map(|row| row.iter().take(size[0] as usize)).copied().collect();
+    let stops = exposure::automatic(&radiance);
+    if let Some(exposure) = stops {
+        let shown = Shown { exposure, ..shown };
+        slot.painter.display_again(size, shown)?;
+        if let Some(displayed) = &mut slot.displayed {
+            displayed.shown = shown;
+        }
+    }
+    Ok(stops)
 }
 
 /// The painter of `slot`, made to draw `request` from `prepared`.

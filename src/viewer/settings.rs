@@ -3,6 +3,7 @@
 use crate::error::Result;
 use crate::expansion::Basis;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
+use crate::optics::color::Tone;
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
 use crate::render::shading::{Purpose, Shading};
@@ -49,6 +50,8 @@ pub struct ViewSettings {
     pub lights: Vec<Light>,
     /// Exposure \[stops\].
     pub exposure: f64,
+    /// What the display makes of highlights.
+    pub tone: Tone,
     /// Albedo of the pigment, linear sRGB.
     pub base_color: Vec3,
     /// The camera.
@@ -85,7 +88,7 @@ impl ViewSettings {
             || self.lights != shown.lights
         {
             Needs::Frame
-        } else if self.exposure != shown.exposure {
+        } else if (self.exposure, self.tone) != (shown.exposure, shown.tone) {
             Needs::Display
         } else {
             Needs::Nothing
@@ -180,6 +183,7 @@ pub(crate) mod tests {
             illuminant: "d65".to_owned(),
             lights: scene.lights.clone(),
             exposure: scene.exposure,
+            tone: scene.tone,
             base_color: scene.base_color,
             camera: scene.camera,
         };
@@ -196,6 +200,7 @@ pub(crate) mod tests {
         };
         assert_eq!(needs(&|_| ()), Needs::Nothing);
         assert_eq!(needs(&|s| s.exposure += 1.0), Needs::Display);
+        assert_eq!(needs(&|s| s.tone = Tone::Neutral), Needs::Display);
         assert_eq!(needs(&|s| s.lights[0].theta += 1.0), Needs::Frame);
         assert_eq!(needs(&|s| s.camera.phi += 0.1), Needs::Frame);
         assert_eq!(needs(&|s| s.base_color.x = 0.1), Needs::Frame);

@@ -44,6 +44,8 @@ pub struct Start {
     pub reflectance: Reflectance,
     /// Spectrum of the light: a name or a file.
     pub illuminant: String,
+    /// Whether the exposure is that which suits the first picture, instead of the scene's.
+    pub measures_exposure: bool,
     /// Size of the window \[pixels\].
     pub size: [u32; 2],
     /// Frames a second to keep while something moves.
@@ -78,6 +80,7 @@ impl Start {
             illuminant: self.illuminant.clone(),
             lights: self.scene.lights.clone(),
             exposure: self.scene.exposure,
+            tone: self.scene.tone,
             base_color: self.scene.base_color,
             camera: self.scene.camera,
         }

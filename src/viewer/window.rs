@@ -173,6 +173,7 @@ impl ViewerWindow {
             device,
             window,
         };
+        opened.model.measures_exposure = start.measures_exposure;
         opened.set_title();
         opened.request_preparations();
         opened.window.request_redraw();

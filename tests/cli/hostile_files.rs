@@ -192,6 +192,8 @@ fn bad_scenes_are_refused_by_name() {
         (with("[1.1, -0.9, 1.5]", "[1, 2]"), "line 5"),
         (format!("exposure = nan\n{SCENE}"), "exposure"),
         (format!("exposure = 1e9\n{SCENE}"), "exposure"),
+        (format!("tone = \"filmic\"\n{SCENE}"), "none or neutral"),
+        (format!("tone = 1\n{SCENE}"), "line 1"),
         (format!("base_color = [2, 0, 0]\n{SCENE}"), "colour"),
         (format!("background = [nan, 0, 0]\n{SCENE}"), "colour"),
         (format!("up = \"x\"\n{SCENE}"), "line 1"),

@@ -106,7 +106,9 @@ const BAD: &[(&str, &[&[&str]])] = &[
             "120nm:nan",
         ]],
     ),
-    ("--exposure", &[NO_NUMBER, &["41", "-41", "1EV", "1e9"]]),
+    // `brdf` takes a number alone.
+    ("--exposure", &[NO_NUMBER, &["41", "-41", "1EV", "1e9", "Auto", "automatic", "auto,1", "-auto"]]),
+    ("--tone", &[NO_NUMBER, &["filmic", "Neutral", "NONE", "neutral,none", "1"]]),
     ("--seed", &[NO_NUMBER, &["-1", "1.5", "1e3", "18446744073709551616"]]),
     (
         "--light",

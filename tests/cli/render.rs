@@ -302,6 +302,66 @@ fn exposure_changes_the_png_and_not_the_exr() {
 }
 
 #[test]
+fn a_tone_changes_the_png_and_not_the_exr_and_wins_over_the_scene() {
+    let sandbox = Sandbox::with_small_surface();
+    let plate = include_str!("../../assets/scenes/plate.toml");
+    sandbox.write("soft.toml", format!("tone = \"neutral\"\n{plate}"));
+    let bright = ["--exposure", "2"];
+    for (scene, name, more) in [
+        ("plate", "plain", &[][..]),
+        ("plate", "none", &["--tone", "none"]),
+        ("plate", "neutral", &["--tone", "neutral"]),
+        ("soft.toml", "of-scene", &[]),
+        ("soft.toml", "named", &["--tone", "none"]),
+    ] {
+        for output in [format!("{name}.png"), format!("{name}.exr")] {
+            render(&sandbox, scene, &output, &[&bright, more].concat());
+        }
+        assert_eq!(exr(&sandbox, &format!("{name}.exr")).2, exr(&sandbox, "plain.exr").2, "{name}");
+    }
+    let [plain, none, neutral, of_scene, named] =
+        ["plain", "none", "neutral", "of-scene", "named"].map(|name| png(&sandbox, &format!("{name}.png")));
+    assert!(plain == none && plain == named, "no tone is not what is displayed without one");
+    assert!(neutral == of_scene && neutral != plain, "the tone is not that of the scene");
+}
+
+/// What `render` tells of the exposure that it measured \[stops\].
+fn told_exposure(stderr: &str) -> f64 {
+    let told =
+        stderr.lines().find_map(|line| line.split_once("exposure ")).unwrap_or_else(|| panic!("{stderr}"));
+    told.1.trim_end_matches(" stops").parse().unwrap_or_else(|_| panic!("{stderr}"))
+}
+
+#[test]
+fn an_automatic_exposure_follows_the_light_and_is_told() {
+    let sandbox = Sandbox::with_small_surface();
+    let quick = ["--size", "32x24", "--tolerance", "1e-1", "--samples", "2", "--exposure"];
+    let draw = |stops: &str, output: &str, more: &[&str]| {
+        let own = [&["render", "plate"], &SMALL[..], &quick, &[stops, "-o", output]].concat();
+        let outcome = sandbox.run2(&own, more);
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        outcome.stderr
+    };
+    let of_light = |light: &str| told_exposure(&draw("auto", "auto.png", &["--light", light]));
+    let (once, twice) = (of_light("40,180,1"), of_light("40,180,2"));
+    assert!((once - twice - 1.0).abs() < 1e-9, "{once} and {twice} stops");
+    // The picture is the one that the number gives.
+    let auto = png(&sandbox, "auto.png");
+    draw(&twice.to_string(), "named.png", &["--light", "40,180,2"]);
+    assert!(auto == png(&sandbox, "named.png"));
+    assert_eq!(draw("auto", "auto.png", &["-q"]), "");
+    // The f64 reference exposes alike, and what nothing lights has the scene's own exposure.
+    let exact = told_exposure(&draw("auto", "exact.png", &["--light", "40,180,2", "--method", "reference"]));
+    assert!((exact - twice).abs() < 0.15, "{exact} and {twice} stops");
+    let below = "mesh = \"plate\"\nsurface = \"flat\"\nlights = [\"90,0,1\"]\n[camera]\neye = [0, 0, 3]\n\
+                 target = [0, 0, 0]\nfield_of_view = \"35deg\"\n";
+    sandbox.write("below.toml", below);
+    let unlit = ["render", "below.toml", "--size", "8x6", "--exposure", "auto", "-o", "unlit.png"];
+    let said = sandbox.run2(&unlit, &["--tolerance", "1e-1"]);
+    assert!(said.code == Some(0) && said.stderr.contains("exposure 0.0 stops, the scene's own"), "{said:?}");
+}
+
+#[test]
 fn another_seed_is_another_skin() {
     let sandbox = Sandbox::with_small_surface();
     let of = |seed: &str, name: &str| {

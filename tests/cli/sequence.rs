@@ -106,6 +106,24 @@ fn pictures_of_other_settings_are_neither_kept_nor_written_over() {
 }
 
 #[test]
+fn one_automatic_exposure_serves_all_pictures_whichever_part_is_drawn() {
+    let sandbox = Sandbox::with_small_surface();
+    let sweep = ["--light", "40,10,2", "--light-sweep", "3", "--exposure", "auto", "-o", "sun.png"];
+    let told = render(&sandbox, &sweep);
+    assert!(told.code == Some(0) && told.stderr.matches("exposure ").count() == 1, "{told:?}");
+    let whole = sandbox.read("sun-0002.png");
+    fs::remove_file(sandbox.path("sun-0002.png")).unwrap();
+    let again = render(&sandbox, &[&sweep[..], &["--frames", "2..3"]].concat());
+    assert_eq!(again.stderr, told.stderr, "the part measures another exposure");
+    assert!(sandbox.read("sun-0002.png") == whole, "a part of the sequence is another sequence");
+    // Another tone and an exposure that is named make other sequences.
+    let sweep = ["--light", "40,10,2", "--light-sweep", "3", "-o", "sun.png"];
+    for more in [&["--exposure", "auto", "--tone", "neutral"][..], &["--exposure", "0"], &[]] {
+        render(&sandbox, &[&sweep[..], more].concat()).refused(2);
+    }
+}
+
+#[test]
 fn sequences_that_cannot_be_meant_are_refused_before_any_work() {
     let sandbox = Sandbox::with_small_surface();
     let dark = "mesh = \"plate\"\nsurface = \"blaze\"\nlights = []\n[camera]\neye = [0, 0, 3]\n\

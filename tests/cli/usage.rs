@@ -35,6 +35,17 @@ fn help_of_every_command_goes_to_stdout_with_exit_code_0() {
 }
 
 #[test]
+fn help_of_pictures_says_what_is_measured_and_lists_the_tones() {
+    let sandbox = Sandbox::new();
+    for command in ["render", "view"] {
+        let help = sandbox.run([command, "--help"]).done();
+        for mentioned in ["--exposure <EV|auto>", "all of a sequence", "--tone <NAME>", "neutral"] {
+            assert!(help.contains(mentioned), "{command}: `{mentioned}` is missing in: {help}");
+        }
+    }
+}
+
+#[test]
 fn the_list_of_commands_in_these_tests_is_the_programs() {
     let sandbox = Sandbox::new();
     for parent in [&[][..], &["surface"], &["cache"]] {

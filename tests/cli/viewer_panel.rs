@@ -5,7 +5,7 @@ use crate::display::wait_for;
 use crate::viewer::Viewer;
 
 /// Room for all of the panel.
-const LARGE: [&str; 2] = ["--size", "600x1040"];
+const LARGE: [&str; 2] = ["--size", "600x1064"];
 
 #[test]
 fn windows_method_and_what_else_the_optics_has_act_on_the_picture() {
@@ -96,6 +96,9 @@ fn lights_and_exposure_and_level_act_on_the_picture() {
     let viewer = Viewer::open(&[&["plate"][..], &LARGE].concat());
     let stops = viewer.drag("exposure", 0, 24);
     let (first, _) = viewer.shows_number("--exposure", &stops);
+    viewer.press("neutral");
+    let (soft, command) = viewer.shows("--tone neutral");
+    assert!(soft != first, "{command}");
     viewer.press("mean");
     viewer.shows("--level mean");
     viewer.press("add a light");

@@ -2,6 +2,7 @@
 
 use crate::device::with_device;
 use crate::evaluation::{layers, patch, shading, window};
+use diffract::optics::color::Tone;
 use diffract::optics::geometry::direction;
 use diffract::render::footprints::{Distribution, median_pixel_area};
 use diffract::render::frame::{Shown, View};
@@ -16,7 +17,7 @@ use glam::{DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [48, 36];
-const SHOWN: Shown = Shown { exposure: 0.5, background: DVec3::new(0.1, 0.2, 0.3) };
+const SHOWN: Shown = Shown::plain(0.5, DVec3::new(0.1, 0.2, 0.3));
 
 fn painter(device: &Arc<Device>, scene: &Scene, lights: usize) -> Painter {
     let shading = shading(4.0, 1e-1);
@@ -86,11 +87,19 @@ fn a_picture_is_the_mean_of_its_samples_each_drawn_alone() {
         let partial = mean.radiance.iter().filter(|p| p[3] > 0.0 && p[3] < 1.0).count();
         assert!(partial > 20, "only {partial} pixels lie on edges");
         // The display is the twin's, at edges too.
-        let twin = displayed(&mean.radiance, SHOWN.exposure, SHOWN.background);
+        let twin = displayed(&mean.radiance, SHOWN);
         for (code, expected) in mean.display.iter().zip(&twin) {
             assert!((0..4).all(|c| code[c].abs_diff(expected[c]) <= 1), "{code:?}, expected {expected:?}");
         }
-        let bare = displayed(&[[0.0; 4]], SHOWN.exposure, SHOWN.background)[0];
+        // So it is by another tone.
+        let neutral = Shown { tone: Tone::Neutral, ..SHOWN };
+        assert!(painter.display_again(SIZE, neutral).unwrap());
+        let shown = painter.picture().unwrap().display;
+        for (code, expected) in shown.iter().zip(&displayed(&mean.radiance, neutral)) {
+            assert!((0..4).all(|c| code[c].abs_diff(expected[c]) <= 1), "{code:?}, expected {expected:?}");
+        }
+        assert!(shown != mean.display);
+        let bare = displayed(&[[0.0; 4]], SHOWN)[0];
         let uncovered = mean.radiance.iter().zip(&mean.display).filter(|(p, _)| p[3] == 0.0);
         assert!(uncovered.into_iter().all(|(_, code)| *code == bare));
     });
@@ -120,7 +129,7 @@ fn samples_start_anew_when_anything_changes_and_go_on_after_one_that_was_given_u
         assert!(painter.picture().unwrap() == expected[0]);
         assert_eq!(add(&mut painter, &view, &sampling, true), Some(4), "there are no more");
         assert!(painter.picture().unwrap() == expected[0]);
-        assert!(painter.display_again(SIZE, SHOWN.exposure + 1.0, SHOWN.background).unwrap());
+        assert!(painter.display_again(SIZE, Shown { exposure: SHOWN.exposure + 1.0, ..SHOWN }).unwrap());
         let brighter = painter.picture().unwrap();
         assert!(brighter.radiance == expected[0].radiance && brighter.display != expected[0].display);
 

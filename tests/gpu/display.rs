@@ -2,13 +2,16 @@
 
 use crate::device::with_device;
 use crate::evaluation::{layers, patch, shading, window};
-use diffract::optics::color::display;
-use diffract::render::frame::View;
+use diffract::optics::color::{Tone, display, display_over};
+use diffract::render::frame::{Shown, View};
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
+use diffract::render::sampling::Sampling;
 use diffract::scene::Scene;
 use diffract::surface::synth::Kind;
 use glam::DVec3;
+
+const SIZE: [u32; 2] = [160, 120];
 
 #[test]
 fn the_displayed_picture_is_the_twin_s_within_one_code() {
@@ -25,19 +28,24 @@ fn the_displayed_picture_is_the_twin_s_within_one_code() {
             &shading,
             &scene.mesh,
             &Pigment::white(),
-            [160, 120],
+            SIZE,
             view.lights.len(),
         )
         .unwrap();
-        for exposure in [-3.0, 0.0, 2.5] {
-            let picture = painter.paint(&view, exposure, background).unwrap();
+        let shows = |exposure, tone| Shown { exposure, tone, background };
+        let one = Sampling::ONE.sample(0);
+        for (exposure, tone) in
+            [-3.0, 0.0, 2.5, 6.0].into_iter().flat_map(|ev| Tone::ALL.map(|tone| (ev, tone)))
+        {
+            painter.draw_sample(&view, &one, shows(exposure, tone)).unwrap();
+            let picture = painter.picture().unwrap();
             let mut differing = 0;
             for (linear, code) in picture.radiance.iter().zip(&picture.display) {
                 let [r, g, b, alpha] = linear.map(f64::from);
-                let expected = if alpha > 0.0 {
-                    display(DVec3::new(r, g, b), exposure)
-                } else {
-                    display(background, 0.0)
+                let expected = match (alpha > 0.0, tone) {
+                    (false, _) => display(background, 0.0),
+                    (true, Tone::None) => display(DVec3::new(r, g, b), exposure),
+                    (true, tone) => display_over(DVec3::new(r, g, b), exposure, tone, 1.0, background),
                 };
                 for (a, b) in code[..3].iter().zip(expected) {
                     // f32 against f64 may round to the neighbouring code, now and then.
@@ -47,12 +55,18 @@ fn the_displayed_picture_is_the_twin_s_within_one_code() {
             }
             assert!(
                 differing < picture.display.len() / 50,
-                "{differing} codes differ at exposure {exposure}"
+                "{differing} codes differ at exposure {exposure} by {tone:?}"
             );
         }
         // The twin is not indifferent: another exposure gives another picture.
         let (dark, bright) =
             (painter.paint(&view, -3.0, background).unwrap(), painter.paint(&view, 0.0, background).unwrap());
         assert!(dark.display != bright.display && dark.radiance == bright.radiance);
+        // Neither is it to the tone, and what is on the device needs no drawing to be displayed by another.
+        assert!(painter.display_again(SIZE, shows(0.0, Tone::Neutral)).unwrap());
+        let neutral = painter.picture().unwrap();
+        assert!(neutral.display != bright.display && neutral.radiance == bright.radiance);
+        assert!(painter.display_again(SIZE, shows(0.0, Tone::None)).unwrap());
+        assert!(painter.picture().unwrap() == bright);
     });
 }

@@ -8,6 +8,7 @@ use diffract::error::Result;
 use diffract::expansion::Basis;
 use diffract::optics::brdf::cosine_weighted;
 use diffract::optics::coherence::{Coherence, Windows};
+use diffract::optics::color::Tone;
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::reference::Reference;
 use diffract::precompute::audit::FAINT;
@@ -15,7 +16,7 @@ use diffract::precompute::texels::{HALF_UNIT, Texels};
 use diffract::precompute::{Layers, Settings, compute};
 use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
-use diffract::render::frame::View;
+use diffract::render::frame::{Shown, View};
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{displayed, reference_picture};
@@ -488,10 +489,17 @@ fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_num
                             "{name} from {eye:?}: pixel {i} is {pixel:?}"
                         );
                     }
-                    let expected = displayed(&picture.radiance, exposure, DVec3::splat(0.01));
-                    for (a, b) in picture.display.iter().zip(&expected) {
-                        let far = (0..4).any(|c| a[c].abs_diff(b[c]) > 1);
-                        assert!(!far, "{name} at {exposure} EV: {a:?} is displayed for {b:?}");
+                    for tone in Tone::ALL {
+                        let shown = Shown { exposure, tone, background: DVec3::splat(0.01) };
+                        assert!(painter.display_again(size, shown).unwrap());
+                        let display = painter.picture().unwrap().display;
+                        for (a, b) in display.iter().zip(&displayed(&picture.radiance, shown)) {
+                            let far = (0..4).any(|c| a[c].abs_diff(b[c]) > 1);
+                            assert!(
+                                !far,
+                                "{name} at {exposure} EV by {tone:?}: {a:?} is displayed for {b:?}"
+                            );
+                        }
                     }
                 }
             }

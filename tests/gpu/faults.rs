@@ -10,7 +10,7 @@ use diffract::optics::footprint::FootprintSizes;
 use diffract::precompute::{Settings, compute};
 use diffract::render::difference::DifferencePass;
 use diffract::render::evaluator::Evaluator;
-use diffract::render::frame::View;
+use diffract::render::frame::{Shown, View};
 use diffract::render::picture::{Painter, Picture};
 use diffract::render::pigment::Pigment;
 use diffract::render::shading::Shading;
@@ -130,7 +130,7 @@ fn a_profile_and_what_a_window_adds_fail_cleanly_at_each_of_their_allocations() 
             let rates = profile::rates(&mut painter, 16 * 12)?;
             painter.directions(&view, 0)?;
             painter.cosine_weighted(&queries(3, 5))?;
-            painter.draw_while(&view, 0.0, DVec3::ZERO, [16, 12], &mut || true)?;
+            painter.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), [16, 12], &mut || true)?;
             let mut errors = DifferencePass::new(device, [8, 6])?;
             errors.draw(painter.geometry(), [painter.target(); 2], 0.0, DVec3::ONE)?;
             Ok(times.frame.min.min(rates.coherent))

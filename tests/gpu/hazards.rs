@@ -22,7 +22,7 @@ use glam::DVec3;
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [24, 18];
-const SHOWN: Shown = Shown { exposure: 0.5, background: DVec3::new(0.1, 0.2, 0.3) };
+const SHOWN: Shown = Shown::plain(0.5, DVec3::new(0.1, 0.2, 0.3));
 
 /// What `work` records.
 fn recorded(device: &Arc<Device>, work: impl FnOnce()) -> Vec<Event> {
@@ -113,7 +113,7 @@ fn pictures_from_spectra_tables_and_windows_have_all_their_barriers() {
                 painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
                 let sampling = Sampling { count: 3, seed: 1 };
                 painter.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
-                painter.display_again(SIZE, 1.0, SHOWN.background).unwrap();
+                painter.display_again(SIZE, Shown { exposure: 1.0, ..SHOWN }).unwrap();
                 painter.picture().unwrap();
                 painter.directions(&view, lights - 1).unwrap();
                 painter.resize([12, 8], lights).unwrap();

@@ -5,7 +5,7 @@ use crate::evaluation::patch;
 use crate::mean::source;
 use diffract::brdf::mean::{Mean, TabulatedMean};
 use diffract::optics::coherence::{Coherence, Windows};
-use diffract::optics::color::xyz_to_linear_srgb;
+use diffract::optics::color::{Tone, xyz_to_linear_srgb};
 use diffract::optics::footprint::{Covariance, FootprintSizes};
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::spectrum::{Illuminant, SHORTEST};
@@ -26,7 +26,7 @@ use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-const SHOWN: Shown = Shown { exposure: 0.0, background: DVec3::ZERO };
+const SHOWN: Shown = Shown { exposure: 0.0, tone: Tone::None, background: DVec3::ZERO };
 
 /// A plate without pigment, looked at from afar, so that all of it is seen from nearly one direction.
 fn plate(theta: f32, lights: Vec<Light>, environment: Option<Environment>) -> (Scene, View) {
@@ -129,7 +129,7 @@ fn albedo(field: &HeightField, shading: &Shading, theta: f64) -> DVec3 {
 fn a_disc_of_light_is_the_mean_over_its_points() {
     let field = patch(Kind::Blaze, 10.0);
     let shading = shading(16.0, MIRROR);
-    let disc = units::light("disc:12deg:35,20").unwrap();
+    let disc = units::light("disc:12deg:35,180").unwrap();
     with_device(|device| {
         let scene = plate(0.3, vec![disc], None);
         let found = radiance(device, &field, &shading, &scene, 64);

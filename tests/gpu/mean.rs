@@ -251,7 +251,7 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
     let view = View::of(&scene, vec![Light { theta: 45.0, phi: -40.0, intensity: 2.0, size: 0.0 }]);
     let shading = shading(16.0, 2e-2).for_pictures();
     let sampling = Sampling { count: 16, seed: 7 };
-    let shown = Shown { exposure: 0.0, background: DVec3::ZERO };
+    let shown = Shown::plain(0.0, DVec3::ZERO);
     with_device(|device| {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
         let new = |source: &Source| {

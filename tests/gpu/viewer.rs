@@ -6,7 +6,7 @@ use crate::measure::channel;
 use diffract::optics::spectrum::Illuminant;
 use diffract::precompute::{Layers, compute};
 use diffract::render::difference::{self, DifferencePass};
-use diffract::render::frame::View;
+use diffract::render::frame::{Shown, View};
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::shading::Shading;
@@ -63,7 +63,7 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
             assert!(device.memory_in_use().abs_diff(memory) < layers.bytes() as u64 / 2);
             assert!(painter.paint(&view, 0.0, DVec3::ZERO).unwrap() == expected);
             // In strips, too, each of which is a submission of its own.
-            painter.draw_while(&view, 0.0, DVec3::ZERO, SIZE, &mut || true).unwrap();
+            painter.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), SIZE, &mut || true).unwrap();
             assert!(painter.picture().unwrap() == expected);
         }
         // Layers, coefficients and pigment alone take as many allocations as that and more.
@@ -121,7 +121,9 @@ fn strips_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displ
             asked += 1;
             true
         };
-        assert!(painter.draw_while(&view, 1.0, background, SIZE, &mut count).unwrap().is_some());
+        assert!(
+            painter.draw_while(&view, Shown::plain(1.0, background), SIZE, &mut count).unwrap().is_some()
+        );
         assert!(asked >= 2, "the picture has more than one strip at first");
         assert!(painter.picture().unwrap() == expected);
         // Another light, given up after the first strip.
@@ -134,13 +136,16 @@ fn strips_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displ
             lights: vec![Light { theta: 70.0, phi: 100.0, intensity: 1.0, size: 0.0 }],
             ..view.clone()
         };
-        let done = painter.draw_while(&other, 1.0, background, SIZE, &mut once).unwrap();
+        let done = painter.draw_while(&other, Shown::plain(1.0, background), SIZE, &mut once).unwrap();
         if done.is_none() {
             assert!(painter.picture().unwrap().display == expected.display);
-            assert!(!painter.display_again(SIZE, 0.0, background).unwrap(), "half a picture is none");
+            assert!(
+                !painter.display_again(SIZE, Shown::plain(0.0, background)).unwrap(),
+                "half a picture is none"
+            );
         }
-        painter.draw_while(&view, 1.0, background, SIZE, &mut || true).unwrap();
-        assert!(painter.display_again(SIZE, 2.0, background).unwrap());
+        painter.draw_while(&view, Shown::plain(1.0, background), SIZE, &mut || true).unwrap();
+        assert!(painter.display_again(SIZE, Shown::plain(2.0, background)).unwrap());
         let brighter = whole.paint(&view, 2.0, background).unwrap();
         assert!(painter.picture().unwrap() == brighter && brighter.display != expected.display);
     });
@@ -154,7 +159,7 @@ fn a_smaller_picture_lies_in_the_corner_and_another_size_is_another_picture() {
     with_device(|device| {
         let expected = painter(device, &scene, small).paint(&view, 0.0, DVec3::ZERO).unwrap();
         let mut painter = painter(device, &scene, SIZE);
-        painter.draw_while(&view, 0.0, DVec3::ZERO, small, &mut || true).unwrap();
+        painter.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), small, &mut || true).unwrap();
         let shown = painter.picture().unwrap();
         for y in 0..small[1] as usize {
             let rows = [small[0], SIZE[0]].map(|width| y * width as usize);

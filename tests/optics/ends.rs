@@ -4,7 +4,7 @@ use diffract::expansion::optimal::Optimal;
 use diffract::expansion::taylor::Taylor;
 use diffract::expansion::{Expansion, HeightScale};
 use diffract::optics::coherence::{Axis, Coherence};
-use diffract::optics::color::{display, map_to_gamut};
+use diffract::optics::color::{Tone, display};
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::orders::Repeats;
 use diffract::optics::quadrature::Nodes;
@@ -132,8 +132,11 @@ proptest! {
         exposure in ended(&[-40.0, -39.5, 0.0, 39.5, 40.0]),
     ) {
         let rgb = DVec3::from(rgb);
-        let mapped = map_to_gamut(rgb * exposure.exp2());
-        prop_assert!(mapped.is_finite() && mapped.min_element() >= 0.0 && mapped.max_element() <= 1.0, "{mapped}");
+        for tone in Tone::ALL {
+            let mapped = tone.map(rgb * exposure.exp2());
+            let within = mapped.min_element() >= 0.0 && mapped.max_element() <= 1.0;
+            prop_assert!(mapped.is_finite() && within, "{mapped} by {tone:?}");
+        }
         let grey = DVec3::splat(rgb.x);
         let codes = [exposure, exposure + 1.0].map(|ev| display(grey, ev));
         prop_assert!(codes.iter().all(|c| c[0] == c[1] && c[1] == c[2]), "{codes:?}");

@@ -39,7 +39,8 @@ impl Painter {
         progress: &mut dyn FnMut(u32) -> Result<()>,
     ) -> Result<Picture> {
         if sampling.count <= 1 {
-            return self.paint(view, shown.exposure, shown.background);
+            self.draw_sample(view, &Sampling::ONE.sample(0), shown)?;
+            return self.picture();
         }
         let size = self.target.size();
         self.summed = None;
@@ -74,7 +75,7 @@ impl Painter {
         let before = self.samples_of(view, sampling, size);
         if before >= sampling.count {
             self.shows = Content::Mean;
-            self.display_again(size, shown.exposure, shown.background)?;
+            self.display_again(size, shown)?;
             return Ok(Some(Added { samples: before, times: [0.0; 2] }));
         }
         if before == 0 {

@@ -70,7 +70,7 @@ impl Painter {
             self.shade.record(record, (&self.geometry, target), sets);
             record.timestamp(stamps, 2);
             super::record_display(record, target, |record| {
-                let shown = Shown { exposure, background };
+                let shown = Shown::plain(exposure, background);
                 self.display.record(record, (&self.geometry, target), &target.display, shown);
             });
             record.timestamp(stamps, 3);

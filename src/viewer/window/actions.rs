@@ -121,6 +121,7 @@ impl ViewerWindow {
         if !is_mesh {
             settings.lights.clone_from(&scene.lights);
             settings.exposure = scene.exposure;
+            settings.tone = scene.tone;
             settings.base_color = scene.base_color;
             settings.surface.name.clone_from(&scene.surface);
             (settings.surface.pixel_size, settings.surface.height) = (scene.pixel_size, scene.full_height);

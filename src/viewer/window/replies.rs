@@ -106,7 +106,10 @@ impl ViewerWindow {
     }
 
     fn show_frame(&mut self, mut frame: RenderedFrame) {
-        // A change of exposure alone takes no time on the device and says nothing about frame times.
+        if let Some(stops) = frame.exposure {
+            self.model.expose(stops);
+        }
+        // A change of the display alone takes no time on the device and says nothing about frame times.
         if frame.gpu_ms > 0.0 {
             self.model.pacing.history.push(frame.wall_ms);
             self.model.pacing.quality.record(frame.quality, frame.wall_ms, frame.first);

@@ -1,7 +1,7 @@
 //! Requests to the background threads.
 
 use super::{PreparationRequest, ViewerWindow};
-use crate::render::frame::View;
+use crate::render::frame::{Shown, View};
 use crate::setup::{self, Method};
 use crate::viewer::compare::{self, Compare};
 use crate::viewer::frame::FrameRequest;
@@ -106,8 +106,8 @@ impl ViewerWindow {
             moving: false,
             again: false,
             view,
-            exposure: shown.exposure,
-            background: scene.background,
+            shown: Shown { exposure: shown.exposure, tone: shown.tone, background: scene.background },
+            measured: model.measures_exposure,
             size: model.size,
             compare: model.comparison.mode,
             inset: model.visible.inset,

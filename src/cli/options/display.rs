@@ -1,0 +1,41 @@
+//! How a picture is displayed.
+
+use super::exposure;
+use crate::error::Result;
+
+/// The exposure of a display.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exposure {
+    /// So many stops.
+    Stops(f64),
+    /// What suits the picture.
+    Auto,
+}
+
+impl Exposure {
+    /// A number of stops, or `auto`.
+    ///
+    /// # Errors
+    /// Neither of them.
+    pub fn parse(text: &str) -> Result<Self> {
+        if text == "auto" {
+            return Ok(Self::Auto);
+        }
+        exposure(text).map(Self::Stops).map_err(|e| e.or("auto"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_exposure_is_a_number_of_stops_or_auto() {
+        assert_eq!(Exposure::parse("auto").unwrap(), Exposure::Auto);
+        assert_eq!(Exposure::parse("-2.5").unwrap(), Exposure::Stops(-2.5));
+        for bad in ["", "Auto", "automatic", "41", "-41", "nan", "1EV"] {
+            let e = Exposure::parse(bad).unwrap_err();
+            assert!(e.exit_code() == 2 && e.to_string().contains("auto"), "{bad}: {e}");
+        }
+    }
+}
