@@ -189,7 +189,10 @@ fn draw(
             reference_picture(&mut studio, &shot.view, work, &told)?
         } else {
             let samples = settings.sampling.count as usize;
-            studio.draw(&shot.view, &mut |done| told(done as usize, samples))?
+            let picture = studio.draw(&shot.view, &mut |done| told(done as usize, samples))?;
+            // A single sample tells nothing of itself.
+            told(samples, samples)?;
+            picture
         };
         prepare::finish(&device)?;
         picture_file::write(&shot.output, format, &picture, &shot.notes)?;
