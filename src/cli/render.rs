@@ -202,7 +202,10 @@ fn draw(
             reference_picture(&mut prepared, &shot.view, work, shown, &told)?
         } else {
             let samples = settings.sampling.count as usize;
-            prepared.draw(&shot.view, &mut |done| told(done as usize, samples))?
+            let picture = prepared.draw(&shot.view, &mut |done| told(done as usize, samples))?;
+            // A single sample tells nothing of itself.
+            told(samples, samples)?;
+            picture
         };
         prepare::finish(&device)?;
         picture_file::write(&shot.output, format, &picture, &shot.notes)?;
