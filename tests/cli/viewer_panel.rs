@@ -111,3 +111,22 @@ fn lights_and_exposure_and_level_act_on_the_picture() {
     assert_eq!(lights(&command), 1, "{command}");
     viewer.close();
 }
+
+#[test]
+fn an_automatic_exposure_is_measured_once_and_a_reset_returns_to_it() {
+    let viewer = Viewer::open(&[&["plate", "--exposure", "auto"][..], &LARGE].concat());
+    let exposure = |command: &str| {
+        let value = command.split("--exposure ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
+        value.parse::<f64>().unwrap()
+    };
+    let (first, command) = viewer.shows("--method table");
+    let measured = exposure(&command);
+    // The scene's own is −5.
+    assert!(measured != -5.0, "{command}");
+    let stops = viewer.drag("exposure", 0, 24);
+    viewer.shows_number("--exposure", &stops);
+    viewer.display.key('r'.into(), &[]);
+    let (again, command) = viewer.shows(&format!("--exposure {measured}"));
+    assert!(again == first && exposure(&command) == measured, "{command}");
+    viewer.close();
+}

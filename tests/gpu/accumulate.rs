@@ -93,8 +93,7 @@ fn a_picture_is_the_mean_of_its_samples_each_drawn_alone() {
         }
         // So it is by another tone.
         let neutral = Shown { tone: Tone::Neutral, ..SHOWN };
-        assert!(painter.display_again(SIZE, neutral).unwrap());
-        let shown = painter.picture().unwrap().display;
+        let shown = painter.paint_samples(&view, &sampling, neutral, &mut |_| Ok(())).unwrap().display;
         for (code, expected) in shown.iter().zip(&displayed(&mean.radiance, neutral)) {
             assert!((0..4).all(|c| code[c].abs_diff(expected[c]) <= 1), "{code:?}, expected {expected:?}");
         }
