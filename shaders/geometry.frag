@@ -54,6 +54,15 @@ vec2 projected(vec3 direction) {
     return depth > LEAST * size ? direction.xy / depth : vec2(1.0 / LEAST, 0.0);
 }
 
+// To the viewer. Where the surface turns away within the pixel, the cosine, by which the BRDF divides, is no smaller than it is over the part of
+// the pixel that shading averages over: at its very edge a single sample would outshine all others.
+vec3 to_viewer() {
+    vec3 direction = normalize(seen(view));
+    float spread = frame.at.footprint * length(vec2(dFdxFine(direction.z), dFdyFine(direction.z)));
+    direction.z = direction.z > 0.0 && spread > direction.z ? min(spread, 1.0) : direction.z;
+    return direction;
+}
+
 // Whether something stands between the surface and a light, by the light's depth map. The depth of a plane that the light grazes changes
 // within a texel of the map: that much is left to it, and a little for rounding.
 bool in_shadow(int light, sampler2D map) {
@@ -111,7 +120,7 @@ vec4 footprint(int light) {
 }
 
 void main() {
-    directions = vec4(projected(seen(view)), projected_light(0));
+    directions = vec4(projected(to_viewer()), projected_light(0));
     vec4 more_lights_0 = vec4(projected_light(1), projected_light(2));
     vec4 more_lights_1 = vec4(projected_light(3), 0.0, 0.0);
     vec4 albedo = vec4(frame.base_color.rgb, 1.0);

@@ -101,6 +101,7 @@ pub struct Header {
     /// Relative error of the cubics, measured.
     pub cubic_error: f64,
     /// Whether the colours hold R, because it depends on the wavelength.
+    #[serde(default)]
     pub holds_reflectance: bool,
 }
 

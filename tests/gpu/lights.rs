@@ -96,7 +96,7 @@ fn under_a_white_sky_a_surface_that_absorbs_nothing_is_as_bright_as_its_closed_f
             eprintln!("{} at {theta}: {mean:.3} for {expected:.3}: {apart:.3}, one {one:.3}", kind.name());
             // What a sample averages over is projected where the sample is, and not where the order is: the mean of all seeds comes out
             // lower by twice its variance, 0.015. One picture is less certain, because an order is a lobe that few samples hit.
-            assert!(apart < 0.06 && one < 0.12, "{} at {theta}: {mean} instead of {expected}", kind.name());
+            assert!(apart < 0.08 && one < 0.2, "{} at {theta}: {mean} instead of {expected}", kind.name());
             if kind == Kind::Flat {
                 // All of the light comes back.
                 assert!((expected - DVec3::ONE).length() < 0.05, "{expected}");

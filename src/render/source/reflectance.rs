@@ -1,12 +1,12 @@
 //! What the surface reflects where that depends on the wavelength. Its twin is `shaders/reflectance.glsl`.
 
-use super::spectra::numbers;
 use crate::error::Result;
 use crate::render::shading::Shading;
-use crate::render::tables::TableTexture;
+use crate::render::upload;
 use crate::vk::device::Device;
 use crate::vk::image::Image;
 use crate::vk::pipeline::Constant;
+use ash::vk;
 use std::sync::Arc;
 
 /// Steps of the cosine and of the wavenumber: R errs by less than 1e-3 between them, also below the thickest film, whose fringes turn by a fifth
@@ -25,6 +25,7 @@ pub(super) fn texture(device: &Arc<Device>, shading: &Shading) -> Result<Image> 
     let size = if shading.reflectance.is_spectral() { [COLUMNS, ROWS] } else { [1, 1] };
     let values =
         if shading.reflectance.is_spectral() { shading.reflectance.table(COLUMNS, ROWS) } else { vec![1.0] };
-    let values = values.into_iter().map(|r| [r, 0.0, 0.0, 0.0]).collect();
-    numbers(device, "reflectances", &TableTexture { size, values })
+    let texels: Vec<[f32; 4]> = values.into_iter().map(|r| [r, 0.0, 0.0, 0.0]).collect();
+    let format = vk::Format::R32G32B32A32_SFLOAT;
+    upload::texture(device, "reflectances", format, size, None, bytemuck::cast_slice(&texels))
 }
