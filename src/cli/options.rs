@@ -319,9 +319,9 @@ pub struct ViewOptions {
     /// Brightness of the surroundings in stops
     #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true)]
     pub environment_exposure: Option<f64>,
-    /// Let lights reach what other parts of the mesh stand in front of
-    #[arg(long)]
-    pub no_shadows: bool,
+    /// Whether the mesh casts shadows on itself, instead of what the scene says
+    #[arg(long, value_name = "on|off", value_parser = switch)]
+    pub shadows: Option<bool>,
     /// Where the camera stands, instead of the scene's
     #[arg(long, value_name = "X,Y,Z", value_parser = units::triple, allow_hyphen_values = true)]
     pub eye: Option<[f64; 3]>,
@@ -377,7 +377,7 @@ impl ViewOptions {
 
     /// Changes the surroundings and shadows of `scene`.
     fn surround(&self, scene: &mut Scene) -> Result<()> {
-        scene.shadows &= !self.no_shadows;
+        scene.shadows = self.shadows.unwrap_or(scene.shadows);
         match self.environment.as_deref() {
             None => {}
             Some(name) if name == "none" => scene.environment = None,
@@ -475,6 +475,14 @@ fn terms(text: &str) -> Result<usize> {
 
 fn wavelengths(text: &str) -> Result<usize> {
     whole(text, WAVELENGTHS, "wavelengths")
+}
+
+fn switch(text: &str) -> Result<bool> {
+    match text {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err(Error::usage(format!("`{text}` is neither on nor off"), "give on or off")),
+    }
 }
 
 /// A refractive index.

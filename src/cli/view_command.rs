@@ -25,7 +25,7 @@ pub fn render(settings: &ViewSettings, scene: &Scene, size: [u32; 2], output: &s
         words.option("environment-exposure", placement.exposure.to_string());
     }
     if !scene.shadows {
-        words.0.push("--no-shadows".to_owned());
+        words.option("shadows", "off");
     }
     words.option("exposure", settings.exposure.to_string());
     if settings.tone != scene.tone {

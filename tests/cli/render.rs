@@ -220,6 +220,10 @@ fn options_change_the_picture() {
         &["--light", "45,-40,2", "--light", "80,0,1"],
         &["--light", "45,-40,4"],
         &["--ior", "1.8"],
+        &["--material", "gold"],
+        &["--material", "glass"],
+        &["--film", "120nm:1.7"],
+        &["--environment", "sky"],
         &["--illuminant", "a"],
         &["--illuminant", "E"],
         &["--illuminant", "red.csv"],
@@ -235,9 +239,15 @@ fn options_change_the_picture() {
         let change = deviation(&exr(&sandbox, "other.exr").2, &plain);
         assert!(change > 1e-6, "{more:?} changes nothing");
     }
-    for same in
-        [&["--light", "35,-50,2"][..], &["--illuminant", "d65"], &["--ior", "1.5"], &["--level", "none"]]
-    {
+    for same in [
+        &["--light", "35,-50,2"][..],
+        &["--illuminant", "d65"],
+        &["--ior", "1.5"],
+        &["--level", "none"],
+        // A convex mesh casts none on itself.
+        &["--shadows", "off"],
+        &["--environment", "none"],
+    ] {
         render(&sandbox, "sphere", "other.exr", &[&one[..], same].concat());
         // The files differ in the command that they carry.
         assert!(exr(&sandbox, "other.exr").2 == plain, "{same:?} is not the default");
@@ -253,6 +263,31 @@ fn options_change_the_picture() {
     });
     assert!(deviation(&mean, &plain) > 1e-2 && deviation(&copies, &alike) > 1e-3);
     assert!(mean == copies || mean == alike);
+}
+
+#[test]
+fn a_snake_casts_shadows_and_a_sky_lights_them() {
+    let sandbox = Sandbox::with_small_surface();
+    let brightness = |more: &[&str]| -> f64 {
+        render(&sandbox, "snake", "out.exr", &[&["--tolerance", "1e-1", "--samples", "4"], more].concat());
+        exr(&sandbox, "out.exr").2.iter().map(|p| f64::from(p[1])).sum()
+    };
+    let without = brightness(&["--shadows", "off"]);
+    let with = brightness(&[]);
+    let below_a_sky = brightness(&["--environment", "sky"]);
+    let brighter = brightness(&["--environment", "sky", "--environment-exposure", "2"]);
+    assert!(with < 0.95 * without && with > 0.2 * without, "{with} of {without}");
+    assert!(
+        below_a_sky > 1.05 * with && brighter - with > 3.0 * (below_a_sky - with),
+        "{below_a_sky}, {brighter}"
+    );
+    let refused = |more: &[&str], said: &str| {
+        let line = sandbox.run2(&["render", "snake", "-o", "no.png"], more).refused(2);
+        assert!(line.contains(said), "{line}");
+    };
+    refused(&["--rotate-environment", "90deg"], "the scene has none");
+    let lights = ["--light", "1,0", "--light", "2,0", "--light", "3,0", "--light", "4,0"];
+    refused(&[&lights[..], &["--environment", "sky"]].concat(), "too many lights");
 }
 
 #[test]
