@@ -194,7 +194,8 @@ fn fresnel(index: Complex64, film: Option<Film>, wavelength: f64, cosine: f64) -
     0.5 * amplitudes.iter().map(Complex64::norm_sqr).sum::<f64>()
 }
 
-/// Amplitudes that a step from one index to another reflects, perpendicular to the plane of incidence and in it. Each side is its index n and its n cos θ.
+/// Amplitudes that a step from one index to another reflects, perpendicular to the plane of incidence and in it. Each side is its index n and
+/// its n cos θ.
 fn step((n, q): (Complex64, Complex64), (m, p): (Complex64, Complex64)) -> [Complex64; 2] {
     let (a, b) = (m * m * q, n * n * p);
     // Grazing light onto nothing at all has no step.

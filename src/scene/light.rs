@@ -33,7 +33,7 @@ impl Light {
     }
 
     /// What the sample at `point` (uniform in 0 … 1) of `count` samples gets. Directions are spread evenly over a disc around the light's
-    /// centre, by the map of Shirley and Chiu (1997), which keeps neighbours together. Each stands for [`WIDER`] times its part of the
+    /// centre, by the map of Shirley and Chiu (1997), which keeps neighbours together. Each stands for four times its part of the
     /// variance, and the disc is smaller by as much, so that all samples together have the light's. Few samples look at the centre.
     pub fn incident(&self, point: [f64; 2], count: u32) -> Incident {
         let centre = direction(self.theta, self.phi);

@@ -1,0 +1,148 @@
+//! How a scene is looked at and lit, and how it is displayed.
+
+use super::{Exposure, exposure};
+use crate::error::{Error, Result};
+use crate::optics::color::Tone;
+use crate::scene::environment::{self, Placement};
+use crate::scene::{Camera, Environment, Light, MAX_LIGHTS, Scene};
+use crate::units;
+use clap::Args;
+use glam::Vec3;
+use std::ffi::{OsStr, OsString};
+
+/// How a scene is looked at, each instead of the scene's own.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "View")]
+pub struct ViewOptions {
+    /// Exposure in stops, instead of the scene's. auto displays the log-average luminance of what is lit as middle grey, to a tenth of a stop;
+    /// it is measured in one sample a pixel of the first picture and holds for all of a sequence, whichever part of it is drawn
+    #[arg(long, value_name = "EV|auto", value_parser = Exposure::parse, allow_hyphen_values = true)]
+    pub exposure: Option<Exposure>,
+    /// What the display makes of highlights, instead of what the scene says: none (moved to the edge of the gamut) or neutral (softly to white,
+    /// with their hue: the Khronos PBR Neutral Tone Mapper) [default: none]
+    #[arg(long, value_name = "NAME", value_parser = Tone::from_name)]
+    pub tone: Option<Tone>,
+    /// A light instead of the scene's, in degrees from up and around it; up to four. A point, or sun:THETA,PHI (0.533 degrees across), or
+    /// disc:SIZE:THETA,PHI as in disc:5deg:40,90
+    #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
+    pub light: Vec<Light>,
+    /// Surroundings that light the scene beside its lights: sky (overcast), studio, an equirectangular .exr or .hdr picture, or none
+    #[arg(long, value_name = "NAME|FILE")]
+    pub environment: Option<OsString>,
+    /// Turns the surroundings about the world's up, as in 90deg
+    #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true)]
+    pub rotate_environment: Option<f64>,
+    /// Brightness of the surroundings in stops
+    #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true)]
+    pub environment_exposure: Option<f64>,
+    /// Whether the mesh casts shadows on itself, instead of what the scene says
+    #[arg(long, value_name = "on|off", value_parser = switch)]
+    pub shadows: Option<bool>,
+    /// Where the camera stands, instead of the scene's
+    #[arg(long, value_name = "X,Y,Z", value_parser = units::triple, allow_hyphen_values = true)]
+    pub eye: Option<[f64; 3]>,
+    /// What the camera looks at, instead of the scene's
+    #[arg(long, value_name = "X,Y,Z", value_parser = units::triple, allow_hyphen_values = true)]
+    pub target: Option<[f64; 3]>,
+    /// Vertical field of view, as in 35deg, instead of the scene's
+    #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true)]
+    pub field_of_view: Option<f64>,
+    /// Albedo of the pigment, linear sRGB from 0 to 1, instead of the scene's
+    #[arg(long, value_name = "R,G,B", value_parser = units::color, allow_hyphen_values = true)]
+    pub base_color: Option<[f64; 3]>,
+}
+
+impl ViewOptions {
+    /// Changes what the options name in `scene`.
+    ///
+    /// # Errors
+    /// Too many lights; a camera that cannot be.
+    pub fn apply(&self, scene: &mut Scene) -> Result<()> {
+        check_lights(&self.light)?;
+        if !self.light.is_empty() {
+            scene.lights = self.light.clone();
+        }
+        self.surround(scene)?;
+        if let Some(Exposure::Stops(exposure)) = self.exposure {
+            scene.exposure = exposure;
+        }
+        if let Some(tone) = self.tone {
+            scene.tone = tone;
+        }
+        if let Some(color) = self.base_color {
+            scene.base_color = color.map(|c| c as f32).into();
+        }
+        let vector = |v: [f64; 3]| Vec3::from(v.map(|x| x as f32));
+        if self.eye.is_some() || self.target.is_some() || self.field_of_view.is_some() {
+            let old = scene.camera;
+            scene.camera = Camera::looking(
+                self.eye.map_or(old.eye(), vector),
+                self.target.map_or(old.target, vector),
+                self.field_of_view.map_or(old.field_of_view, |deg| deg.to_radians() as f32),
+            )?;
+        }
+        Ok(())
+    }
+}
+
+impl ViewOptions {
+    /// The file that the options name, if it is one and not built in.
+    pub fn files(&self) -> Option<&OsStr> {
+        self.environment.as_deref().filter(|name| *name != "none" && !environment::is_built_in(name))
+    }
+
+    /// Changes the surroundings and shadows of `scene`.
+    fn surround(&self, scene: &mut Scene) -> Result<()> {
+        scene.shadows = self.shadows.unwrap_or(scene.shadows);
+        match self.environment.as_deref() {
+            None => {}
+            Some(name) if name == "none" => scene.environment = None,
+            Some(name) => scene.environment = Some(Environment::open(name)?),
+        }
+        let placed = self.rotate_environment.is_some() || self.environment_exposure.is_some();
+        match &mut scene.environment {
+            None if placed => {
+                return Err(Error::usage(
+                    "--rotate-environment and --environment-exposure are about surroundings, and the scene has none",
+                    "add --environment sky, or leave them away",
+                ));
+            }
+            None => {}
+            Some(environment) => {
+                let old = environment.placement;
+                environment.placement = Placement::new(
+                    self.rotate_environment.unwrap_or(old.rotation),
+                    self.environment_exposure.unwrap_or(old.exposure),
+                )?;
+            }
+        }
+        if scene.environment.is_some() && scene.lights.len() >= MAX_LIGHTS {
+            return Err(Error::usage(
+                "there are too many lights",
+                format!("give at most {} beside surroundings", MAX_LIGHTS - 1),
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Fails where there are more lights than a picture takes.
+pub fn check_lights(lights: &[Light]) -> Result<()> {
+    if lights.len() <= MAX_LIGHTS {
+        return Ok(());
+    }
+    Err(Error::usage("there are too many lights", format!("give at most {MAX_LIGHTS}")))
+}
+
+/// The lights that the user names, or else the scene's.
+pub fn lights_of(named: &[Light], scene: &Scene) -> Vec<Light> {
+    if named.is_empty() { scene.lights.clone() } else { named.to_vec() }
+}
+
+fn switch(text: &str) -> Result<bool> {
+    match text {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err(Error::usage(format!("`{text}` is neither on nor off"), "give on or off")),
+    }
+}
