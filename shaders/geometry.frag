@@ -34,16 +34,21 @@ layout(location = 5) out vec4 image_5; // footprint of the third light
 layout(location = 6) out vec4 image_6; // the fourth light
 layout(location = 7) out vec4 image_7; // footprint of the fourth light
 
-// The triangle's normal, toward the viewer.
-vec3 face_normal() {
+// What a fragment needs of its triangle. Derivatives are undefined where neighbours take another branch, so all of them are taken before any.
+struct Face {
+    vec3 normal; // of the triangle, toward the viewer
+    bool back;   // whether the back of the surface is seen
+};
+
+Face face_seen() {
     vec3 normal = normalize(cross(dFdx(world), dFdy(world)));
-    return dot(normal, frame.eye.xyz - world) < 0.0 ? -normal : normal;
+    normal = dot(normal, frame.eye.xyz - world) < 0.0 ? -normal : normal;
+    return Face(normal, dot(world_normal, normal) < 0.0);
 }
 
 // Meshes are seen from both sides: where the back of a surface is seen, as of a mesh that is wound inward, its frame is turned about T.
-vec3 seen(vec3 direction) {
-    bool back = dot(world_normal, face_normal()) < 0.0;
-    return back ? vec3(direction.x, -direction.yz) : direction;
+vec3 seen(Face face, vec3 direction) {
+    return face.back ? vec3(direction.x, -direction.yz) : direction;
 }
 
 // Stereographic from -N. Near there the direction is far below the horizon, and which one it is does not matter.
@@ -56,8 +61,8 @@ vec2 projected(vec3 direction) {
 
 // To the viewer. Where the surface turns away within the pixel, the cosine, by which the BRDF divides, is no smaller than it is over the part of
 // the pixel that shading averages over: at its very edge a single sample would outshine all others.
-vec3 to_viewer() {
-    vec3 direction = normalize(seen(view));
+vec3 to_viewer(Face face) {
+    vec3 direction = normalize(seen(face, view));
     float spread = frame.at.footprint * length(vec2(dFdxFine(direction.z), dFdyFine(direction.z)));
     direction.z = direction.z > 0.0 && spread > direction.z ? min(spread, 1.0) : direction.z;
     return direction;
@@ -65,9 +70,9 @@ vec3 to_viewer() {
 
 // Whether something stands between the surface and a light, by the light's depth map. The depth of a plane that the light grazes changes
 // within a texel of the map: that much is left to it, and a little for rounding.
-bool in_shadow(int light, sampler2D map) {
+bool in_shadow(Face face, int light, sampler2D map) {
     const float ROUNDING = 2e-5, STEEPEST = 30.0;
-    float cosine = abs(dot(face_normal(), frame.lights[light].xyz));
+    float cosine = abs(dot(face.normal, frame.lights[light].xyz));
     float slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 1e-6), STEEPEST);
     vec3 place = (frame.shadow_from_world[light] * vec4(world, 1.0)).xyz;
     vec2 size = vec2(textureSize(map, 0));
@@ -77,21 +82,21 @@ bool in_shadow(int light, sampler2D map) {
     return texelFetch(map, ivec2(texel), 0).r < place.z - bias;
 }
 
-bool in_shadow_of(int light) {
+bool in_shadow_of(Face face, int light) {
     switch (light) {
-    case 0: return in_shadow(0, shadow_0);
-    case 1: return in_shadow(1, shadow_1);
-    case 2: return in_shadow(2, shadow_2);
-    default: return in_shadow(3, shadow_3);
+    case 0: return in_shadow(face, 0, shadow_0);
+    case 1: return in_shadow(face, 1, shadow_1);
+    case 2: return in_shadow(face, 2, shadow_2);
+    default: return in_shadow(face, 3, shadow_3);
     }
 }
 
 // Light that does not reach the surface is stored as light from below.
-vec2 projected_light(int light) {
+vec2 projected_light(Face face, int light) {
     if (light >= LIGHTS) {
         return vec2(0.0);
     }
-    return SHADOWS && in_shadow_of(light) ? projected(vec3(0.0, 0.0, -1.0)) : projected(seen(lights[light]));
+    return SHADOWS && in_shadow_of(face, light) ? projected(vec3(0.0, 0.0, -1.0)) : projected(seen(face, lights[light]));
 }
 
 // The footprint whose covariance is that of `change` and that of a light whose directions vary by `variance` across it, seen in (u, v).
@@ -107,12 +112,12 @@ vec4 widened(vec4 change, float variance, vec2 to_light) {
 // How (u, v) changes from pixel to pixel: du/dx, dv/dx, du/dy, dv/dy. Differences within the triangle, also beside its edges, where a
 // neighbour that it does not cover is extrapolated. u and v of unit vectors are within -2 ... 2, so that no difference exceeds 4;
 // extrapolated beyond the viewer there may be no number, and then there is no footprint.
-vec4 footprint(int light) {
+vec4 footprint(Face face, int light) {
     if (light >= LIGHTS) {
         return vec4(0.0);
     }
-    vec3 to_light = normalize(seen(lights[light]));
-    vec2 uv = -(to_light.xy + normalize(seen(view)).xy);
+    vec3 to_light = normalize(seen(face, lights[light]));
+    vec2 uv = -(to_light.xy + normalize(seen(face, view)).xy);
     vec4 change = vec4(dFdxFine(uv), dFdyFine(uv));
     change = any(isnan(change)) || any(isinf(change)) ? vec4(0.0) : change;
     float variance = frame.lights[light].w / (frame.at.footprint * frame.at.footprint);
@@ -120,21 +125,22 @@ vec4 footprint(int light) {
 }
 
 void main() {
-    directions = vec4(projected(to_viewer()), projected_light(0));
-    vec4 more_lights_0 = vec4(projected_light(1), projected_light(2));
-    vec4 more_lights_1 = vec4(projected_light(3), 0.0, 0.0);
+    Face face = face_seen();
+    directions = vec4(projected(to_viewer(face)), projected_light(face, 0));
+    vec4 more_lights_0 = vec4(projected_light(face, 1), projected_light(face, 2));
+    vec4 more_lights_1 = vec4(projected_light(face, 3), 0.0, 0.0);
     vec4 albedo = vec4(frame.base_color.rgb, 1.0);
     if (TEXTURED && frame.base_color.w > 0.0) {
         albedo.rgb *= texture(pigment, pigment_uv).rgb;
     }
     if (FOOTPRINTS) {
-        image_1 = footprint(0);
+        image_1 = footprint(face, 0);
         image_2 = albedo;
         image_3 = more_lights_0;
-        image_4 = footprint(1);
-        image_5 = footprint(2);
+        image_4 = footprint(face, 1);
+        image_5 = footprint(face, 2);
         image_6 = more_lights_1;
-        image_7 = footprint(3);
+        image_7 = footprint(face, 3);
     } else {
         image_1 = albedo;
         image_2 = more_lights_0;

@@ -1,5 +1,5 @@
 // Wavelengths of colours through n x m copies of the patch: they stand at the orders and between them. The f64 twin, with the
-// reasons, is src/optics/orders.rs. `nodes` holds the colour functions as a density over wavenumbers, 1/LONGEST to 1/SHORTEST.
+// reasons, is src/optics/orders.rs. SHORTEST and LONGEST stand in reflectance.glsl. `nodes` holds the colour functions as a density over wavenumbers, 1/LONGEST to 1/SHORTEST.
 
 struct Copies {
     vec2 count;       // n, m
@@ -8,8 +8,6 @@ struct Copies {
     float tolerance;  // of the sum over wavelengths
 };
 
-const float SHORTEST = 0.380; // [um]
-const float LONGEST = 0.780;
 const float LEAST_LAG = 1e-3; // [um]
 
 // Wavelengths of a pair of directions: `index` of `per_period` in each period of the sharper axis.

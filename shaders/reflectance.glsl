@@ -3,10 +3,13 @@
 
 layout(constant_id = 30) const bool SPECTRAL_REFLECTANCE = false;
 
+const float SHORTEST = 0.380; // of the visible range [um]
+const float LONGEST = 0.780;
+
 layout(set = 1, binding = REFLECTANCE_BINDING) uniform sampler2D reflectances; // wavenumbers of the visible range, in rows
 
 float reflectance_at(Pair pair, float wavenumber) {
-    const float FIRST = 1.0 / 0.780, LAST = 1.0 / 0.380; // [1/um]
+    const float FIRST = 1.0 / LONGEST, LAST = 1.0 / SHORTEST;
     if (!SPECTRAL_REFLECTANCE) {
         return 1.0;
     }

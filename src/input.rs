@@ -1,8 +1,10 @@
 //! Reading files that anybody may have written: only regular files, only as large as they can sensibly be.
 
 use crate::error::{Error, Result};
+use image::{DynamicImage, ImageFormat, ImageReader};
+use std::fmt;
 use std::fs::File;
-use std::io::Read;
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 /// The largest text input (tables, queries, scenes) that is read \[bytes\]: about ten million numbers.
@@ -49,6 +51,74 @@ pub fn read_text(path: &Path, expected: &str) -> Result<String> {
         Error::failed(format!("it is not text ({e})"), format!("give {expected}")).at(path.display())
     })?;
     Ok(text)
+}
+
+/// What a picture file has to be.
+#[derive(Clone, Copy, Debug)]
+pub struct PictureFile {
+    /// Its formats.
+    pub formats: &'static [ImageFormat],
+    /// What is said of a file that has none of them, as in `neither PNG nor TIFF`.
+    pub names: &'static str,
+    /// What is wanted of it, as in `a picture for the pigment`.
+    pub expected: &'static str,
+    /// What it is to be read as, as in `a picture`.
+    pub role: &'static str,
+    /// Largest side \[pixels\].
+    pub side: u32,
+}
+
+impl PictureFile {
+    /// The whole content of the file `path`.
+    ///
+    /// # Errors
+    /// As [`open`].
+    pub fn read(&self, path: &Path) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        let file = open(path, self.expected, MAX_TEXT)?;
+        file.take(MAX_TEXT).read_to_end(&mut bytes).map_err(|e| self.refuse(&e).at(path.display()))?;
+        Ok(bytes)
+    }
+
+    /// Width and height of the picture in `bytes`, from its header.
+    ///
+    /// # Errors
+    /// Where it has another format or no header.
+    pub fn size(&self, bytes: &[u8]) -> Result<[u32; 2]> {
+        self.reader(bytes)?
+            .into_dimensions()
+            .map(|(width, height)| [width, height])
+            .map_err(|e| self.refuse(&e))
+    }
+
+    /// The picture in `bytes`.
+    ///
+    /// # Errors
+    /// Where it has another format or a larger side, or is damaged.
+    pub fn decode(&self, bytes: &[u8]) -> Result<DynamicImage> {
+        let mut reader = self.reader(bytes)?;
+        let mut limits = image::Limits::default();
+        limits.max_image_width = Some(self.side);
+        limits.max_image_height = Some(self.side);
+        reader.limits(limits);
+        reader.decode().map_err(|e| self.refuse(&e))
+    }
+
+    fn reader<'a>(&self, bytes: &'a [u8]) -> Result<ImageReader<Cursor<&'a [u8]>>> {
+        let reader =
+            ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| self.refuse(&e))?;
+        match reader.format() {
+            Some(format) if self.formats.contains(&format) => Ok(reader),
+            _ => Err(self.refuse(&self.names)),
+        }
+    }
+
+    fn refuse(&self, cause: &dyn fmt::Display) -> Error {
+        Error::failed(
+            format!("it cannot be read as {} ({cause})", self.role),
+            format!("give {}", self.expected),
+        )
+    }
 }
 
 #[cfg(test)]

@@ -158,9 +158,7 @@ impl BenchmarkScene {
         options.optics.for_pictures(&options.colour)?;
         let scene = prepare::scene(&options.scene)?;
         let field = options.surface.load(None, Some(&scene), "elaphe")?;
-        let lights = lights_of(&options.light, &scene);
-        let coherence = &options.optics.coherence;
-        let view = View::of(&scene, lights.iter().map(|light| light.beyond(coherence)).collect());
+        let view = View::under(&scene, &lights_of(&options.light, &scene), &options.optics.coherence);
         let device = prepare::device(&options.device.wish())?;
         Ok(Self { device, scene, field, view, size: options.size })
     }
@@ -213,6 +211,9 @@ impl BenchmarkScene {
         let (mesh, lights) = (&self.scene.mesh, self.view.light_count());
         let mut painter =
             Painter::new(&self.device, source, shading, mesh, &Pigment::white(), self.size, lights)?;
+        if self.scene.shadows {
+            painter.cast_shadows()?;
+        }
         let directions =
             (0..lights).map(|light| painter.directions(&self.view, light)).collect::<Result<Vec<_>>>()?;
         source.check(shading, &directions)?;

@@ -11,6 +11,16 @@ use std::path::Path;
 pub const BUILT_IN: [&str; 8] =
     ["glass", "keratin", "aluminium", "silver", "gold", "copper", "nickel", "silicon"];
 
+/// The tables among them.
+const TABLES: [(&str, &str); 6] = [
+    ("aluminium", include_str!("../../assets/materials/aluminium.csv")),
+    ("silver", include_str!("../../assets/materials/silver.csv")),
+    ("gold", include_str!("../../assets/materials/gold.csv")),
+    ("copper", include_str!("../../assets/materials/copper.csv")),
+    ("nickel", include_str!("../../assets/materials/nickel.csv")),
+    ("silicon", include_str!("../../assets/materials/silicon.csv")),
+];
+
 const NM_PER_UM: f64 = 1e3;
 
 /// A material with a complex refractive index.
@@ -52,20 +62,19 @@ impl Material {
     /// A file that cannot be read, is no such table, does not cover 380 to 780 nm, or has values that no material has.
     pub fn from_name_or_file(name: impl AsRef<OsStr>) -> Result<Self> {
         let name = name.as_ref();
-        let text = match name.to_str().map(str::to_ascii_lowercase).as_deref() {
-            Some("glass") => return Ok(Self::named("glass", Index::Sellmeier(BK7))),
-            Some("keratin") => return Ok(Self::named("keratin", Index::Cauchy(KERATIN))),
-            Some("aluminium" | "aluminum") => {
-                ("aluminium", include_str!("../../assets/materials/aluminium.csv"))
-            }
-            Some("silver") => ("silver", include_str!("../../assets/materials/silver.csv")),
-            Some("gold") => ("gold", include_str!("../../assets/materials/gold.csv")),
-            Some("copper") => ("copper", include_str!("../../assets/materials/copper.csv")),
-            Some("nickel") => ("nickel", include_str!("../../assets/materials/nickel.csv")),
-            Some("silicon") => ("silicon", include_str!("../../assets/materials/silicon.csv")),
-            _ => return Self::from_file(Path::new(name)),
+        let known = |own: &str| {
+            name.eq_ignore_ascii_case(own) || own == "aluminium" && name.eq_ignore_ascii_case("aluminum")
         };
-        Self::from_text(text.0, text.1)
+        if known("glass") {
+            return Ok(Self::named("glass", Index::Sellmeier(BK7)));
+        }
+        if known("keratin") {
+            return Ok(Self::named("keratin", Index::Cauchy(KERATIN)));
+        }
+        match TABLES.iter().find(|(own, _)| known(own)) {
+            Some((own, text)) => Self::from_text(own, text),
+            None => Self::from_file(Path::new(name)),
+        }
     }
 
     /// Whether [`Self::from_name_or_file`] takes `name` for one of its own.

@@ -7,6 +7,7 @@ use super::source::BoundSource;
 use super::target::{self, Geometry, GeometrySettings, Target};
 use super::{shader, shadows};
 use crate::error::Result;
+use crate::optics::coherence::Coherence;
 use crate::optics::color::{self, Tone};
 use crate::scene::{Camera, Environment, Incident, Light, MAX_LIGHTS, Scene, Vertex, camera};
 use crate::vk::access::Access;
@@ -41,6 +42,11 @@ pub struct View {
 }
 
 impl View {
+    /// `scene` under `lights` of this coherence, which holds a part of their extent already, without its pigment texture.
+    pub fn under(scene: &Scene, lights: &[Light], coherence: &Coherence) -> Self {
+        Self::of(scene, lights.iter().map(|light| light.beyond(coherence)).collect())
+    }
+
     /// `scene` under `lights`, without its pigment texture.
     pub fn of(scene: &Scene, lights: Vec<Light>) -> Self {
         let bounds = scene.mesh.bounds();

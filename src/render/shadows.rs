@@ -1,7 +1,7 @@
 //! Shadows: the depth of the mesh from each light, drawn anew for every sample, so that the samples of a light with an extent add up to
 //! soft shadows. The geometry pass compares with it; its twins are `shaders/shadow.vert` and `in_shadow` of `shaders/geometry.frag`.
 //!
-//! A height field casts no shadows on itself: what is smaller than a wavelength casts none.
+//! Shadows that a height field casts on itself are not modelled: Kirchhoff's approximation, on which the BRDF rests, leaves them out.
 
 use super::device_mesh::{DeviceMesh, attributes};
 use super::frame_set::FrameSet;

@@ -5,13 +5,14 @@
 
 use super::light::{Incident, WIDER};
 use crate::error::{Error, Result};
-use crate::input;
+use crate::input::PictureFile;
 use crate::memory;
 use crate::optics::color::LUMINANCE;
 use glam::{DVec3, Vec3};
+use image::ImageFormat;
 use std::f64::consts::{PI, TAU};
 use std::ffi::OsStr;
-use std::io::Read;
+use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -57,13 +58,28 @@ impl Placement {
 }
 
 /// Surroundings of a scene.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Environment {
     /// Their name or file.
     pub name: String,
     /// How they stand.
     pub placement: Placement,
     picture: Arc<Picture>,
+}
+
+/// Tells the picture by its hash: millions of numbers tell nobody anything.
+impl fmt::Debug for Environment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Picture { width, radiance, .. } = &*self.picture;
+        let numbers: Vec<[f32; 3]> = radiance.iter().map(Vec3::to_array).collect();
+        let hash = blake3::hash(bytemuck::cast_slice(&numbers)).to_hex();
+        let Self { placement, .. } = self;
+        f.debug_struct("Environment")
+            .field("placement", placement)
+            .field("width", width)
+            .field("radiance", &hash)
+            .finish_non_exhaustive()
+    }
 }
 
 /// Radiance over directions, and the distribution that light is drawn from.
@@ -199,7 +215,6 @@ impl Picture {
         let mut columns = Vec::with_capacity(radiance.len());
         let mut totals = Vec::with_capacity(height);
         for (row, pixels) in radiance.chunks_exact(width).enumerate() {
-            // Light below the horizon of a floor matters less than light from above; it is drawn as it is bright all the same.
             let sine = (PI * (row as f64 + 0.5) / height as f64).sin();
             let (parts, sum) = parts(pixels.iter().map(|c| LUMINANCE.dot(c.as_dvec3()).max(0.0)));
             columns.extend(parts);
@@ -210,48 +225,26 @@ impl Picture {
     }
 
     fn read(path: &Path) -> Result<Self> {
-        let mut bytes = Vec::new();
-        let file = input::open(path, PICTURE, input::MAX_TEXT)?;
-        let failed = |e: &dyn std::fmt::Display| {
-            Error::failed(format!("it cannot be read as surroundings ({e})"), format!("give {PICTURE}"))
-                .at(path.display())
-        };
-        file.take(input::MAX_TEXT).read_to_end(&mut bytes).map_err(|e| failed(&e))?;
-        Self::from_bytes(&bytes).map_err(|e| e.at(path.display()))
+        Self::from_bytes(&PICTURE.read(path)?).map_err(|e| e.at(path.display()))
     }
 
     /// The picture in the bytes of an .exr or .hdr file.
     fn from_bytes(bytes: &[u8]) -> Result<Self> {
-        use image::ImageFormat::{Hdr, OpenExr};
-        let refuse = |what: &dyn std::fmt::Display| {
-            Error::failed(format!("it cannot be read as surroundings ({what})"), format!("give {PICTURE}"))
-        };
-        let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
-            .with_guessed_format()
-            .map_err(|e| refuse(&e))?;
-        if !matches!(reader.format(), Some(Hdr | OpenExr)) {
-            return Err(refuse(&"neither EXR nor Radiance HDR"));
-        }
-        let mut limits = image::Limits::default();
-        limits.max_image_width = Some(LARGEST_SIDE);
-        limits.max_image_height = Some(LARGEST_SIDE);
-        reader.limits(limits);
-        let picture = reader.decode().map_err(|e| refuse(&e))?;
-        let (width, height) = (picture.width() as usize, picture.height() as usize);
-        /// Copies of the picture: as read, as three floats, and averaged with its distribution.
-        const BYTES: u64 = 64;
-        memory::ensure_room((width * height) as u64 * BYTES, "the surroundings")?;
-        if width != 2 * height {
+        let [width, height] = PICTURE.size(bytes)?;
+        if u64::from(width) != 2 * u64::from(height) {
             return Err(Error::failed(
                 format!("the surroundings have {width} x {height} pixels"),
                 "give an equirectangular picture, twice as wide as high",
             ));
         }
-        let texels = picture.into_rgb32f().into_raw();
+        /// Copies of a pixel: as read, as three floats, and averaged with its distribution.
+        const BYTES: u64 = 64;
+        memory::ensure_room(u64::from(width) * u64::from(height) * BYTES, "the surroundings")?;
+        let texels = PICTURE.decode(bytes)?.into_rgb32f().into_raw();
         let bounded = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(0.0, LARGEST_RADIANCE) };
         let colors: Vec<Vec3> =
             texels.chunks_exact(3).map(|c| Vec3::new(c[0], c[1], c[2]).map(bounded)).collect();
-        let own = averaged(width, height, colors);
+        let own = averaged(width as usize, height as usize, colors);
         if own.radiance.iter().all(|c| *c == Vec3::ZERO) {
             return Err(Error::failed("the surroundings are black", "give a picture that holds light"));
         }
@@ -260,7 +253,13 @@ impl Picture {
 }
 
 /// What a file of surroundings is.
-const PICTURE: &str = "sky, studio or an equirectangular .exr or .hdr picture";
+const PICTURE: PictureFile = PictureFile {
+    formats: &[ImageFormat::Hdr, ImageFormat::OpenExr],
+    names: "neither EXR nor Radiance HDR",
+    expected: "sky, studio or an equirectangular .exr or .hdr picture",
+    role: "surroundings",
+    side: LARGEST_SIDE,
+};
 
 /// The picture with at most [`LARGEST_WIDTH`] columns: means over whole squares of pixels. What remains beyond them is left out.
 fn averaged(width: usize, height: usize, colors: Vec<Vec3>) -> Picture {
@@ -371,7 +370,7 @@ mod tests {
         let (width, height) = (64u32, 32u32);
         let mut picture = image::Rgb32FImage::new(width, height);
         picture.put_pixel(48, 8, image::Rgb([8.0, 4.0, 2.0]));
-        for format in [image::ImageFormat::Hdr, image::ImageFormat::OpenExr] {
+        for format in [ImageFormat::Hdr, ImageFormat::OpenExr] {
             let mut bytes = std::io::Cursor::new(Vec::new());
             image::DynamicImage::from(picture.clone()).write_to(&mut bytes, format).unwrap();
             let picture = Arc::new(Picture::from_bytes(bytes.get_ref()).unwrap());
@@ -385,7 +384,7 @@ mod tests {
         let black = image::DynamicImage::from(image::Rgb32FImage::new(8, 4));
         for (picture, said) in [(square, "8 x 8"), (black, "black")] {
             let mut bytes = std::io::Cursor::new(Vec::new());
-            picture.write_to(&mut bytes, image::ImageFormat::OpenExr).unwrap();
+            picture.write_to(&mut bytes, ImageFormat::OpenExr).unwrap();
             let error = Picture::from_bytes(bytes.get_ref()).unwrap_err().to_string();
             assert!(error.contains(said), "{error}");
         }

@@ -38,11 +38,9 @@ impl PictureSettings {
     }
 }
 
-/// The scene's own view under `shading`, with its pigment texture where it has one. What the coherence of the light holds of its extent is not
-/// counted twice.
+/// The scene's own view under `shading`, with its pigment texture where it has one.
 pub fn own_view(scene: &Scene, shading: &Shading) -> View {
-    let lights = scene.lights.iter().map(|light| light.beyond(&shading.coherence)).collect();
-    View { pigment: scene.pigment.is_some(), ..View::of(scene, lights) }
+    View { pigment: scene.pigment.is_some(), ..View::under(scene, &scene.lights, &shading.coherence) }
 }
 
 /// A scene on a device, ready to be drawn from several views: mesh, pigment and source are there once.

@@ -20,7 +20,7 @@ pub const CUBIC: usize = 4;
 /// The wavelengths of each direction.
 pub struct Spectrum {
     combs: Vec<Comb>,
-    // For each comb, node by node, what the surface reflects over cos² θ_h; nothing where that does not depend on the wavelength.
+    // For each comb, node by node, what the surface reflects over cos θ_h; nothing where that does not depend on the wavelength.
     reflectances: Vec<Vec<ReflectanceRow>>,
     rule: Rule,
     named: bool,

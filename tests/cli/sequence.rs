@@ -84,7 +84,14 @@ fn pictures_of_other_settings_are_neither_kept_nor_written_over() {
     render(&sandbox, &turn).done();
     fs::copy(sandbox.path("turn-0001.png"), sandbox.path("kept.png")).unwrap();
     let before = sandbox.content();
-    for more in [&["--exposure", "1"][..], &["--seed", "2"], &["--ior", "1.4"], &["--light", "30,0"]] {
+    for more in [
+        &["--exposure", "1"][..],
+        &["--seed", "2"],
+        &["--ior", "1.4"],
+        &["--light", "30,0"],
+        &["--shadows", "off"],
+        &["--environment", "sky"],
+    ] {
         let line = render(&sandbox, &[&turn, more].concat()).refused(2);
         assert!(line.contains("turn-0000.png") && line.contains("another name"), "{more:?}: {line}");
     }

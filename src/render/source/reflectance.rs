@@ -1,6 +1,7 @@
 //! What the surface reflects where that depends on the wavelength. Its twin is `shaders/reflectance.glsl`.
 
 use crate::error::Result;
+use crate::optics::reflectance::{COLUMNS, ROWS};
 use crate::render::shading::Shading;
 use crate::render::upload;
 use crate::vk::device::Device;
@@ -8,11 +9,6 @@ use crate::vk::image::Image;
 use crate::vk::pipeline::Constant;
 use ash::vk;
 use std::sync::Arc;
-
-/// Steps of the cosine and of the wavenumber: R errs by less than 1e-3 between them, also below the thickest film, whose fringes turn by a fifth
-/// of a radian from row to row.
-const COLUMNS: usize = 256;
-const ROWS: usize = 512;
 
 /// The specialisation constant of sources that sum over wavelengths.
 pub(super) fn constant(shading: &Shading) -> Constant {
@@ -22,9 +18,11 @@ pub(super) fn constant(shading: &Shading) -> Constant {
 
 /// R of `shading`, or a single 1 where the factor of a pair holds it.
 pub(super) fn texture(device: &Arc<Device>, shading: &Shading) -> Result<Image> {
-    let size = if shading.reflectance.is_spectral() { [COLUMNS, ROWS] } else { [1, 1] };
-    let values =
-        if shading.reflectance.is_spectral() { shading.reflectance.table(COLUMNS, ROWS) } else { vec![1.0] };
+    let reflectance = &shading.reflectance;
+    let (size, values) = match reflectance.is_spectral() {
+        true => ([COLUMNS, ROWS], reflectance.table()),
+        false => ([1, 1], vec![1.0]),
+    };
     let texels: Vec<[f32; 4]> = values.into_iter().map(|r| [r, 0.0, 0.0, 0.0]).collect();
     let format = vk::Format::R32G32B32A32_SFLOAT;
     upload::texture(device, "reflectances", format, size, None, bytemuck::cast_slice(&texels))

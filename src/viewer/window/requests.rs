@@ -87,7 +87,7 @@ impl ViewerWindow {
             camera: shown.shown_camera(scene),
             base_color: shown.base_color,
             pigment: scene.pigment.is_some(),
-            ..View::of(scene, shown.lights.iter().map(|light| light.beyond(&shown.coherence)).collect())
+            ..View::under(scene, &shown.lights, &shown.coherence)
         }
     }
 
