@@ -231,7 +231,7 @@ impl Picture {
     /// The picture in the bytes of an .exr or .hdr file.
     fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let [width, height] = PICTURE.size(bytes)?;
-        if u64::from(width) != 2 * u64::from(height) {
+        if height == 0 || u64::from(width) != 2 * u64::from(height) {
             return Err(Error::failed(
                 format!("the surroundings have {width} x {height} pixels"),
                 "give an equirectangular picture, twice as wide as high",
@@ -389,5 +389,9 @@ mod tests {
             assert!(error.contains(said), "{error}");
         }
         assert!(Picture::from_bytes(b"no picture").is_err());
+        let header = |size: &str| format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n{size}\n").into_bytes();
+        for size in ["-Y 0 +X 0", "-Y 8 +X 16", "-Y 16000 +X 32000", "-Y 2147483648 +X 4294967295"] {
+            assert!(Picture::from_bytes(&header(size)).is_err(), "{size} and no pixels");
+        }
     }
 }

@@ -62,7 +62,7 @@ impl Spectrum {
 struct ReflectanceRow(Vec<f32>);
 
 impl ReflectanceRow {
-    /// Steps of cos θ_h: R errs by less than 1e-4 between them, also where it rises to 1 at grazing angles.
+    /// Steps of cos θ_h, about as many as shaders have ([`crate::optics::reflectance::COLUMNS`] says what that errs by).
     const STEPS: usize = 256;
 
     fn new(reflectance: &Reflectance, wavenumber: f64) -> Self {
