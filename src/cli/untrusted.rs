@@ -1,6 +1,6 @@
 //! Every reader of what strangers write, by name, as a function of bytes.
 //!
-//! The fuzz targets in `fuzz/` call these, and `tests/regressions` replays what they once found. A reader may refuse what
+//! The fuzz target in `fuzz/` calls these, and `tests/regressions` replays what it once found. A reader may refuse what
 //! it is given; it may not panic, overflow, hang, or take memory out of proportion.
 
 use super::{eval, options, range, sequence, usage};
@@ -8,9 +8,12 @@ use crate::cache::{self, Kept, Key};
 use crate::error::{Error, Result};
 use crate::measure::trade;
 use crate::optics::color::Tone;
+use crate::optics::material::Material;
+use crate::optics::reflectance::Film;
 use crate::optics::spectrum::Illuminant;
 use crate::precompute::Layers;
 use crate::render::pigment::Pigment;
+use crate::scene::environment::Environment;
 use crate::scene::{Scene, obj};
 use crate::spectra::power::{self, PowerSpectra};
 use crate::surface::files::{self, scan::Scan, sidecar::Sidecar};
@@ -25,14 +28,14 @@ use std::path::Path;
 /// A reader of one kind of input.
 #[derive(Clone, Copy, Debug)]
 pub struct Reader {
-    /// What it reads; the name of its fuzz target and of its folder in `tests/regressions`.
+    /// What it reads; the name of its folders in `fuzz/seeds` and `tests/regressions`.
     pub name: &'static str,
     /// Reads all of the bytes. Panics only where a reader let something through that it must not.
     pub read: fn(&[u8]) -> Result<()>,
 }
 
 /// All of them.
-pub const READERS: [Reader; 25] = [
+pub const READERS: [Reader; 27] = [
     Reader { name: "height_image", read: height_image },
     Reader { name: "gsf", read: |bytes| scan(files::gsf::read(bytes)) },
     Reader { name: "gwy", read: |bytes| scan(files::gwy::read(bytes)) },
@@ -48,6 +51,8 @@ pub const READERS: [Reader; 25] = [
     Reader { name: "tiff", read: |bytes| scan(files::tiff::read(bytes)) },
     Reader { name: "sidecar", read: |bytes| Sidecar::parse(text(bytes)?).map(drop) },
     Reader { name: "pigment", read: |bytes| Pigment::from_bytes(bytes).map(drop) },
+    Reader { name: "environment", read: environment },
+    Reader { name: "material", read: |bytes| Material::from_text("material", text(bytes)?).map(drop) },
     Reader { name: "mesh", read: |bytes| obj::from_bytes(bytes).map(drop) },
     Reader { name: "scene", read: scene },
     Reader { name: "queries", read: |bytes| eval::Table::parse(text(bytes)?).map(drop) },
@@ -96,6 +101,17 @@ fn scan(scan: Result<Scan>) -> Result<()> {
 /// Files that the scene names are looked for where there are none.
 fn scene(bytes: &[u8]) -> Result<()> {
     Scene::parse(text(bytes)?, Path::new("/nowhere")).map(drop)
+}
+
+/// Surroundings, and the light that samples draw from them.
+fn environment(bytes: &[u8]) -> Result<()> {
+    let environment = Environment::from_bytes("environment", bytes)?;
+    for point in [[0.0, 0.0], [0.5, 0.5], [1.0 - f64::EPSILON; 2]] {
+        let incident = environment.incident(point, 16);
+        assert!((incident.direction.length() - 1.0).abs() < 1e-9, "a direction that is none");
+        assert!(incident.irradiance.is_finite() && incident.variance.is_finite(), "light beyond numbers");
+    }
+    Ok(())
 }
 
 /// What the cache keeps as a `T`: from a file as it is, or from one with a right check sum whose parts `bytes` give: a line with a number of
@@ -196,6 +212,7 @@ fn values(bytes: &[u8]) -> Result<()> {
         options::exposure(text).map(drop),
         options::Exposure::parse(text).map(drop),
         Tone::from_name(text).map(drop),
+        Film::parse(text).map(drop),
         options::seed(text).map(drop),
         sequence::frames(text).map(drop),
         range::Range::parse(text, limits, "values").map(|range| drop(range.values())),

@@ -107,17 +107,24 @@ impl Environment {
             Some("studio") => Picture::of(WIDTH, &studio),
             _ => Picture::read(Path::new(name))?,
         };
-        Ok(Self {
-            name: name.to_string_lossy().into_owned(),
-            placement: Placement::default(),
-            picture: Arc::new(picture),
-        })
+        Ok(Self::showing(&name.to_string_lossy(), picture))
+    }
+
+    /// Surroundings called `name` from the bytes of an .exr or .hdr file.
+    ///
+    /// # Errors
+    /// Bytes that are no such picture, one that is not twice as wide as high, or one that holds no light.
+    pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self> {
+        Picture::from_bytes(bytes).map(|picture| Self::showing(name, picture))
+    }
+
+    fn showing(name: &str, picture: Picture) -> Self {
+        Self { name: name.to_owned(), placement: Placement::default(), picture: Arc::new(picture) }
     }
 
     /// Surroundings of this radiance, linear sRGB, over directions.
     pub fn of(radiance: &dyn Fn(DVec3) -> Vec3) -> Self {
-        let picture = Picture::of(WIDTH, radiance);
-        Self { name: String::new(), placement: Placement::default(), picture: Arc::new(picture) }
+        Self::showing("", Picture::of(WIDTH, radiance))
     }
 
     /// What the sample at `point` (uniform in 0 … 1) of `count` samples gets: a direction is as likely as it is bright, and stands for

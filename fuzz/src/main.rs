@@ -1,0 +1,23 @@
+//! Fuzzes one of the program's readers: `READER=mesh cargo +nightly fuzz run read`.
+#![no_main]
+
+use diffract::cli::untrusted::{READERS, Reader};
+use std::sync::LazyLock;
+
+/// The reader that the environment variable `READER` names.
+static READER: LazyLock<Reader> = LazyLock::new(|| {
+    let name = std::env::var("READER").unwrap_or_default();
+    let names: Vec<_> = READERS.iter().map(|reader| reader.name).collect();
+    *READERS
+        .iter()
+        .find(|reader| reader.name == name)
+        .unwrap_or_else(|| panic!("READER is {name:?}; set it to one of {}", names.join(", ")))
+});
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    if let Err(error) = (READER.read)(bytes) {
+        let line = error.to_string();
+        assert!(!line.contains(['\n', '\r', '\u{1b}']) && line.contains("; "), "no line with a remedy: {line:?}");
+        assert!(matches!(error.exit_code(), 1 | 2));
+    }
+});
