@@ -24,6 +24,7 @@ void main() {
     }
     Query query = queries[i];
     Pair pair = pair_of(query.light.xyz, query.view.xyz, source.normal_reflectance);
-    vec4 answer = query.light.w > 0.0 ? vec4(source_spectral(pair, query.light.w)) : vec4(source_xyz(pair, POINT), 0.0);
+    vec4 answer = query.light.w > 0.0 ? vec4(source_spectral(pair, query.light.w))
+                                      : vec4(source_xyz(pair, POINT) + source_specular(pair, POINT), 0.0);
     answers[i] = pair.factor > 0.0 ? answer : vec4(0.0);
 }

@@ -4,18 +4,24 @@
 // pass of its own, pixel beside pixel, whatever the size of the triangles; a reference shades the very same directions.
 #include "frame.glsl"
 
+const float PI = 3.14159265358979;
+
 layout(set = 0, binding = 1) uniform sampler2D pigment;
 
 layout(constant_id = 0) const int LIGHTS = MAX_LIGHTS; // of the scene
 layout(constant_id = 1) const bool TEXTURED = true;    // whether the pigment is of a texture
 layout(constant_id = 2) const bool FOOTPRINTS = true;  // whether footprints are asked for
 layout(constant_id = 3) const bool SHADOWS = false;    // whether lights cast shadows
+layout(constant_id = 4) const bool MIRRORED = false;   // whether the radiance of surroundings in the mirrored direction is asked for
 
 // Depth from each light; an array of samplers would need a feature that not every device has.
 layout(set = 0, binding = 10) uniform sampler2D shadow_0;
 layout(set = 0, binding = 11) uniform sampler2D shadow_1;
 layout(set = 0, binding = 12) uniform sampler2D shadow_2;
 layout(set = 0, binding = 13) uniform sampler2D shadow_3;
+
+// Radiance around the scene: azimuth pi ... -pi along a row, the top row up.
+layout(set = 0, binding = 14) uniform sampler2D surroundings;
 
 layout(location = 0) in vec3 view;
 layout(location = 1) in vec2 pigment_uv;
@@ -24,7 +30,8 @@ layout(location = 6) in vec3 world;
 layout(location = 7) in vec3 world_normal;
 
 // As `pixel.glsl` reads them. The attachments of a pass have no gaps: where footprints are asked for, they stand between the others, those
-// of a light behind the first image that a picture of so many lights has in any case. Images that a picture does not have are dropped.
+// of a light behind the first image that a picture of so many lights has in any case. Images that a picture does not have are dropped. Red and
+// green of the mirrored radiance stand behind the last light, blue beside the albedo.
 layout(location = 0) out vec4 directions;
 layout(location = 1) out vec4 image_1; // footprint of the first light,  or albedo
 layout(location = 2) out vec4 image_2; // albedo,                        or the second and the third light
@@ -38,12 +45,18 @@ layout(location = 7) out vec4 image_7; // footprint of the fourth light
 struct Face {
     vec3 normal; // of the triangle, toward the viewer
     bool back;   // whether the back of the surface is seen
+    vec3 mirrored; // direction into which the surface mirrors the viewer, in the world
+    float spread;  // variance of it over the part of a pixel that shading averages over, along each axis across it
 };
 
 Face face_seen() {
     vec3 normal = normalize(cross(dFdx(world), dFdy(world)));
-    normal = dot(normal, frame.eye.xyz - world) < 0.0 ? -normal : normal;
-    return Face(normal, dot(world_normal, normal) < 0.0);
+    vec3 to_eye = frame.eye.xyz - world;
+    normal = dot(normal, to_eye) < 0.0 ? -normal : normal;
+    vec3 mirrored = reflect(-normalize(to_eye), normalize(world_normal));
+    vec3 dx = dFdxFine(mirrored), dy = dFdyFine(mirrored);
+    float spread = frame.at.footprint * frame.at.footprint * 0.5 * (dot(dx, dx) + dot(dy, dy));
+    return Face(normal, dot(world_normal, normal) < 0.0, mirrored, spread);
 }
 
 // Meshes are seen from both sides: where the back of a surface is seen, as of a mesh that is wound inward, its frame is turned about T.
@@ -91,10 +104,27 @@ bool in_shadow_of(Face face, int light) {
     }
 }
 
+// Radiance of the surroundings from the mirrored direction, averaged over the pixel and over the specular order's own spread. Nothing where
+// the direction leads into the surface.
+vec3 mirrored_radiance(Face face) {
+    if (dot(face.mirrored, face.normal) <= 0.0) {
+        return vec3(0.0);
+    }
+    vec2 turned = mat2(frame.surroundings.x, -frame.surroundings.y, frame.surroundings.y, frame.surroundings.x) * face.mirrored.xy;
+    vec2 place = vec2(0.5 - atan(turned.y, turned.x) / (2.0 * PI), acos(clamp(face.mirrored.z, -1.0, 1.0)) / PI);
+    // A Gaussian of (u, v) is one of directions, wider by the cosine along the plane of incidence. Linear interpolation between texels of side t,
+    // each a mean over its square, averages over a variance of t^2/4.
+    float cosine = max(dot(face.mirrored, normalize(world_normal)) * (face.back ? -1.0 : 1.0), 0.1);
+    float deviation = sqrt(face.spread + frame.surroundings.w / cosine);
+    float texel = PI / float(textureSize(surroundings, 0).y);
+    return textureLod(surroundings, place, max(log2(2.0 * deviation / texel), 0.0)).rgb * frame.surroundings.z;
+}
+
 // Light that does not reach the surface is stored as light from below.
-vec2 projected_light(Face face, int light) {
+// Behind the last light: `mirrored`.
+vec2 projected_light(Face face, int light, vec2 mirrored) {
     if (light >= LIGHTS) {
-        return vec2(0.0);
+        return light == LIGHTS ? mirrored : vec2(0.0);
     }
     return SHADOWS && in_shadow_of(face, light) ? projected(vec3(0.0, 0.0, -1.0)) : projected(seen(face, lights[light]));
 }
@@ -126,10 +156,11 @@ vec4 footprint(Face face, int light) {
 
 void main() {
     Face face = face_seen();
-    directions = vec4(projected(to_viewer(face)), projected_light(face, 0));
-    vec4 more_lights_0 = vec4(projected_light(face, 1), projected_light(face, 2));
-    vec4 more_lights_1 = vec4(projected_light(face, 3), 0.0, 0.0);
-    vec4 albedo = vec4(frame.base_color.rgb, 1.0);
+    vec3 mirrored = MIRRORED ? mirrored_radiance(face) : vec3(0.0);
+    directions = vec4(projected(to_viewer(face)), projected_light(face, 0, mirrored.rg));
+    vec4 more_lights_0 = vec4(projected_light(face, 1, mirrored.rg), projected_light(face, 2, mirrored.rg));
+    vec4 more_lights_1 = vec4(projected_light(face, 3, mirrored.rg), projected_light(face, 4, mirrored.rg));
+    vec4 albedo = vec4(frame.base_color.rgb, mirrored.b);
     if (TEXTURED && frame.base_color.w > 0.0) {
         albedo.rgb *= texture(pigment, pigment_uv).rgb;
     }

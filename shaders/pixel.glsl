@@ -37,6 +37,15 @@ vec3 light_direction(vec4 stored, int light, ivec2 pixel) {
     }
 }
 
+// Radiance of the surroundings from the mirrored direction, where the geometry pass was asked for it, behind the last of `lights` lights.
+vec3 mirrored_of(int lights, ivec2 pixel) {
+    vec4 pair = texelFetch(more_lights_0, pixel, 0);
+    if (lights > 2) {
+        pair = texelFetch(more_lights_1, pixel, 0);
+    }
+    return vec3((lights & 1) == 1 ? pair.xy : pair.zw, texelFetch(albedos, pixel, 0).w);
+}
+
 vec3 albedo_of(ivec2 pixel) {
     return frame.base_color.w > 0.0 ? texelFetch(albedos, pixel, 0).rgb : frame.base_color.rgb;
 }

@@ -13,6 +13,8 @@ layout(constant_id = 1) const bool MARKED = true;      // whether directions tel
 layout(constant_id = 2) const bool OWN_REFLECTANCE = false; // whether the source holds R, and the factor of a pair does not
 layout(constant_id = 3) const float NORMAL_OF_PIGMENT = 0.0; // R0 of what the surface keeps from the pigment, where the source holds R
 
+layout(constant_id = 4) const bool MIRRORED = false; // whether the last light is drawn from surroundings, and their specular order is read apart
+
 layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
 
 void main() {
@@ -32,11 +34,20 @@ void main() {
         if (SOURCE_READS_FOOTPRINT) {
             footprint = footprint_of(i, pixel);
         }
-        vec3 diffracted = LINEAR_SRGB_FROM_XYZ * source_xyz(pair, footprint);
+        vec3 diffracted = source_xyz(pair, footprint);
+        if (!MIRRORED || i < LIGHTS - 1) {
+            diffracted += source_specular(pair, footprint);
+        }
+        diffracted = LINEAR_SRGB_FROM_XYZ * diffracted;
         float kept = OWN_REFLECTANCE ? schlick(NORMAL_OF_PIGMENT, pair.cos_half) : pair.reflectance;
         vec3 pigmented = albedo * ((1.0 - kept) * to_light.z / PI);
         // Below the horizon there is neither.
         sum += pair.factor > 0.0 ? (diffracted + pigmented) * (frame.irradiances[i].rgb * PI) : vec3(0.0);
+    }
+    if (MIRRORED && to_view.z > HORIZON) {
+        // Of the light from all around, the specular order sends on what comes from the mirrored direction.
+        Pair pair = pair_of(vec3(-to_view.xy, to_view.z), to_view, source.normal_reflectance);
+        sum += LINEAR_SRGB_FROM_XYZ * source_mirrored(pair) * mirrored_of(LIGHTS, pixel) / to_view.z;
     }
     radiance = vec4(sum, 1.0);
 }

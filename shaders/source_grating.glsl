@@ -36,3 +36,12 @@ float source_spectral(Pair pair, float wavenumber) {
 vec4 source_reads(vec2 pixel, bool scattered, int samples) {
     return reads_of(layers, pixel, scattered, samples);
 }
+
+// The specular order is no part of its own here.
+vec3 source_specular(Pair pair, Footprint footprint) {
+    return vec3(0.0);
+}
+
+vec3 source_mirrored(Pair pair) {
+    return vec3(0.0);
+}

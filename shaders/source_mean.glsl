@@ -87,13 +87,17 @@ bool held(vec2 f) {
     return all(lessThanEqual(abs(f), source.band));
 }
 
-// q^2 |P|^2/A of the specular order at wavenumber q.
-float specular_power(Pair pair, float q, vec3 c) {
+// |c_0|^2 at wavenumber q.
+float specular_power(Pair pair, float q) {
     float z = 2.0 * PI * q * pair.w;
     float columns = float(textureSize(specular, 0).x);
-    float power = textureLod(specular, vec2((0.5 * z * source.x_per_z * (columns - 1.0) + 0.5) / columns, 0.5), 0.0).r;
+    return textureLod(specular, vec2((0.5 * z * source.x_per_z * (columns - 1.0) + 0.5) / columns, 0.5), 0.0).r;
+}
+
+// q^2 |P|^2/A of the specular order at wavenumber q.
+float specular_density(Pair pair, float q, vec3 c) {
     float variance = source.specular / (q * q);
-    return power * normal_density(c + vec3(variance, 0.0, variance), pair.toward);
+    return specular_power(pair, q) * normal_density(c + vec3(variance, 0.0, variance), pair.toward);
 }
 
 // f cos(theta_i) over the pair's factor of B.12 at one wavenumber: q^2 <|P|^2>/A.
@@ -101,6 +105,16 @@ float mean_power(Pair pair, vec2 toward, float q, float level) {
     vec2 f = toward * q;
     float z = 2.0 * PI * q * pair.w;
     return held(f) ? q * q * z * z * source.unit * fluctuation(f, z, level) : 0.0;
+}
+
+// The comb of wavelengths for |(u, v)| in units of the blur.
+ivec2 comb_of(float uv) {
+    return combs[min(int(uv * (0.5 * float(UV_BINS))), UV_BINS - 1)];
+}
+
+// The blur along the ray, of a footprint of which a level has the variance `own`, sets how many wavelengths resolve it.
+float rays_of(float own) {
+    return source.rays * inversesqrt(source.finest * source.orders + source.middle * own);
 }
 
 const bool SOURCE_READS_FOOTPRINT = true;
@@ -116,14 +130,13 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     Row row = row_of(spaced_taps(ellipse, own, read, source.blur, TAP_SPACING_OF_SUMS), 0);
     // What the level of a wavelength lacks of the shorter axis is made up for by reading on both sides of the longer one in turn.
     vec2 across = vec2(-ellipse.axis.y, ellipse.axis.x);
-    // The blur along the ray sets how many wavelengths resolve it.
-    float rays = source.rays * inversesqrt(source.finest * source.orders + source.middle * own);
+    float rays = rays_of(own);
     vec3 sum = vec3(0.0);
     float norm = 0.0;
     float n = row.first;
     do {
         vec2 toward = pair.toward + n * row.step;
-        ivec2 comb = combs[min(int(length(toward) * rays * (0.5 * float(UV_BINS))), UV_BINS - 1)];
+        ivec2 comb = comb_of(length(toward) * rays);
         vec3 colour = vec3(0.0);
         for (int j = 0; j < comb.y; ++j) {
             vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
@@ -140,12 +153,30 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
         n += 1.0;
         across = (comb.y & 1) == 0 ? -across : across; // so that a wavelength has both sides
     } while (n < row.last);
-    sum /= norm;
-    // The specular order in closed form over the whole footprint.
-    ivec2 comb = combs[min(int(pair.uv * rays * (0.5 * float(UV_BINS))), UV_BINS - 1)];
+    return sum * (pair.factor / (4.0 * PI) / norm);
+}
+
+// The specular order, in closed form over the whole footprint.
+vec3 source_specular(Pair pair, Footprint footprint) {
+    vec3 c = covariance(footprint);
+    Ellipse ellipse = ellipse_of(c);
+    float own = max(ellipse.shorter, least_own(ellipse, source.blur, TAP_SPACING_OF_SUMS));
+    ivec2 comb = comb_of(pair.uv * rays_of(own));
+    vec3 sum = vec3(0.0);
     for (int j = 0; j < comb.y; ++j) {
         vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
-        sum += node.rgb * reflectance_at(pair, node.w) * specular_power(pair, node.w, c);
+        sum += node.rgb * reflectance_at(pair, node.w) * specular_density(pair, node.w, c);
+    }
+    return sum * (pair.factor / (4.0 * PI));
+}
+
+// The specular order of all (u, v).
+vec3 source_mirrored(Pair pair) {
+    ivec2 comb = comb_of(0.0);
+    vec3 sum = vec3(0.0);
+    for (int j = 0; j < comb.y; ++j) {
+        vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
+        sum += node.rgb * reflectance_at(pair, node.w) * specular_power(pair, node.w);
     }
     return sum * (pair.factor / (4.0 * PI));
 }
@@ -153,7 +184,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
 float source_spectral(Pair pair, float wavenumber) {
     float q = wavenumber;
     vec3 none = vec3(0.0);
-    float power = mean_power(pair, pair.toward, q, 0.0) + specular_power(pair, q, none);
+    float power = mean_power(pair, pair.toward, q, 0.0) + specular_density(pair, q, none);
     return held(pair.toward * q) ? pair.factor / (4.0 * PI) * reflectance_at(pair, q) * power : 0.0;
 }
 

@@ -41,21 +41,39 @@ vec3 read_table(Piece piece, vec2 place, float level) {
                 dot(textureLod(color_table, vec3(place, piece.layer + 2.0), level), piece.powers));
 }
 
+float specular_column(Pair pair) {
+    float columns = float(textureSize(specular, 0).x);
+    return (pair.w / LARGEST_W * (columns - 1.0) + 0.5) / columns;
+}
+
+vec3 specular_weight(float column, int band) {
+    return textureLod(specular, vec2(column, (float(band) + 0.5) / float(BANDS)), 0.0).rgb;
+}
+
 // The specular order: a Gaussian of (u, v) for each band of wavelengths.
-vec3 specular_xyz(Pair pair, vec3 c) {
+vec3 source_specular(Pair pair, Footprint footprint) {
+    vec3 c = covariance(footprint);
     // The widest lobe is nowhere else: exp(-0.5 * 40) of its peak.
     const float NOWHERE = 40.0;
     float widest = max(c.x, c.z) + source.variances[0].x;
     int bands = dot(pair.toward, pair.toward) < NOWHERE * widest ? BANDS : 0;
-    float columns = float(textureSize(specular, 0).x);
-    float column = (pair.w / LARGEST_W * (columns - 1.0) + 0.5) / columns;
+    float column = specular_column(pair);
     vec3 sum = vec3(0.0);
     for (int band = 0; band < bands; ++band) {
         float variance = source.variances[band >> 2][band & 3];
-        vec3 weight = textureLod(specular, vec2(column, (float(band) + 0.5) / float(BANDS)), 0.0).rgb;
-        sum += weight * normal_density(c + vec3(variance, 0.0, variance), pair.toward);
+        sum += specular_weight(column, band) * normal_density(c + vec3(variance, 0.0, variance), pair.toward);
     }
-    return sum;
+    return sum * (pair.factor / (4.0 * PI));
+}
+
+// The specular order of all (u, v).
+vec3 source_mirrored(Pair pair) {
+    float column = specular_column(pair);
+    vec3 sum = vec3(0.0);
+    for (int band = 0; band < BANDS; ++band) {
+        sum += specular_weight(column, band);
+    }
+    return sum * (pair.factor / (4.0 * PI));
 }
 
 const bool SOURCE_READS_FOOTPRINT = true;
@@ -86,8 +104,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
         } while (n < row.last);
         average += sum * (row.weight / norm);
     }
-    vec3 diffracted = average * (source.unit * pair.w * pair.w);
-    return (diffracted + specular_xyz(pair, c)) * (pair.factor / (4.0 * PI));
+    return average * (source.unit * pair.w * pair.w) * (pair.factor / (4.0 * PI));
 }
 
 // A table has no single wavelength; nobody asks.

@@ -35,20 +35,34 @@ struct Spread {
     xx: f64,
     xy: f64,
     yy: f64,
+    determinant: f64,
+    /// Its density at 0 \[µm²\].
+    peak: f64,
 }
 
 impl Spread {
     /// `blur` and, at wavenumber `q` \[µm⁻¹\], the spread of directions.
     fn new(blur: Blur, around: &Covariance, q: f64) -> Self {
         let [x, y] = blur.variance;
-        Self { xx: x + q * q * around.uu, xy: q * q * around.uv, yy: y + q * q * around.vv }
+        let (xx, xy, yy) = (x + q * q * around.uu, q * q * around.uv, y + q * q * around.vv);
+        let determinant = xx * yy - xy * xy;
+        Self { xx, xy, yy, determinant, peak: 1.0 / (2.0 * PI * determinant.sqrt()) }
     }
 
     /// Its density at `d` \[µm²\].
     fn density(&self, d: DVec2) -> f64 {
-        let det = self.xx * self.yy - self.xy * self.xy;
-        let r2 = (self.yy * d.x * d.x - 2.0 * self.xy * d.x * d.y + self.xx * d.y * d.y) / det;
-        (-0.5 * r2).exp() / (2.0 * PI * det.sqrt())
+        let squares = self.yy * d.x * d.x - 2.0 * self.xy * d.x * d.y + self.xx * d.y * d.y;
+        self.peak * (-0.5 * squares / self.determinant).exp()
+    }
+
+    /// Between which x, relative to the centre, a row `y` is within [`CUT`] standard deviations; `None` where it is nowhere.
+    fn row(&self, y: f64) -> Option<[f64; 2]> {
+        let left = CUT * CUT - y * y / self.yy;
+        let middle = y * self.xy / self.yy;
+        (left >= 0.0).then(|| {
+            let half = (left * self.determinant / self.yy).sqrt();
+            [middle - half, middle + half]
+        })
     }
 }
 
@@ -178,6 +192,15 @@ impl Mean<'_> {
     }
 }
 
+/// Which orders are summed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Orders {
+    /// All of them.
+    All,
+    /// All but the specular one.
+    Scattered,
+}
+
 /// The mean with every order's power as a Chebyshev series in z.
 pub struct TabulatedMean<'a> {
     mean: Mean<'a>,
@@ -235,42 +258,56 @@ impl<'a> TabulatedMean<'a> {
     /// ⟨|P|²⟩/A \[µm²\] as [`Mean::power`].
     pub fn power(&self, uvw: DVec3, q: f64, around: &Covariance) -> f64 {
         let f = -uvw.truncate() * q;
+        let lobe = Spread::new(Blur::of_coherence(self.mean.sigma), around, q);
+        let specular = if self.mean.holds(f) { self.specular_order(uvw, q) * lobe.density(f) } else { 0.0 };
+        specular + self.scattered_power(uvw, q, around)
+    }
+
+    /// The same without the specular order.
+    pub fn scattered_power(&self, uvw: DVec3, q: f64, around: &Covariance) -> f64 {
+        let f = -uvw.truncate() * q;
         let z = 2.0 * PI * q * uvw.z.abs();
         if !self.mean.holds(f) || z > self.z_max * (1.0 + 1e-9) {
             return 0.0;
         }
+        let t: Vec<f32> = self.polynomials_at(z).into_iter().map(|t| t as f32).collect();
+        z * z * self.blurred(f, &Spread::new(self.mean.blur(), around, q), &t)
+    }
+
+    /// |c_0|² at wavenumber `q` \[µm⁻¹\], the specular order's share of the power.
+    pub fn specular_order(&self, uvw: DVec3, q: f64) -> f64 {
+        let z = 2.0 * PI * q * uvw.z.abs();
+        if z > self.z_max * (1.0 + 1e-9) {
+            return 0.0;
+        }
+        self.specular.iter().zip(self.polynomials_at(z)).map(|(a, t)| a * t).sum::<f64>().max(0.0)
+    }
+
+    fn polynomials_at(&self, z: f64) -> Vec<f64> {
         let mut t = vec![0.0; self.terms];
         polynomials(2.0 * z / self.z_max - 1.0, &mut t);
-        let specular: f64 = self.specular.iter().zip(t.iter()).map(|(a, t)| a * t).sum();
-        let lobe = Spread::new(Blur::of_coherence(self.mean.sigma), around, q);
-        let spread = Spread::new(self.mean.blur(), around, q);
-        let t: Vec<f32> = t.iter().map(|&t| t as f32).collect();
-        specular.max(0.0) * lobe.density(f) + z * z * self.blurred(f, &spread, &t)
+        t
     }
 
     /// Σ_m |c_m|²/z² γ̂(f − m/T) for the polynomials `t` of z.
     fn blurred(&self, f: DVec2, spread: &Spread, t: &[f32]) -> f64 {
         let patch = DVec2::from_array(self.grid.patch);
         let centre = f * patch;
-        let reach = DVec2::new(spread.xx.sqrt(), spread.yy.sqrt()) * patch * CUT;
-        let first = (centre - reach).ceil();
-        let last = (centre + reach).floor();
+        let reach = spread.yy.sqrt() * patch.y * CUT;
+        let [first, last] = [(centre.y - reach).ceil() as i64, (centre.y + reach).floor() as i64];
         let mut sum = 0.0;
-        let mut my = first.y;
-        while my <= last.y {
-            if let Some(row) = self.place(my as i64, 1) {
-                let mut mx = first.x;
-                while mx <= last.x {
-                    if let Some(column) = self.place(mx as i64, 0) {
-                        let weight = spread.density(f - DVec2::new(mx, my) / patch);
-                        let begin = (row * self.grid.size[0] + column) * self.terms;
-                        let series = &self.orders[begin..begin + self.terms];
-                        sum += weight * f64::from(dot(series, t));
-                    }
-                    mx += 1.0;
+        for my in first..=last {
+            let y = my as f64 / patch.y - f.y;
+            let (Some(row), Some([left, right])) = (self.place(my, 1), spread.row(y)) else { continue };
+            let columns = ((f.x + left) * patch.x).ceil() as i64..=((f.x + right) * patch.x).floor() as i64;
+            for mx in columns {
+                if let Some(column) = self.place(mx, 0) {
+                    let weight = spread.density(DVec2::new(mx as f64 / patch.x - f.x, y));
+                    let begin = (row * self.grid.size[0] + column) * self.terms;
+                    let series = &self.orders[begin..begin + self.terms];
+                    sum += weight * f64::from(dot(series, t));
                 }
             }
-            my += 1.0;
         }
         sum.max(0.0)
     }
@@ -286,15 +323,19 @@ impl<'a> TabulatedMean<'a> {
 
     /// f cos θ_i \[sr⁻¹\] of one pair at `wavelength` \[µm\], averaged over `around`.
     pub fn cosine_weighted(&self, pair: &Pair, wavelength: f64, around: &Covariance) -> f64 {
+        self.weighted(pair, wavelength, |uvw, q| self.power(uvw, q, around))
+    }
+
+    /// f cos θ_i \[sr⁻¹\] for the `power` at (u, v, w) and a wavenumber.
+    fn weighted(&self, pair: &Pair, wavelength: f64, power: impl Fn(DVec3, f64) -> f64) -> f64 {
         if !pair.above_horizon() {
             return 0.0;
         }
-        let power = self.power(pair.uvw(), 1.0 / wavelength, around);
         let reflectance = self.mean.reflectance.at(wavelength, pair.cos_half_angle());
-        reflectance * cosine_weighted(pair, wavelength, 1.0, power)
+        reflectance * cosine_weighted(pair, wavelength, 1.0, power(pair.uvw(), 1.0 / wavelength))
     }
 
-    /// XYZ of f cos θ_i \[sr⁻¹\] of each pair under `illuminant`, averaged over the covariance beside it.
+    /// XYZ of f cos θ_i \[sr⁻¹\] of each pair under `illuminant`, averaged over the covariance beside it, by these `orders`.
     ///
     /// # Errors
     /// What `progress` returns.
@@ -302,6 +343,7 @@ impl<'a> TabulatedMean<'a> {
         &self,
         illuminant: &Illuminant,
         pairs: &[(Pair, Covariance)],
+        orders: Orders,
         progress: Progress<'_>,
     ) -> Result<Vec<DVec3>> {
         const AT_ONCE: usize = 1024;
@@ -313,22 +355,31 @@ impl<'a> TabulatedMean<'a> {
         for (pairs_now, counts_now) in pairs.chunks(AT_ONCE).zip(counts.chunks(AT_ONCE)) {
             progress(colours.len(), pairs.len())?;
             colours.par_extend(pairs_now.par_iter().zip(counts_now).map(|((pair, around), count)| {
-                combs.get(count).map_or(DVec3::ZERO, |nodes| self.colour(pair, around, nodes))
+                combs.get(count).map_or(DVec3::ZERO, |nodes| {
+                    integral(nodes, |wavelength| match orders {
+                        Orders::All => self.cosine_weighted(pair, wavelength, around),
+                        Orders::Scattered => {
+                            self.weighted(pair, wavelength, |uvw, q| self.scattered_power(uvw, q, around))
+                        }
+                    })
+                })
             }));
         }
         progress(pairs.len(), pairs.len())?;
         Ok(colours)
     }
 
-    fn colour(&self, pair: &Pair, around: &Covariance, nodes: &Nodes) -> DVec3 {
-        if !pair.above_horizon() {
-            return DVec3::ZERO;
-        }
-        let term = |(j, weight): (usize, &DVec3)| {
-            let wavelength = 1.0 / (nodes.first + j as f64 * nodes.step);
-            *weight * self.cosine_weighted(pair, wavelength, around)
+    /// XYZ of what the surface sends toward `view` of surroundings of radiance 1, by the specular order alone.
+    pub fn mirrored(&self, illuminant: &Illuminant, views: &[DVec3]) -> Vec<DVec3> {
+        let nodes = Nodes::catmull_rom(illuminant, COLOUR_NODES);
+        let of = |view: &DVec3| {
+            let pair = Pair::new(DVec3::new(-view.x, -view.y, view.z), *view);
+            // The density of the lobe over (u, v) has the integral 1/q², and du dv = cos θ_i dω_i.
+            let power = |uvw: DVec3, q: f64| self.specular_order(uvw, q) / (q * q);
+            integral(&nodes, |wavelength| self.weighted(&pair, wavelength, power))
+                / view.z.max(f64::MIN_POSITIVE)
         };
-        nodes.weights.iter().enumerate().map(term).sum()
+        views.par_iter().map(of).collect()
     }
 
     /// Wavelengths that resolve the response along the ray of `pair`, rounded up to a ladder of few counts.
@@ -407,7 +458,7 @@ impl Brdf for MeanReference<'_> {
     fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>> {
         let illuminant = self.illuminant;
         let asked: Vec<_> = pairs.iter().map(|pair| (*pair, Covariance::default())).collect();
-        let weighted = self.table()?.xyz(illuminant, &asked, &|_, _| Ok(()))?;
+        let weighted = self.table()?.xyz(illuminant, &asked, Orders::All, &|_, _| Ok(()))?;
         Ok(pairs.iter().zip(weighted).map(|(pair, f)| without_cosine(pair, f)).collect())
     }
 
@@ -417,6 +468,12 @@ impl Brdf for MeanReference<'_> {
 }
 
 /// Σ a b in eight partial sums, so that the loop runs on vector registers.
+/// Σ of `of` over the wavelengths of `nodes`.
+fn integral(nodes: &Nodes, of: impl Fn(f64) -> f64) -> DVec3 {
+    let wavelength = |j: usize| 1.0 / (nodes.first + j as f64 * nodes.step);
+    nodes.weights.iter().enumerate().map(|(j, weight)| *weight * of(wavelength(j))).sum()
+}
+
 fn dot(a: &[f32], b: &[f32]) -> f32 {
     let mut sums = [0f32; 8];
     let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));

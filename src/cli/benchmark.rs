@@ -1,7 +1,7 @@
 //! The benchmark scene that `profile` and `trade` measure: a frame on a device, and the f64 reference of the same directions.
 
 use super::options::{
-    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, lights_of, real,
+    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, light_by, real,
 };
 use super::prepare;
 use crate::error::{Error, Result};
@@ -38,7 +38,7 @@ pub struct BenchmarkOptions {
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "640x480")]
     pub size: [u32; 2],
-    /// A light instead of the scene's, in degrees from up and around it; up to four
+    /// A light instead of the scene's lights and surroundings, in degrees from up and around it; up to four
     #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
     pub light: Vec<Light>,
     #[command(flatten)]
@@ -156,9 +156,10 @@ impl BenchmarkScene {
     pub fn open(options: &BenchmarkOptions) -> Result<Self> {
         check_method(options)?;
         options.optics.for_pictures(&options.colour)?;
-        let scene = prepare::scene(&options.scene)?;
+        let mut scene = prepare::scene(&options.scene)?;
+        light_by(&options.light, &mut scene)?;
         let field = options.surface.load(None, Some(&scene), "elaphe")?;
-        let view = View::under(&scene, &lights_of(&options.light, &scene), &options.optics.coherence);
+        let view = View::under(&scene, &scene.lights, &options.optics.coherence);
         let device = prepare::device(&options.device.wish())?;
         Ok(Self { device, scene, field, view, size: options.size })
     }

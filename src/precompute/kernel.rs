@@ -84,22 +84,26 @@ impl Kernel {
     /// deviation σ on a padded length L = `ratio`·σ: the energy of the damped copies, and of what L cuts off.
     pub fn amplitude_error(self, ratio: f64) -> f64 {
         const STEPS: usize = 2000;
-        const COPIES: i32 = 3; // the transform falls as m⁻² or m⁻⁴
         let step = 2.0 * 8.0 / STEPS as f64;
         let (mut error, mut energy) = (0.0, 0.0);
         for i in 0..STEPS {
             let x = (i as f64 + 0.5) * step - 8.0;
             let g2 = (-x * x).exp();
             energy += g2;
-            error += if x.abs() > ratio / 2.0 {
-                g2
-            } else {
-                let own = self.transform(x / ratio);
-                let copies = (1..=COPIES).flat_map(|m| [f64::from(m), f64::from(-m)]);
-                g2 * copies.map(|m| (self.transform(x / ratio + m) / own).powi(2)).sum::<f64>()
-            };
+            error += if x.abs() > ratio / 2.0 { g2 } else { g2 * self.copies(x / ratio) };
         }
         (error / energy).sqrt()
+    }
+
+    /// Energy of the displaced copies at `x` = position/L, |x| ≤ ½, relative to what stands there itself. sin²(π(x + m)) is the same for all m,
+    /// so that transform(x + m)/transform(x) is a power of x/(x + m).
+    fn copies(self, x: f64) -> f64 {
+        const COPIES: i32 = 3; // the transform falls as m⁻² or m⁻⁴
+        let ratio = |m: i32| match self {
+            Self::Linear => (x / (x + f64::from(m))).powi(4),
+            Self::Cubic => (x / (x + f64::from(m))).powi(8),
+        };
+        (1..=COPIES).map(|m| ratio(m) + ratio(-m)).sum()
     }
 
     /// The smallest L/σ up to `most` for an amplitude error along one axis of at most `allowed`.
@@ -119,12 +123,7 @@ impl Kernel {
     /// As [`Kernel::amplitude_error`], for one period without a window, 1 over T and 0 beyond, on a padded length L = `ratio`·T ≥ T.
     pub fn amplitude_error_of_patch(self, ratio: f64) -> f64 {
         const STEPS: i32 = 1000;
-        const COPIES: i32 = 3;
-        let error = |i: i32| {
-            let x = ((f64::from(i) + 0.5) / f64::from(STEPS) - 0.5) / ratio;
-            let copies = (1..=COPIES).flat_map(|m| [f64::from(m), f64::from(-m)]);
-            copies.map(|m| (self.transform(x + m) / self.transform(x)).powi(2)).sum::<f64>()
-        };
+        let error = |i: i32| self.copies(((f64::from(i) + 0.5) / f64::from(STEPS) - 0.5) / ratio);
         ((0..STEPS).map(error).sum::<f64>() / f64::from(STEPS)).sqrt()
     }
 }
@@ -222,6 +221,17 @@ mod tests {
         let fall = |k: Kernel| k.amplitude_error(24.0) / k.amplitude_error(48.0);
         assert!((fall(Kernel::Linear) / 4.0 - 1.0).abs() < 0.15, "{}", fall(Kernel::Linear));
         assert!((fall(Kernel::Cubic) / 16.0 - 1.0).abs() < 0.3, "{}", fall(Kernel::Cubic));
+    }
+
+    #[test]
+    fn copies_are_damped_by_the_transform() {
+        for kernel in [Kernel::Linear, Kernel::Cubic] {
+            for x in [-0.5, -0.3, 0.01, 0.2, 0.499] {
+                let copy = |m: f64| (kernel.transform(x + m) / kernel.transform(x)).powi(2);
+                let sum: f64 = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0].map(copy).iter().sum();
+                assert!((kernel.copies(x) / sum - 1.0).abs() < 1e-10, "{kernel:?} {x}");
+            }
+        }
     }
 
     #[test]

@@ -139,121 +139,190 @@ pub fn compute_at(
     shift: [f64; 2],
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<Layers> {
-    let scale = HeightScale::of(field);
-    let z_max = largest_z(settings.shortest_wavelength);
-    let budget = settings.budget;
-    let (interpolation, interpolation_error) = if settings.sigma.is_finite() {
-        let gaussian = Interpolation::for_tolerance(budget.interpolation);
-        (gaussian, gaussian.relative_error())
-    } else {
-        Interpolation::of_patch(budget.interpolation)
-    };
-    if interpolation_error > budget.interpolation {
-        return Err(Error::failed(
-            format!(
-                "spectra of any size that is sensible leave more than {:.0e} between their samples",
-                budget.interpolation
-            ),
-            [Remedy::LargerTolerance, Remedy::ReferenceMethod],
-        ));
-    }
-    let Plan { plane: [x, y] } = Plan::new(field, settings, interpolation, shift)?;
-    if settings.basis == Basis::Taylor && settings.terms.is_none() {
-        // Refuses what is hopeless before any work.
-        terms_for(z_max * scale.half_range, budget.expansion, F32_ROUNDOFF)?;
-    }
-    let family = family(field, settings.basis, z_max);
-    let family = family.as_ref();
-    let most_terms = most_terms(family, settings, z_max);
-    let half_plane = settings.basis.is_real();
-    // Texels left of f_x = 0 exist for the kernel alone where the other half plane follows.
-    let first_column = if half_plane { x.bins - interpolation.kernels[0].guard() } else { 0 };
-    let (size, origin) = ([x.kept() - first_column, y.kept()], [x.bins - first_column, y.bins]);
-    let layer_bytes = TEXEL * size[0] * size[1];
-    let room_for = |layers: usize| {
-        if layers * layer_bytes <= settings.memory_limit {
-            return Ok(());
-        }
-        Err(too_large((layers * layer_bytes) as f64, settings))
-    };
-    room_for(if settings.terms.is_some() { most_terms.div_ceil(2) } else { 1 })?;
-    let transformer = Transformer::new(field, x, y);
-    let heights: Vec<f64> = field.heights().iter().map(|&h| scale.normalise(h)).collect();
-    let guess = settings.terms.unwrap_or(GUESSED_TERMS).div_ceil(2);
-    let steps = |layers: usize| PLANES + guess.max(layers);
-    let mut audit = Audit::new(&transformer, &heights, scale.half_range, z_max, |i| progress(i, steps(0)))?;
-    let mut texels: Vec<f32> = Vec::new();
-    let mut made = 0;
-    let terms = loop {
-        progress(PLANES + made, steps(made + 1))?;
-        room_for(made + 1)?;
-        let pair = transformer.pair(half_plane, |n, i| family.basis(2 * made + n, heights[i]));
-        // Asked for as it grows: how many layers there will be is known at the end alone.
-        memory::ensure_room(layer_bytes as u64, "the spectra")?;
-        let begin = texels.len();
-        texels.reserve_exact(size[0] * size[1] * 4);
-        texels.resize(begin + size[0] * size[1] * 4, 0.0);
-        pack(&pair, size[0], first_column, &mut texels[begin..]);
-        audit.add(&pair);
-        transformer.take_back(pair);
-        made += 1;
-        let terms = (2 * made).min(most_terms);
-        let enough = settings.terms.is_none() && audit.error(family, terms) <= budget.expansion;
-        if enough || terms == most_terms {
-            break terms;
-        }
-    };
+    let work = Work::new(field, settings, shift)?;
+    let mut audit = Audit::new(&work.transformer, &work.heights, work.half_range, work.z_max, |i| {
+        progress(i, work.steps(0))
+    })?;
+    let made = work.transform(&mut audit, progress)?;
     // Half the memory to keep and to read, where the rounding is within the budget too; powers of the height cancel each other by orders of
     // magnitude.
-    let in_halves = audit.error_of_halves(family, terms);
-    let half = in_halves <= budget.expansion && settings.terms.is_none() && Texels::fit_halves(&texels);
-    let expansion_error = if half { in_halves } else { audit.error(family, terms) };
-    if settings.terms.is_none() && expansion_error > budget.expansion {
-        return Err(Error::failed(
-            format!(
-                "the {} expansion in 32-bit floats leaves a relative error of {expansion_error:.1e} on this surface, more \
-                 than its share {:.1e} of the tolerance",
-                settings.basis.name(),
-                budget.expansion
-            ),
-            [Remedy::LargerTolerance, Remedy::OptimalBasis, Remedy::ReferenceMethod],
-        ));
+    let family = work.family.as_ref();
+    let in_halves = audit.error_of_halves(family, made.terms);
+    let budget = settings.budget.expansion;
+    let half = in_halves <= budget && settings.terms.is_none() && Texels::fit_halves(&made.texels);
+    let expansion_error = if half { in_halves } else { audit.error(family, made.terms) };
+    if settings.terms.is_none() && expansion_error > budget {
+        return Err(beyond_32_bits(settings, expansion_error));
     }
-    progress(steps(made), steps(made))?;
+    progress(work.steps(made.pairs), work.steps(made.pairs))?;
     // The halves stand beside what they are made from.
-    let finished = if half { texels.len() * size_of::<f32>() / 2 } else { 0 };
+    let finished = if half { made.texels.len() * size_of::<f32>() / 2 } else { 0 };
     memory::ensure_room(finished as u64, "the spectra")?;
+    let (z_max, terms) = (work.z_max, made.terms);
     Ok(Layers {
-        size,
-        origin,
-        length: [transformer.x.length, transformer.y.length],
+        size: work.size,
+        origin: work.origin,
+        length: [work.transformer.x.length, work.transformer.y.length],
         band: bands_of(field, settings.shortest_wavelength),
         sigma: settings.sigma,
-        half_plane,
+        half_plane: work.half_plane,
         terms,
-        coefficients: Coefficients::new(
-            settings.basis,
-            family,
-            terms,
-            z_max,
-            scale.half_range,
-            budget.expansion,
-        ),
+        coefficients: Coefficients::new(settings.basis, family, terms, z_max, work.half_range, budget),
         z_max,
         pairs_needed: match settings.terms {
-            None => PairRule::over(&audit.terms_by_z(family, terms, budget.expansion)),
+            None => PairRule::over(&audit.terms_by_z(family, terms, budget)),
             // What the user names is done everywhere.
             Some(_) => PairRule::constant(terms.div_ceil(2)),
         },
-        interpolation,
+        interpolation: work.interpolation,
         errors: Errors {
             expansion: expansion_error,
-            interpolation: interpolation_error,
+            interpolation: work.interpolation_error,
             truncation_bound: family.truncation_bound(z_max, terms),
             rounding_bound: family.rounding_bound(z_max, F32_ROUNDOFF),
         },
-        texels: Texels::of(half, texels),
+        texels: Texels::of(half, made.texels),
     })
+}
+
+/// What layers are made from.
+struct Work<'a> {
+    settings: &'a Settings,
+    interpolation: Interpolation,
+    interpolation_error: f64,
+    z_max: f64,
+    half_range: f64,
+    /// Heights within ±1.
+    heights: Vec<f64>,
+    family: Box<dyn Expansion>,
+    most_terms: usize,
+    transformer: Transformer<'a>,
+    half_plane: bool,
+    /// The first column of the transforms that is kept.
+    first_column: usize,
+    size: [usize; 2],
+    origin: [usize; 2],
+}
+
+/// Spectra of so many pairs of terms.
+struct Made {
+    texels: Vec<f32>,
+    pairs: usize,
+    terms: usize,
+}
+
+impl<'a> Work<'a> {
+    fn new(field: &'a HeightField, settings: &'a Settings, shift: [f64; 2]) -> Result<Self> {
+        let scale = HeightScale::of(field);
+        let z_max = largest_z(settings.shortest_wavelength);
+        let (interpolation, interpolation_error) = interpolation(settings)?;
+        let Plan { plane: [x, y] } = Plan::new(field, settings, interpolation, shift)?;
+        if settings.basis == Basis::Taylor && settings.terms.is_none() {
+            // Refuses what is hopeless before any work.
+            terms_for(z_max * scale.half_range, settings.budget.expansion, F32_ROUNDOFF)?;
+        }
+        let family = family(field, settings.basis, z_max);
+        let most_terms = most_terms(family.as_ref(), settings, z_max);
+        let half_plane = settings.basis.is_real();
+        // Texels left of f_x = 0 exist for the kernel alone where the other half plane follows.
+        let first_column = if half_plane { x.bins - interpolation.kernels[0].guard() } else { 0 };
+        let (size, origin) = ([x.kept() - first_column, y.kept()], [x.bins - first_column, y.bins]);
+        let work = Self {
+            settings,
+            interpolation,
+            interpolation_error,
+            z_max,
+            half_range: scale.half_range,
+            heights: field.heights().iter().map(|&h| scale.normalise(h)).collect(),
+            family,
+            most_terms,
+            transformer: Transformer::new(field, x, y),
+            half_plane,
+            first_column,
+            size,
+            origin,
+        };
+        work.ensure_limit(if settings.terms.is_some() { most_terms.div_ceil(2) } else { 1 })?;
+        Ok(work)
+    }
+
+    /// Bytes of a layer.
+    fn layer_bytes(&self) -> usize {
+        TEXEL * self.size[0] * self.size[1]
+    }
+
+    /// Fails where so many layers exceed the user's limit.
+    fn ensure_limit(&self, layers: usize) -> Result<()> {
+        let bytes = layers * self.layer_bytes();
+        if bytes <= self.settings.memory_limit { Ok(()) } else { Err(too_large(bytes as f64, self.settings)) }
+    }
+
+    /// Steps of the whole work, as far as `layers` that are made let it be guessed.
+    fn steps(&self, layers: usize) -> usize {
+        PLANES + self.settings.terms.unwrap_or(GUESSED_TERMS).div_ceil(2).max(layers)
+    }
+
+    /// Transforms pair after pair of terms, until the `audit` says that they are enough.
+    fn transform(
+        &self,
+        audit: &mut Audit,
+        progress: &dyn Fn(usize, usize) -> Result<()>,
+    ) -> Result<Made> {
+        let Self { settings, transformer, heights, most_terms, .. } = self;
+        let family = self.family.as_ref();
+        let [columns, rows] = self.size;
+        let mut texels: Vec<f32> = Vec::new();
+        let mut pairs = 0;
+        loop {
+            progress(PLANES + pairs, self.steps(pairs + 1))?;
+            self.ensure_limit(pairs + 1)?;
+            let pair = transformer.pair(self.half_plane, |n, i| family.basis(2 * pairs + n, heights[i]));
+            // Asked for as it grows: how many layers there will be is known at the end alone.
+            memory::ensure_room(self.layer_bytes() as u64, "the spectra")?;
+            let begin = texels.len();
+            texels.reserve_exact(columns * rows * 4);
+            texels.resize(begin + columns * rows * 4, 0.0);
+            pack(&pair, columns, self.first_column, &mut texels[begin..]);
+            audit.add(&pair);
+            transformer.take_back(pair);
+            pairs += 1;
+            let terms = (2 * pairs).min(*most_terms);
+            let enough = settings.terms.is_none() && audit.error(family, terms) <= settings.budget.expansion;
+            if enough || terms == *most_terms {
+                return Ok(Made { texels, pairs, terms });
+            }
+        }
+    }
+}
+
+/// How to read between texels within the budget of `settings`, and the error of that.
+fn interpolation(settings: &Settings) -> Result<(Interpolation, f64)> {
+    let budget = settings.budget.interpolation;
+    let (interpolation, error) = if settings.sigma.is_finite() {
+        let gaussian = Interpolation::for_tolerance(budget);
+        (gaussian, gaussian.relative_error())
+    } else {
+        Interpolation::of_patch(budget)
+    };
+    if error > budget {
+        return Err(Error::failed(
+            format!("spectra of any size that is sensible leave more than {budget:.0e} between their samples"),
+            [Remedy::LargerTolerance, Remedy::ReferenceMethod],
+        ));
+    }
+    Ok((interpolation, error))
+}
+
+fn beyond_32_bits(settings: &Settings, error: f64) -> Error {
+    Error::failed(
+        format!(
+            "the {} expansion in 32-bit floats leaves a relative error of {error:.1e} on this surface, more than its share {:.1e} of the \
+             tolerance",
+            settings.basis.name(),
+            settings.budget.expansion
+        ),
+        [Remedy::LargerTolerance, Remedy::OptimalBasis, Remedy::ReferenceMethod],
+    )
 }
 
 /// The expansion of `basis` for the heights of `field` and |z| up to `z_max` \[rad/µm\].

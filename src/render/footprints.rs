@@ -172,6 +172,7 @@ mod tests {
             footprints: vec![[2.0, 0.0, 0.0, 1.0], [4.0, 0.0, 0.0, 3.0], [9.0; 4], [0.0; 4]],
             filter: 0.5,
             share: Share::ALL,
+            mirrored: Vec::new(),
         };
         let all = Distribution::of(&[seen]);
         assert_eq!((all.count(), all.minor(0.0), all.minor(1.0), all.major(1.0)), (2, 1.0, 3.0, 4.0));

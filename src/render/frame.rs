@@ -1,14 +1,16 @@
 //! A frame: depth, shading, display. The same commands draw offscreen and to a window.
 
 use super::device_mesh::{DeviceMesh, attributes};
-use super::frame_set::FrameBlock;
+use super::frame_set::{FrameBlock, FrameSet};
 use super::sampling::Sample;
+use super::shader;
+use super::shadows::{self, Shadows};
 use super::source::BoundSource;
 use super::target::{self, Geometry, GeometrySettings, Target};
-use super::{shader, shadows};
 use crate::error::Result;
 use crate::optics::coherence::Coherence;
 use crate::optics::color::{self, Tone};
+use crate::scene::environment::Placement;
 use crate::scene::{Camera, Environment, Incident, Light, MAX_LIGHTS, Scene, Vertex, camera};
 use crate::vk::access::Access;
 use crate::vk::commands::Recorder;
@@ -61,6 +63,11 @@ impl View {
         }
     }
 
+    /// What the last of the directions is drawn from, where the other lights leave room for it.
+    pub fn surroundings(&self) -> Option<&Environment> {
+        self.environment.as_ref().filter(|_| self.lights.len() < MAX_LIGHTS)
+    }
+
     /// Directions of light that a sample shades, at most [`MAX_LIGHTS`].
     pub fn light_count(&self) -> usize {
         (self.lights.len() + usize::from(self.environment.is_some())).min(MAX_LIGHTS)
@@ -84,7 +91,8 @@ impl View {
         for (i, incident) in incidents.iter().enumerate() {
             lights[i] = incident.direction.as_vec3().extend(incident.variance as f32).to_array();
             irradiances[i] = incident.irradiance.extend(0.0).to_array();
-            let map = shadows::clip_from_world(incident.direction, self.centre, self.radius, sample.jitter);
+            let (centre, radius, jitter) = (self.centre, self.radius, sample.jitter);
+            let map = shadows::clip_from_world(incident.direction, centre, radius, size, jitter);
             shadow_from_world[i] = map.to_cols_array_2d();
         }
         let clip_from_world = self.camera.clip_from_world(size, self.centre, self.radius);
@@ -96,43 +104,54 @@ impl View {
             shadow_from_world,
             base_color: self.base_color.extend(if self.pigment { 1.0 } else { 0.0 }).to_array(),
             counts: [incidents.len() as i32, 0, 0, 0],
+            surroundings: self.surroundings().map_or([0.0; 4], |environment| {
+                let Placement { rotation, exposure } = environment.placement;
+                let (sin, cos) = rotation.to_radians().sin_cos();
+                [cos as f32, sin as f32, exposure.exp2() as f32, 0.0]
+            }),
             sample: sample.block(),
         }
     }
 }
 
-/// The pass that finds what each pixel sees, and its directions there.
+/// The pass that finds what each pixel sees, and its directions there; before it, the depth maps of lights that cast shadows.
 pub struct GeometryPass {
     pipeline: Pipeline,
+    shadows: Option<Shadows>,
 }
 
 impl GeometryPass {
-    /// A pass that draws into `geometry`, over the layout of `descriptors`.
+    /// A pass that draws into `geometry` what `frame` describes, which reads its depth maps from now on.
     ///
     /// # Errors
-    /// Where the device refuses.
-    pub fn new(device: &Arc<Device>, descriptors: &Descriptors, geometry: &Geometry) -> Result<Self> {
+    /// Where the device refuses or has no room.
+    pub fn new(device: &Arc<Device>, frame: &FrameSet, geometry: &Geometry) -> Result<Self> {
         let drawing = Drawing {
             vertex_stride: size_of::<Vertex>() as u32,
             attributes: &attributes(),
             colors: &geometry.images().map(Image::format).collect::<Vec<_>>(),
             depth: Some((vk::CompareOp::LESS, true)),
         };
-        let GeometrySettings { lights, textured, footprints, shadows, .. } = geometry.settings;
+        let GeometrySettings { lights, textured, footprints, shadows, mirrored, .. } = geometry.settings;
         // `constant_id`s of both stages.
         const LIGHTS: u32 = 0;
         const TEXTURED: u32 = 1;
         const FOOTPRINTS: u32 = 2;
         const SHADOWS: u32 = 3;
+        const MIRRORED: u32 = 4;
         let constants = [
             Constant::new(LIGHTS, lights as u32),
             Constant::new(TEXTURED, textured),
             Constant::new(FOOTPRINTS, footprints),
             Constant::new(SHADOWS, shadows),
+            Constant::new(MIRRORED, mirrored),
         ];
         let fragment = Some(shader!("geometry.frag").with(&constants));
         let vertex = shader!("surface.vert").with(&constants);
-        Ok(Self { pipeline: Pipeline::graphics(device, vertex, fragment, &drawing, &[descriptors], 0)? })
+        let size = geometry.directions.size();
+        let shadows = shadows.then(|| Shadows::new(device, frame, lights, size)).transpose()?;
+        let pipeline = Pipeline::graphics(device, vertex, fragment, &drawing, &[&frame.descriptors], 0)?;
+        Ok(Self { pipeline, shadows })
     }
 
     /// Records the drawing of `mesh` into `geometry`, which it leaves readable by shaders.
@@ -143,6 +162,9 @@ impl GeometryPass {
         descriptors: &Descriptors,
         mesh: &DeviceMesh,
     ) {
+        if let Some(shadows) = &self.shadows {
+            shadows.record(record, mesh);
+        }
         let change =
             |from: Access, to: Access| -> Vec<_> { geometry.images().map(|i| (i, from, to)).collect() };
         let mut before = change(Access::Nothing, Access::ColorAttachment);
@@ -169,7 +191,7 @@ pub struct PixelPass {
 }
 
 impl PixelPass {
-    /// The pass that shades what the geometry pass found under `lights` lights, from `source`, over the layout of `frame`.
+    /// The pass that shades what the geometry pass found by its `settings`, from `source`, over the layout of `frame`.
     ///
     /// # Errors
     /// Where the device refuses.
@@ -177,9 +199,9 @@ impl PixelPass {
         device: &Arc<Device>,
         frame: &Descriptors,
         source: &BoundSource,
-        lights: usize,
+        settings: GeometrySettings,
     ) -> Result<Self> {
-        let constants = source.shade_constants(lights.min(MAX_LIGHTS));
+        let constants = source.shade_constants(settings);
         Self::new(device, source.shade().with(&constants), [frame, &source.descriptors], 0, COVERED)
     }
 

@@ -2,10 +2,12 @@
 //! `shaders/frame.glsl` and `shaders/pixel.glsl`.
 
 use super::pigment::Pigment;
+use super::surroundings::Surroundings;
 use super::target::Geometry;
 use super::upload;
 use crate::error::Result;
 use crate::scene::MAX_LIGHTS;
+use crate::scene::environment::Environment;
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
@@ -32,6 +34,9 @@ pub struct FrameBlock {
     pub base_color: [f32; 4],
     /// x: number of lights.
     pub counts: [i32; 4],
+    /// How the surroundings stand: cosine and sine of their rotation, what their picture's 1 stands for, and the variance of (u, v) over which
+    /// the specular order spreads.
+    pub surroundings: [f32; 4],
     /// World to the clip space of each light's depth map, column by column.
     pub shadow_from_world: [[[f32; 4]; 4]; MAX_LIGHTS],
     /// Which sample of the picture the frame is.
@@ -77,6 +82,8 @@ pub mod binding {
     pub const FOOTPRINTS: u32 = 6;
     /// Depth from the first light; those from the others follow.
     pub const SHADOWS: u32 = 10;
+    /// Picture of the surroundings.
+    pub const SURROUNDINGS: u32 = SHADOWS + super::MAX_LIGHTS as u32;
 }
 
 /// The set and what it points to.
@@ -88,6 +95,8 @@ pub struct FrameSet {
     _repeat: Sampler,
     edge: Sampler,
     nearest: Sampler,
+    around: Sampler,
+    surroundings: Option<Surroundings>,
 }
 
 impl FrameSet {
@@ -98,8 +107,8 @@ impl FrameSet {
     pub fn new(device: &Arc<Device>, pigment: &Pigment, geometry: &Geometry) -> Result<Self> {
         use vk::DescriptorType as T;
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        let images = (binding::PIGMENT..binding::SHADOWS + MAX_LIGHTS as u32)
-            .map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
+        let images =
+            (binding::PIGMENT..=binding::SURROUNDINGS).map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
         let bindings: Vec<Binding> = std::iter::once((binding::FRAME, T::UNIFORM_BUFFER))
             .chain(images)
             .map(|(number, kind)| Binding { number, kind, stages })
@@ -116,7 +125,19 @@ impl FrameSet {
         let descriptors = Descriptors::new(device, "frame set", &bindings)?;
         descriptors.buffer(binding::FRAME, &frame);
         descriptors.image(binding::PIGMENT, &image, &repeat);
-        let set = Self { descriptors, frame, pigment: image, _repeat: repeat, edge, nearest };
+        let around = Sampler::equirectangular(device, "sampler of surroundings")?;
+        // Every binding has to hold something; what there is none of is never read.
+        descriptors.image(binding::SURROUNDINGS, &image, &around);
+        let set = Self {
+            descriptors,
+            frame,
+            pigment: image,
+            _repeat: repeat,
+            edge,
+            nearest,
+            around,
+            surroundings: None,
+        };
         set.read_from(geometry);
         set.read_shadows(&[]);
         Ok(set)
@@ -124,7 +145,6 @@ impl FrameSet {
 
     /// Points the set at what the geometry pass writes. The device must not be using the set.
     pub fn read_from(&self, geometry: &Geometry) {
-        // Every binding has to hold something; what there is none of is never read.
         let there = &geometry.directions;
         self.descriptors.image(binding::DIRECTIONS, there, &self.edge);
         self.descriptors.image(binding::ALBEDOS, geometry.albedo.as_ref().unwrap_or(there), &self.edge);
@@ -141,10 +161,27 @@ impl FrameSet {
     /// Points the set at the depth maps of the lights. The device must not be using the set.
     pub fn read_shadows(&self, maps: &[Image]) {
         for light in 0..MAX_LIGHTS {
-            // As above; what is there is readable at any time.
+            // What is there is readable at any time.
             let image = maps.get(light).unwrap_or(&self.pigment);
             self.descriptors.image(binding::SHADOWS + light as u32, image, &self.nearest);
         }
+    }
+
+    /// Uploads the picture of `environment`, unless it is there already, and points the set at it. What a stored 1 stands for. The device must
+    /// not be using the set.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn surround(&mut self, device: &Arc<Device>, environment: &Environment) -> Result<f32> {
+        let there = self.surroundings.take().filter(|there| there.show(environment));
+        let surroundings = match there {
+            Some(there) => there,
+            None => Surroundings::new(device, environment)?,
+        };
+        self.descriptors.image(binding::SURROUNDINGS, &surroundings.image, &self.around);
+        let unit = surroundings.unit;
+        self.surroundings = Some(surroundings);
+        Ok(unit)
     }
 
     /// Points binding `number` of another set at the block.

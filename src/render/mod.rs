@@ -17,6 +17,7 @@ pub mod sampling;
 pub mod shading;
 pub mod shadows;
 pub mod source;
+mod surroundings;
 pub mod tables;
 pub mod target;
 mod upload;

@@ -8,7 +8,6 @@ use super::frame_set::FrameSet;
 use super::pigment::Pigment;
 use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
-use super::shadows::Shadows;
 use super::source::{BoundSource, Source};
 use super::target::{self, Geometry, GeometrySettings, Target};
 use crate::error::{Error, Result};
@@ -39,8 +38,6 @@ pub struct Painter {
     asker: Option<Asker>,
     source: BoundSource,
     frame: FrameSet,
-    // Where lights cast shadows.
-    shadows: Option<Shadows>,
     // Rows of a strip that take a fitting time.
     strip: u32,
     // What the display shows.
@@ -100,9 +97,26 @@ pub struct Directions {
     pub share: Share,
     /// Irradiance over π of a surface that faces the light, linear sRGB.
     pub irradiance: DVec3,
+    /// Radiance of the surroundings in the mirrored direction of each pixel, linear sRGB; zero where nothing is covered. Where it is not
+    /// empty, the light is drawn from the surroundings, and their specular order is this.
+    pub mirrored: Vec<[f32; 3]>,
 }
 
 impl Directions {
+    /// Those of the pixels number `chosen` alone.
+    pub fn of_pixels(&self, chosen: &[usize]) -> Self {
+        fn some<T: Copy>(all: &[T], chosen: &[usize]) -> Vec<T> {
+            chosen.iter().filter_map(|&i| all.get(i)).copied().collect()
+        }
+        Self {
+            light: some(&self.light, chosen),
+            view: some(&self.view, chosen),
+            footprints: some(&self.footprints, chosen),
+            mirrored: some(&self.mirrored, chosen),
+            ..*self
+        }
+    }
+
     /// What shading averages over at pixel number `i`; nothing where the painter was not asked for footprints.
     pub fn covariance(&self, i: usize) -> Covariance {
         let Some(&footprint) = self.footprints.get(i) else { return Covariance::default() };
@@ -132,6 +146,7 @@ impl Painter {
             marked: source.asks_what_is_covered,
             footprints: source.reads_footprints,
             shadows: false,
+            mirrored: false,
         };
         let geometry = Geometry::new(device, size, settings)?;
         let frame = FrameSet::new(device, pigment, &geometry)?;
@@ -140,8 +155,8 @@ impl Painter {
         display.read_from(&target.radiance);
         Ok(Self {
             commands: Commands::new(device, "frame")?,
-            find: GeometryPass::new(device, &frame.descriptors, &geometry)?,
-            shade: PixelPass::shading(device, &frame.descriptors, &source, lights)?,
+            find: GeometryPass::new(device, &frame, &geometry)?,
+            shade: PixelPass::shading(device, &frame.descriptors, &source, settings)?,
             geometry,
             display,
             target,
@@ -150,7 +165,6 @@ impl Painter {
             asker: None,
             source,
             frame,
-            shadows: None,
             strip: 64,
             shows: Content::Nothing,
             accumulation: None,
@@ -167,13 +181,6 @@ impl Painter {
         self.forget();
         let old = self.geometry.settings;
         let settings = GeometrySettings { lights: lights.min(MAX_LIGHTS), ..old };
-        if settings.lights != old.lights {
-            let frame = &self.frame.descriptors;
-            self.shade = PixelPass::shading(&self.device, frame, &self.source, settings.lights)?;
-            if settings.shadows {
-                self.shadows = Some(Shadows::new(&self.device, &self.frame, settings.lights)?);
-            }
-        }
         if settings != old || size != self.target.size() {
             self.find_anew(size, settings)?;
         }
@@ -187,11 +194,16 @@ impl Painter {
         Ok(())
     }
 
-    /// Makes the images of the geometry pass, and the pass, for `size` pixels.
+    /// Makes the images of the geometry pass, and the pass, for `size` pixels; also the shading pass, where it depends on them.
     fn find_anew(&mut self, size: [u32; 2], settings: GeometrySettings) -> Result<()> {
+        let GeometrySettings { lights, mirrored, .. } = self.geometry.settings;
+        if (settings.lights, settings.mirrored) != (lights, mirrored) {
+            let frame = &self.frame.descriptors;
+            self.shade = PixelPass::shading(&self.device, frame, &self.source, settings)?;
+        }
         self.geometry = Geometry::new(&self.device, size, settings)?;
         self.frame.read_from(&self.geometry);
-        self.find = GeometryPass::new(&self.device, &self.frame.descriptors, &self.geometry)?;
+        self.find = GeometryPass::new(&self.device, &self.frame, &self.geometry)?;
         Ok(())
     }
 
@@ -216,10 +228,31 @@ impl Painter {
         let settings = GeometrySettings { shadows: true, ..self.geometry.settings };
         if settings != self.geometry.settings {
             self.forget();
-            self.shadows = Some(Shadows::new(&self.device, &self.frame, settings.lights)?);
             self.find_anew(self.target.size(), settings)?;
         }
         Ok(())
+    }
+
+    /// The frames from now on are surrounded as `view` is. Where the source knows the specular order, the geometry pass writes the radiance in
+    /// the mirrored direction. What a 1 of the picture on the device stands for.
+    fn surround(&mut self, view: &View) -> Result<f32> {
+        let Some(environment) = view.surroundings().filter(|_| self.source.specular_spread.is_some()) else {
+            self.mirror(false)?;
+            return Ok(0.0);
+        };
+        self.mirror(true)?;
+        self.frame.surround(&self.device, environment)
+    }
+
+    fn mirror(&mut self, mirrored: bool) -> Result<()> {
+        let settings = GeometrySettings { mirrored, ..self.geometry.settings };
+        if settings == self.geometry.settings {
+            return Ok(());
+        }
+        if self.shows == Content::Sample {
+            self.shows = Content::Nothing;
+        }
+        self.find_anew(self.target.size(), settings)
     }
 
     /// Nothing that was drawn is shown or added to from now on.
@@ -347,9 +380,6 @@ impl Painter {
             record.reset(&self.timestamps);
             record.timestamp(&self.timestamps, 0);
             if first {
-                if let Some(shadows) = &self.shadows {
-                    shadows.record(record, &self.mesh);
-                }
                 self.find.record(&all, geometry, frame, &self.mesh);
                 self.shade.record(&some, (geometry, target), sets);
             } else {
@@ -503,6 +533,8 @@ impl Painter {
             None => Vec::new(),
         };
         let kept = |(f, covered): ([f32; 4], &bool)| if *covered { f } else { [0.0; 4] };
+        let surrounds = self.geometry.settings.mirrored && light == view.lights.len();
+        let mirrored = if surrounds { self.mirrored(&covered)? } else { Vec::new() };
         Ok(Directions {
             light: lights.into_iter().zip(&covered).map(of).collect(),
             view: first.iter().map(|stored| [stored[0], stored[1]]).zip(&covered).map(of).collect(),
@@ -510,7 +542,24 @@ impl Painter {
             filter: sample.footprint,
             share: sample.share(),
             irradiance: view.incidents(sample).get(light).map_or(DVec3::ZERO, |i| i.irradiance.as_dvec3()),
+            mirrored,
         })
+    }
+
+    /// Radiance of the surroundings in the mirrored direction of each `covered` pixel, as the geometry pass wrote it: behind the last light,
+    /// and beside the albedo.
+    fn mirrored(&self, covered: &[bool]) -> Result<Vec<[f32; 3]>> {
+        let Geometry { more_lights, albedo, settings, .. } = &self.geometry;
+        let place = settings.lights - 1;
+        let (Some(image), Some(albedo)) = (more_lights.get(place / 2), albedo) else {
+            return Ok(Vec::new());
+        };
+        let of = |((lights, albedo), covered): (([f32; 4], [f32; 4]), &bool)| {
+            let [a, b, c, d] = lights;
+            let [red, green] = if place % 2 == 0 { [a, b] } else { [c, d] };
+            if *covered { [red, green, albedo[3]] } else { [0.0; 3] }
+        };
+        Ok(self.read(image)?.into_iter().zip(self.read(albedo)?).zip(covered).map(of).collect())
     }
 
     /// Draws the geometry of a `sample` of `view` alone.
@@ -521,9 +570,6 @@ impl Painter {
             self.shows = Content::Nothing;
         }
         self.commands.run(|record| {
-            if let Some(shadows) = &self.shadows {
-                shadows.record(record, &self.mesh);
-            }
             self.find.record(record, &self.geometry, &self.frame.descriptors, &self.mesh);
             Ok(())
         })
@@ -542,7 +588,10 @@ impl Painter {
 
     /// Writes the `Frame` block of `view` for a `sample` of pictures of `size`.
     fn write(&mut self, view: &View, size: [u32; 2], sample: &Sample) -> Result<()> {
+        let unit = self.surround(view)?;
         let mut block = view.block(size, sample);
+        block.surroundings[2] *= unit;
+        block.surroundings[3] = self.source.specular_spread.unwrap_or_default();
         if !self.geometry.settings.textured {
             // There are no albedos to read.
             block.base_color[3] = 0.0;

@@ -4,7 +4,7 @@ use super::frame::{Shown, View};
 use super::picture::Directions;
 use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
-use crate::brdf::mean::{Mean, TabulatedMean};
+use crate::brdf::mean::{Mean, Orders, TabulatedMean};
 use crate::error::Result;
 use crate::optics::coherence::Windows;
 use crate::optics::color::{self, xyz_to_linear_srgb};
@@ -96,37 +96,58 @@ impl<'a> PixelReference<'a> {
         pixels: &[usize],
         progress: Progress<'_>,
     ) -> Result<Vec<DVec3>> {
-        let asked: Vec<(Pair, Covariance)> = directions
-            .iter()
-            .flat_map(|seen| {
-                pixels
-                    .iter()
-                    .map(|&i| (Pair::new(unit(seen.light[i]), unit(seen.view[i])), seen.covariance(i)))
-            })
-            .collect();
-        let illuminant = &self.shading.illuminant;
-        let diffracted = match &self.by {
-            By::Mean(mean) => mean.xyz(illuminant, &asked, progress)?,
-            By::Windows(reference) => {
-                let pairs: Vec<Pair> = asked.iter().map(|(pair, _)| *pair).collect();
-                nufft::cosine_weighted_xyz(reference, illuminant, &pairs, progress)?
-            }
-        };
         let mut colors = vec![DVec3::ZERO; pixels.len()];
-        let at_once = pixels.len().max(1);
-        for (seen, (asked, diffracted)) in
-            directions.iter().zip(asked.chunks(at_once).zip(diffracted.chunks(at_once)))
-        {
+        let lights = directions.len();
+        for (number, seen) in directions.iter().enumerate() {
+            let pair = |i: usize| Pair::new(unit(seen.light[i]), unit(seen.view[i]));
+            let asked: Vec<(Pair, Covariance)> =
+                pixels.iter().map(|&i| (pair(i), seen.covariance(i))).collect();
+            let diffracted =
+                self.diffracted(seen, &asked, &|done, of| progress(number * of + done, lights * of))?;
             for (color, ((pair, _), xyz)) in colors.iter_mut().zip(asked.iter().zip(diffracted)) {
                 if !pair.above_horizon() {
                     continue;
                 }
                 let reflectance = self.shading.reflectance.kept_from_pigment(pair.cos_half_angle());
                 let pigmented = view.base_color.as_dvec3() * ((1.0 - reflectance) * pair.light.z / PI);
-                *color += (xyz_to_linear_srgb(*xyz) + pigmented) * seen.irradiance * PI;
+                *color += (xyz_to_linear_srgb(xyz) + pigmented) * seen.irradiance * PI;
             }
+            self.add_mirrored(seen, pixels, &mut colors);
         }
         Ok(colors)
+    }
+
+    /// XYZ of f cos θ_i \[sr⁻¹\] of the pairs of `seen` that are `asked` for.
+    fn diffracted(
+        &self,
+        seen: &Directions,
+        asked: &[(Pair, Covariance)],
+        progress: Progress<'_>,
+    ) -> Result<Vec<DVec3>> {
+        let illuminant = &self.shading.illuminant;
+        match &self.by {
+            By::Mean(mean) => {
+                let orders = if seen.mirrored.is_empty() { Orders::All } else { Orders::Scattered };
+                mean.xyz(illuminant, asked, orders, progress)
+            }
+            By::Windows(reference) => {
+                let pairs: Vec<Pair> = asked.iter().map(|(pair, _)| *pair).collect();
+                nufft::cosine_weighted_xyz(reference, illuminant, &pairs, progress)
+            }
+        }
+    }
+
+    /// Adds what the specular order sends on of the surroundings to the `colors` of `pixels`.
+    fn add_mirrored(&self, seen: &Directions, pixels: &[usize], colors: &mut [DVec3]) {
+        let By::Mean(mean) = &self.by else { return };
+        if seen.mirrored.is_empty() {
+            return;
+        }
+        let views: Vec<DVec3> = pixels.iter().map(|&i| unit(seen.view[i])).collect();
+        let sent = mean.mirrored(&self.shading.illuminant, &views);
+        for (color, (xyz, &i)) in colors.iter_mut().zip(sent.into_iter().zip(pixels)) {
+            *color += xyz_to_linear_srgb(xyz) * DVec3::from(seen.mirrored[i].map(f64::from));
+        }
     }
 }
 

@@ -19,23 +19,26 @@ use ash::vk;
 use glam::{DVec3, Mat4, Vec3, Vec4};
 use std::sync::Arc;
 
-/// Side of a depth map \[texels\]: about as many as a picture has pixels over the same mesh.
-pub const SIDE: u32 = 2048;
+/// Side of the depth maps for a picture of `size` pixels \[texels\]. A map holds all of the mesh, of which a picture often shows a part.
+fn side(size: [u32; 2]) -> u32 {
+    (4 * size[0].max(size[1])).clamp(256, 2048)
+}
 
 /// Depth maps of the lights.
 pub struct Shadows {
-    /// One a light.
-    pub maps: Vec<Image>,
+    maps: Vec<Image>,
+    side: u32,
     pipelines: Vec<Pipeline>,
     block: Descriptors,
 }
 
 impl Shadows {
-    /// Maps for `lights` lights of the frames that `frame` describes, which reads them from now on.
+    /// Maps for `lights` lights of the frames of `size` pixels that `frame` describes, which reads them from now on.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn new(device: &Arc<Device>, frame: &FrameSet, lights: usize) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, frame: &FrameSet, lights: usize, size: [u32; 2]) -> Result<Self> {
+        let side = side(size);
         let binding = Binding {
             number: 0,
             kind: vk::DescriptorType::UNIFORM_BUFFER,
@@ -58,7 +61,7 @@ impl Shadows {
         };
         let map = |_| {
             let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
-            let (size, format) = ([SIDE; 2], target::DEPTH);
+            let (size, format) = ([side; 2], target::DEPTH);
             Image::new(
                 device,
                 &Description { name: "shadow map", format, size, layers: 1, array: false, usage },
@@ -67,12 +70,12 @@ impl Shadows {
         let pipelines = (0..lights).map(pipeline).collect::<Result<_>>()?;
         let maps: Vec<Image> = (0..lights).map(map).collect::<Result<_>>()?;
         frame.read_shadows(&maps);
-        Ok(Self { maps, pipelines, block })
+        Ok(Self { maps, side, pipelines, block })
     }
 
     /// Records the drawing of `mesh` into the maps, which it leaves readable by shaders.
     pub fn record(&self, record: &Recorder<'_>, mesh: &DeviceMesh) {
-        let all = record.within([SIDE; 2], 0..SIDE);
+        let all = record.within([self.side; 2], 0..self.side);
         for (map, pipeline) in self.maps.iter().zip(&self.pipelines) {
             all.images(&[(map, Access::Nothing, Access::DepthAttachment)]);
             all.render(&[], Some(map), |draw| {
@@ -84,15 +87,21 @@ impl Shadows {
     }
 }
 
-/// World to the clip space of the depth map of a light in this `direction`, which holds a sphere of `radius` around `centre`. `jitter`
-/// \[texels\] moves the map against the mesh, so that the texels of many samples blur into each other.
-pub fn clip_from_world(direction: DVec3, centre: Vec3, radius: f32, jitter: [f64; 2]) -> Mat4 {
+/// World to the clip space of the depth map of a light in this `direction`, for a picture of `size` pixels; the map holds a sphere of
+/// `radius` around `centre`. `jitter` \[texels\] moves the map against the mesh, so that the texels of many samples blur into each other.
+pub fn clip_from_world(
+    direction: DVec3,
+    centre: Vec3,
+    radius: f32,
+    size: [u32; 2],
+    jitter: [f64; 2],
+) -> Mat4 {
     /// A little more than the sphere, so that nothing ends at the edge of the map.
     const ROOM: f32 = 1.02;
     let toward = direction.as_vec3();
     let (x, y) = toward.any_orthonormal_pair();
     let scale = 1.0 / (ROOM * radius.max(f32::MIN_POSITIVE));
-    let moved = |axis: usize| (2.0 * jitter[axis] / f64::from(SIDE)) as f32;
+    let moved = |axis: usize| (2.0 * jitter[axis] / f64::from(side(size))) as f32;
     // Depth grows from 0, next to the light, to 1.
     let rows = [
         (x * scale).extend(moved(0) - scale * x.dot(centre)),
@@ -110,7 +119,8 @@ mod tests {
     #[test]
     fn a_map_holds_the_sphere_and_what_is_nearer_to_the_light_has_less_depth() {
         let (direction, centre, radius) = (DVec3::new(0.6, 0.0, 0.8), Vec3::new(3.0, -2.0, 1.0), 2.5);
-        let clip = clip_from_world(direction, centre, radius, [0.0; 2]);
+        let size = [640, 480];
+        let clip = clip_from_world(direction, centre, radius, size, [0.0; 2]);
         for toward in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::new(-0.6, 0.0, -0.8)] {
             let place = clip.project_point3(centre + toward * radius);
             assert!(
@@ -120,7 +130,7 @@ mod tests {
         }
         let depth = |p: Vec3| clip.project_point3(p).z;
         assert!(depth(centre + direction.as_vec3()) < depth(centre) && (depth(centre) - 0.5).abs() < 1e-6);
-        let moved = clip_from_world(direction, centre, radius, [1.0, 0.0]).project_point3(centre);
-        assert!((moved.x * SIDE as f32 / 2.0 - 1.0).abs() < 1e-3);
+        let moved = clip_from_world(direction, centre, radius, size, [1.0, 0.0]).project_point3(centre);
+        assert!((moved.x * side(size) as f32 / 2.0 - 1.0).abs() < 1e-3);
     }
 }

@@ -39,15 +39,17 @@ pub struct GeometrySettings {
     pub footprints: bool,
     /// Whether lights cast shadows.
     pub shadows: bool,
+    /// Whether the radiance of surroundings in the mirrored direction is written.
+    pub mirrored: bool,
 }
 
 /// What the geometry pass finds at each pixel, directions in stereographic projection.
 pub struct Geometry {
     /// ω_r (xy) and the first light's ω_i (zw).
     pub directions: Image,
-    /// Albedo of the pigment, linear sRGB, where it is of a texture or more lights stand behind it.
+    /// Albedo of the pigment, linear sRGB, where it is of a texture or more lights stand behind it; w: blue of the mirrored radiance.
     pub albedo: Option<Image>,
-    /// ω_i of the other lights, two to an image.
+    /// ω_i of the other lights, two to an image; red and green of the mirrored radiance stand behind the last.
     pub more_lights: Vec<Image>,
     /// Depth; [`crate::vk::commands::FAR`] where nothing is covered.
     pub depth: Image,
@@ -64,14 +66,14 @@ impl Geometry {
     /// # Errors
     /// Where the device has no room or does not make images of that size.
     pub fn new(device: &Arc<Device>, size: [u32; 2], settings: GeometrySettings) -> Result<Self> {
-        let GeometrySettings { lights, textured, footprints, .. } = settings;
+        let GeometrySettings { lights, textured, footprints, mirrored, .. } = settings;
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
             | vk::ImageUsageFlags::TRANSFER_SRC
             | vk::ImageUsageFlags::SAMPLED;
         let make = |name, format, usage| {
             Image::new(device, &Description { name, format, size, layers: 1, array: false, usage })
         };
-        let more = lights.saturating_sub(1).div_ceil(2);
+        let more = (lights + usize::from(mirrored)).saturating_sub(1).div_ceil(2);
         // The attachments of a pass have no gaps.
         let albedo = (textured || more > 0).then(|| make("albedos", GEOMETRY, usage)).transpose()?;
         Ok(Self {

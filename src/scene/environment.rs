@@ -82,6 +82,31 @@ impl fmt::Debug for Environment {
     }
 }
 
+/// The picture of surroundings, or means over squares of its pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// Width and height \[pixels\].
+    pub size: [usize; 2],
+    /// Linear sRGB, row by row from the top.
+    pub radiance: Vec<Vec3>,
+}
+
+impl Level {
+    /// Means over 2 × 2 pixels; over 3 along a side of an odd number of them, so that none is left out.
+    fn halved(&self) -> Self {
+        let [width, height] = self.size;
+        let size = self.size.map(|n| (n / 2).max(1));
+        let covered = |i: usize, of: usize, from: usize| i * from / of..((i + 1) * from).div_ceil(of);
+        let mean = |i: usize| {
+            let columns = covered(i % size[0], size[0], width);
+            let rows = covered(i / size[0], size[1], height);
+            let count = (columns.len() * rows.len()) as f32;
+            rows.flat_map(|r| &self.radiance[r * width..][columns.clone()]).sum::<Vec3>() / count
+        };
+        Self { size, radiance: (0..size[0] * size[1]).map(mean).collect() }
+    }
+}
+
 /// Radiance over directions, and the distribution that light is drawn from.
 #[derive(Debug, PartialEq)]
 struct Picture {
@@ -152,6 +177,19 @@ impl Environment {
             irradiance: picture.radiance[row * picture.width + column] * scale as f32,
             variance: variance_of(share),
         }
+    }
+
+    /// The picture in levels of half the size each, the finest first, for reading means over parts of it. Neither turned nor brightened.
+    pub fn levels(&self) -> Vec<Level> {
+        let Picture { width, height, radiance, .. } = &*self.picture;
+        let finest = Level { size: [*width, *height], radiance: radiance.clone() };
+        let halved = |level: &Level| (level.size != [1, 1]).then(|| level.halved());
+        std::iter::successors(Some(finest), halved).collect()
+    }
+
+    /// Whether both have the very same picture.
+    pub fn shares_picture_with(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.picture, &other.picture)
     }
 
     /// Irradiance over π of a surface that faces `normal`, linear sRGB.

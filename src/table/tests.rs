@@ -1,7 +1,7 @@
 //! Power spectra and colour tables against the f64 mean.
 
 use super::*;
-use crate::brdf::mean::{Mean, TabulatedMean};
+use crate::brdf::mean::{Mean, Orders, TabulatedMean};
 use crate::optics::footprint::Covariance;
 use crate::optics::geometry::{Pair, direction};
 use crate::optics::spectrum::Illuminant;
@@ -69,7 +69,7 @@ fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
     ] {
         let pairs = pairs(300, 3);
         let asked: Vec<_> = pairs.iter().map(|pair| (*pair, around)).collect();
-        let exact = exact.xyz(&Illuminant::D65, &asked, &|_, _| Ok(())).unwrap();
+        let exact = exact.xyz(&Illuminant::D65, &asked, Orders::All, &|_, _| Ok(())).unwrap();
         let colours: Vec<DVec3> = pairs.iter().map(|pair| reader.xyz(pair, IOR, &around)).collect();
         let (l2, own) = errors(&colours, &exact);
         eprintln!("{around:?}: L2 {l2:.1e}, own {own:.1e}");

@@ -36,11 +36,11 @@ pub fn directions(painter: &mut Painter, view: &View) -> Result<Vec<Directions>>
 pub fn thinned(directions: &[Directions], pixels: usize) -> Vec<Directions> {
     // With an odd stride the samples of a picture of even width are not confined to a few columns.
     let stride = (pixels / COUNTED).max(1) | 1;
-    let some = |all: &[[f32; 4]]| all.iter().step_by(stride).copied().collect();
-    directions
-        .iter()
-        .map(|d| Directions { light: some(&d.light), view: some(&d.view), ..Directions::default() })
-        .collect()
+    let of_light = |seen: &Directions| {
+        let chosen: Vec<usize> = (0..seen.view.len()).step_by(stride).collect();
+        seen.of_pixels(&chosen)
+    };
+    directions.iter().map(of_light).collect()
 }
 
 /// Random covered pixels of the picture of `view` that `painter` drew last.
@@ -51,16 +51,12 @@ pub fn samples(painter: &mut Painter, view: &View) -> Result<ProbeSamples> {
     let radiance = painter.picture()?.radiance;
     let directions = directions(painter, view)?;
     let chosen = sample(&covered(&directions), PIXELS);
-    let some = |all: &[[f32; 4]]| chosen.iter().map(|&i| all[i]).collect();
     Ok(ProbeSamples {
         radiance: chosen
             .iter()
             .map(|&i| DVec3::from_array([0, 1, 2].map(|c| radiance[i][c].into())))
             .collect(),
-        directions: directions
-            .iter()
-            .map(|d| Directions { light: some(&d.light), view: some(&d.view), ..Directions::default() })
-            .collect(),
+        directions: directions.iter().map(|seen| seen.of_pixels(&chosen)).collect(),
     })
 }
 

@@ -7,7 +7,7 @@ mod app;
 pub mod atlas;
 mod compare;
 mod controls;
-mod error_probe;
+pub mod error_probe;
 mod event;
 mod frame;
 mod graph;

@@ -32,6 +32,18 @@ impl Sampler {
         Self::new(device, name, &info)
     }
 
+    /// Linear within and between levels, for pictures all around: the left edge meets the right one, and the top and the bottom end.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn equirectangular(device: &Arc<Device>, name: &str) -> Result<Self> {
+        let info = filtering(vk::SamplerAddressMode::CLAMP_TO_EDGE)
+            .address_mode_u(vk::SamplerAddressMode::REPEAT)
+            .mipmap_mode(vk::SamplerMipmapMode::LINEAR)
+            .max_lod(vk::LOD_CLAMP_NONE);
+        Self::new(device, name, &info)
+    }
+
     /// Nearest texel, which integer images require.
     ///
     /// # Errors

@@ -51,6 +51,8 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             padding: 0,
         };
         expected.extend([frame.base_color, frame.counts.map(|n| n as f32)]);
+        frame.surroundings = vector();
+        expected.push(frame.surroundings);
         for column in frame.shadow_from_world.iter_mut().flatten() {
             *column = vector();
             expected.push(*column);

@@ -3,7 +3,7 @@
 use crate::device::with_device;
 use crate::evaluation::{FLOOR, colours, patch, queries};
 use crate::measure::{channel, per_direction};
-use diffract::brdf::mean::{Mean, TabulatedMean};
+use diffract::brdf::mean::{Mean, Orders, TabulatedMean};
 use diffract::measure::error;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::footprint::{Covariance, FootprintSizes, MOST_SIDES};
@@ -78,7 +78,7 @@ fn colours_meet_their_tolerance(method: Method, tolerances: &[f64]) {
             let field = patch(kind, side);
             let any = shading(length, 1.0);
             let table = TabulatedMean::new(mean(&field, &any), SHORTEST, &|_, _| Ok(())).unwrap();
-            let exact = table.xyz(&any.illuminant, &asked, &|_, _| Ok(())).unwrap();
+            let exact = table.xyz(&any.illuminant, &asked, Orders::All, &|_, _| Ok(())).unwrap();
             for &tolerance in tolerances {
                 let shading = shading(length, tolerance);
                 let answers = |field: &HeightField| {
@@ -123,7 +123,7 @@ fn materials_and_films_keep_the_tolerance_by_every_source() {
                 |windows| Shading { windows, reflectance: reflectance.clone(), ..shading(8.0, tolerance) };
             let table =
                 TabulatedMean::new(mean(&field, &of(Windows::All)), SHORTEST, &|_, _| Ok(())).unwrap();
-            let exact = table.xyz(&Illuminant::D65, &asked, &|_, _| Ok(())).unwrap();
+            let exact = table.xyz(&Illuminant::D65, &asked, Orders::All, &|_, _| Ok(())).unwrap();
             let one = Reference::new(&field, of(Windows::ONE).coherence, [1, 1], reflectance.clone());
             let of_window: Vec<DVec3> =
                 queries.iter().map(|q| one.cosine_weighted_xyz(&q.pair, &Illuminant::D65).unwrap()).collect();

@@ -3,17 +3,22 @@
 use crate::device::with_device;
 use crate::evaluation::{grating, layers, patch, shading, window};
 use crate::measure::channel;
+use diffract::optics::coherence::Windows;
+use diffract::optics::footprint::FootprintSizes;
 use diffract::optics::spectrum::Illuminant;
 use diffract::precompute::{Layers, compute};
 use diffract::render::difference::{self, DifferencePass};
 use diffract::render::frame::{Shown, View};
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
+use diffract::render::reference_picture::reference_pixels;
 use diffract::render::shading::Shading;
 use diffract::render::source::Source;
 use diffract::render::target;
-use diffract::scene::{Light, Scene};
+use diffract::scene::{Environment, Light, Scene};
+use diffract::setup::Method;
 use diffract::surface::synth::Kind;
+use diffract::viewer::error_probe::{ProbeSamples, samples};
 use diffract::vk::access::Access;
 use diffract::vk::device::Device;
 use glam::{DVec3, Vec3};
@@ -72,6 +77,30 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
         device.refuse_allocation(8);
         painter.shade_by(&window(&layers), &lit).unwrap();
         device.refuse_allocation(u64::MAX);
+    });
+}
+
+#[test]
+fn pixels_that_are_compared_with_the_reference_keep_their_light_and_their_footprints() {
+    let scene = Scene::open("sphere").unwrap();
+    let mut view = view(&scene, 2.0);
+    view.base_color = Vec3::splat(0.2);
+    view.environment = Some(Environment::open("studio").unwrap());
+    let field = patch(Kind::Elaphe, 12.0);
+    let shading = Shading { windows: Windows::All, ..shading(16.0, 2e-2) }.for_pictures();
+    with_device(|device| {
+        let source = crate::mean::source(device, &field, &shading, Method::Table, FootprintSizes::default());
+        let mut painter =
+            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE, 2).unwrap();
+        painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
+        let ProbeSamples { radiance, directions } = samples(&mut painter, &view).unwrap();
+        let pixels: Vec<usize> = (0..radiance.len()).collect();
+        let exact = reference_pixels(&field, &shading, &view, &directions, &pixels, &|_, _| Ok(())).unwrap();
+        let square = |v: DVec3| v.length_squared();
+        let apart: f64 = radiance.iter().zip(&exact).map(|(a, b)| square(*a - *b)).sum();
+        let error = (apart / exact.iter().map(|b| square(*b)).sum::<f64>()).sqrt();
+        eprintln!("{} pixels differ from the reference by {error:.4}", radiance.len());
+        assert!(radiance.len() >= 100 && error < 0.03, "{error}");
     });
 }
 

@@ -22,11 +22,12 @@ pub struct ViewOptions {
     /// with their hue: the Khronos PBR Neutral Tone Mapper) [default: none]
     #[arg(long, value_name = "NAME", value_parser = Tone::from_name)]
     pub tone: Option<Tone>,
-    /// A light instead of the scene's, in degrees from up and around it; up to four. A point, or sun:THETA,PHI (0.533 degrees across), or
-    /// disc:SIZE:THETA,PHI as in disc:5deg:40,90
+    /// A light instead of the scene's lights and surroundings, in degrees from up and around it; up to four. A point, or sun:THETA,PHI (0.533
+    /// degrees across), or disc:SIZE:THETA,PHI as in disc:5deg:40,90
     #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
     pub light: Vec<Light>,
-    /// Surroundings that light the scene beside its lights: sky (overcast), studio, an equirectangular .exr or .hdr picture, or none
+    /// Surroundings that light the scene beside its lights, instead of the scene's: sky (overcast), studio, an equirectangular .exr or .hdr
+    /// picture, or none
     #[arg(long, value_name = "NAME|FILE")]
     pub environment: Option<OsString>,
     /// Turns the surroundings about the world's up, as in 90deg
@@ -58,10 +59,7 @@ impl ViewOptions {
     /// # Errors
     /// Too many lights; a camera that cannot be.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
-        check_lights(&self.light)?;
-        if !self.light.is_empty() {
-            scene.lights = self.light.clone();
-        }
+        light_by(&self.light, scene)?;
         self.surround(scene)?;
         if let Some(Exposure::Stops(exposure)) = self.exposure {
             scene.exposure = exposure;
@@ -134,9 +132,17 @@ pub fn check_lights(lights: &[Light]) -> Result<()> {
     Err(Error::usage("there are too many lights", format!("give at most {MAX_LIGHTS}")))
 }
 
-/// The lights that the user names, or else the scene's.
-pub fn lights_of(named: &[Light], scene: &Scene) -> Vec<Light> {
-    if named.is_empty() { scene.lights.clone() } else { named.to_vec() }
+/// Lights `scene` by `named` alone, without surroundings, where the user names any.
+///
+/// # Errors
+/// Too many lights.
+pub fn light_by(named: &[Light], scene: &mut Scene) -> Result<()> {
+    check_lights(named)?;
+    if !named.is_empty() {
+        scene.lights = named.to_vec();
+        scene.environment = None;
+    }
+    Ok(())
 }
 
 fn switch(text: &str) -> Result<bool> {

@@ -166,7 +166,7 @@ fn exposure(map: &Map, light: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::mean::{Mean, TabulatedMean};
+    use crate::brdf::mean::{Mean, Orders, TabulatedMean};
     use crate::surface::synth::{Kind, Spec, generate};
 
     fn small(kind: Kind) -> HeightField {
@@ -189,7 +189,7 @@ mod tests {
             let around = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
             let some: Vec<_> = views(SIDE, 0..SIDE).step_by(101).collect();
             let pairs: Vec<_> = some.iter().map(|(_, view)| (Pair::new(light, *view), around)).collect();
-            let colours = exact.xyz(&Illuminant::D65, &pairs, &|_, _| Ok(())).unwrap();
+            let colours = exact.xyz(&Illuminant::D65, &pairs, Orders::All, &|_, _| Ok(())).unwrap();
             let (mut error, mut all) = (0.0, 0.0);
             for ((place, _), xyz) in some.iter().zip(colours) {
                 let expected = xyz_to_linear_srgb(xyz / light.z);

@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::optics::reflectance::Reflectance;
+use crate::render::target::GeometrySettings;
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
@@ -28,6 +29,9 @@ pub struct BoundSource {
     pub asks_what_is_covered: bool,
     /// Whether shading averages over what a pixel covers.
     pub reads_footprints: bool,
+    /// Variance of (u, v) over which coherence spreads the specular order in the middle of the spectrum, where the source knows that order
+    /// apart from the others.
+    pub specular_spread: Option<f32>,
     /// Whether it answers single wavelengths.
     pub spectral: bool,
     // R₀ of what the surface keeps from the pigment, where the source holds R.
@@ -61,6 +65,7 @@ impl BoundSource {
             descriptors: Descriptors::new(device, name, &bindings)?,
             asks_what_is_covered: true,
             reads_footprints: false,
+            specular_spread: None,
             spectral: true,
             normal_of_pigment: reflectance.is_spectral().then(|| reflectance.normal_of_pigment() as f32),
             stages,
@@ -100,18 +105,20 @@ impl BoundSource {
         Ok(())
     }
 
-    /// The shading stage under `lights` lights.
-    pub(in crate::render) fn shade_constants(&self, lights: usize) -> Vec<Constant> {
+    /// The shading stage of what the geometry pass finds by its `settings`.
+    pub(in crate::render) fn shade_constants(&self, settings: GeometrySettings) -> Vec<Constant> {
         /// Constants of `shade.frag`.
         const LIGHTS: u32 = 0;
         const MARKED: u32 = 1;
         const OWN_REFLECTANCE: u32 = 2;
         const NORMAL_OF_PIGMENT: u32 = 3;
+        const MIRRORED: u32 = 4;
         let own = [
-            Constant::new(LIGHTS, lights as u32),
+            Constant::new(LIGHTS, settings.lights as u32),
             Constant::new(MARKED, self.asks_what_is_covered),
             Constant::new(OWN_REFLECTANCE, self.normal_of_pigment.is_some()),
             Constant::float(NORMAL_OF_PIGMENT, self.normal_of_pigment.unwrap_or_default()),
+            Constant::new(MIRRORED, settings.mirrored),
         ];
         [own.as_slice(), &self.constants].concat()
     }

@@ -12,9 +12,9 @@ use crate::render::picture::Directions;
 use crate::render::shading::Shading;
 use crate::render::tables::Combs;
 use crate::render::upload;
-use crate::spectra::power::PowerSpectra;
 use crate::spectra::power::chebyshev::polynomials;
 use crate::spectra::power::read::level_of_ratio;
+use crate::spectra::power::{Blur, PowerSpectra};
 use crate::vk::buffer::Buffer;
 use crate::vk::device::Device;
 use crate::vk::image::{Description, Image};
@@ -54,6 +54,11 @@ const KINDS: [Kind; 6] = [
 
 /// Samples of the specular order's power over z: between two, the phase of the farthest heights of 1 µm turns by a thirtieth of a radian.
 const SPECULAR_SAMPLES: usize = 1024;
+
+/// Variance of the specular order's blur for a coherence window of standard deviation `sigma` \[µm⁻²\].
+fn specular_blur(sigma: f64) -> f64 {
+    Blur::of_coherence(sigma).variance[0]
+}
 
 /// The `Mean` block (std140).
 #[repr(C)]
@@ -100,6 +105,7 @@ impl Mean {
         let of = &shading.reflectance;
         let mut bound = BoundSource::new(device, "mean set", &KINDS, stages!("mean"), constants, of)?;
         bound.reads_footprints = true;
+        bound.specular_spread = Some((specular_blur(header.sigma) * MIDDLE.powi(2)) as f32);
         let description = Description {
             name: "power spectra",
             format: vk::Format::R16G16B16A16_SFLOAT,
@@ -139,7 +145,7 @@ impl Mean {
             unit: header.unit as f32,
             orders: (orders / finest) as f32,
             finest: finest as f32,
-            specular: (1.0 / (8.0 * (PI * header.sigma).powi(2))) as f32,
+            specular: specular_blur(header.sigma) as f32,
             last_level: (header.grid.levels - 1) as f32,
             rays: finest.sqrt() as f32,
             middle: MIDDLE.powi(-2) as f32,
