@@ -1,6 +1,8 @@
 //! The mean over coherence areas in f64: a direct sum over the samples for a few directions, and Fourier transforms at
 //! Chebyshev nodes in z for many. See [`crate::spectra::power`] for the formula.
 
+use super::pyramid::{self, Level, Line};
+use super::spread::{CUT, Spread};
 use super::{Brdf, without_cosine};
 use crate::error::Result;
 use crate::memory;
@@ -20,51 +22,14 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
-/// Orders farther from a frequency than so many standard deviations of their blur are left out: e^(−r²/2) = 1e-10.
-const CUT: f64 = 6.8;
 /// Nodes in z beyond those that the height range asks for: the interpolation error falls below 1e-8 on every surface of the tests.
 const MORE_NODES: usize = 16;
 /// Wavelengths of the colour functions alone; with 101 of them colours of *Elaphe* differ from 401 by 1.6e-6.
 const COLOUR_NODES: usize = 128;
 /// Level of the coherence function beyond which the colour integral may alias.
 const ALIAS_LEVEL: f64 = 1e-9;
-
-/// A normal distribution over frequencies.
-struct Spread {
-    xx: f64,
-    xy: f64,
-    yy: f64,
-    determinant: f64,
-    /// Its density at 0 \[µm²\].
-    peak: f64,
-}
-
-impl Spread {
-    /// `blur` and, at wavenumber `q` \[µm⁻¹\], the spread of directions.
-    fn new(blur: Blur, around: &Covariance, q: f64) -> Self {
-        let [x, y] = blur.variance;
-        let (xx, xy, yy) = (x + q * q * around.uu, q * q * around.uv, y + q * q * around.vv);
-        let determinant = xx * yy - xy * xy;
-        Self { xx, xy, yy, determinant, peak: 1.0 / (2.0 * PI * determinant.sqrt()) }
-    }
-
-    /// Its density at `d` \[µm²\].
-    fn density(&self, d: DVec2) -> f64 {
-        let squares = self.yy * d.x * d.x - 2.0 * self.xy * d.x * d.y + self.xx * d.y * d.y;
-        self.peak * (-0.5 * squares / self.determinant).exp()
-    }
-
-    /// Between which x, relative to the centre, a row `y` is within [`CUT`] standard deviations; `None` where it is nowhere.
-    fn row(&self, y: f64) -> Option<[f64; 2]> {
-        let left = CUT * CUT - y * y / self.yy;
-        let middle = y * self.xy / self.yy;
-        (left >= 0.0).then(|| {
-            let half = (left * self.determinant / self.yy).sqrt();
-            [middle - half, middle + half]
-        })
-    }
-}
 
 /// A surface whose mean response is asked for.
 #[derive(Clone, Debug)]
@@ -211,6 +176,8 @@ pub struct TabulatedMean<'a> {
     orders: Vec<f32>,
     // Coefficients of |c_0|².
     specular: Vec<f64>,
+    // Made when an average over many orders is first asked for.
+    levels: OnceLock<Vec<Level>>,
 }
 
 impl<'a> TabulatedMean<'a> {
@@ -252,7 +219,7 @@ impl<'a> TabulatedMean<'a> {
             order.iter_mut().zip(apply(&values)).for_each(|(slot, a)| *slot = a as f32);
         });
         progress(terms, terms)?;
-        Ok(Self { mean, grid, z_max, terms, orders, specular })
+        Ok(Self { mean, grid, z_max, terms, orders, specular, levels: OnceLock::new() })
     }
 
     /// ⟨|P|²⟩/A \[µm²\] as [`Mean::power`].
@@ -291,25 +258,61 @@ impl<'a> TabulatedMean<'a> {
 
     /// Σ_m |c_m|²/z² γ̂(f − m/T) for the polynomials `t` of z.
     fn blurred(&self, f: DVec2, spread: &Spread, t: &[f32]) -> f64 {
-        let patch = DVec2::from_array(self.grid.patch);
-        let centre = f * patch;
-        let reach = spread.yy.sqrt() * patch.y * CUT;
-        let [first, last] = [(centre.y - reach).ceil() as i64, (centre.y + reach).floor() as i64];
+        let variance = |step: f64| self.grid.patch.map(|side| (step / side).powi(2));
+        // The narrowest of all levels is that of every second order.
+        if spread.beyond(variance(2.0)).is_none() {
+            return self.sum(f, spread, t, 1.0, |x, y| self.order(x, y));
+        }
+        let levels = self.levels.get_or_init(|| self.make_levels());
+        let coarser = levels.iter().rev().find_map(|l| spread.beyond(variance(l.step)).map(|left| (l, left)));
+        match coarser {
+            Some((level, left)) => self.sum(f, &left, t, level.step, |x, y| level.at(x, y)),
+            None => self.sum(f, spread, t, 1.0, |x, y| self.order(x, y)),
+        }
+    }
+
+    /// Sum of the points `step` orders apart under `spread` about `f`, for the polynomials `t` of z.
+    fn sum<'b>(
+        &self,
+        f: DVec2,
+        spread: &Spread,
+        t: &[f32],
+        step: f64,
+        at: impl Fn(i64, i64) -> Option<&'b [f32]>,
+    ) -> f64 {
+        let points = DVec2::from_array(self.grid.patch) / step;
+        let reach = spread.yy.sqrt() * CUT;
+        let [first, last] = [((f.y - reach) * points.y).ceil(), ((f.y + reach) * points.y).floor()];
         let mut sum = 0.0;
-        for my in first..=last {
-            let y = my as f64 / patch.y - f.y;
-            let (Some(row), Some([left, right])) = (self.place(my, 1), spread.row(y)) else { continue };
-            let columns = ((f.x + left) * patch.x).ceil() as i64..=((f.x + right) * patch.x).floor() as i64;
-            for mx in columns {
-                if let Some(column) = self.place(mx, 0) {
-                    let weight = spread.density(DVec2::new(mx as f64 / patch.x - f.x, y));
-                    let begin = (row * self.grid.size[0] + column) * self.terms;
-                    let series = &self.orders[begin..begin + self.terms];
+        for row in first as i64..=last as i64 {
+            let y = row as f64 / points.y - f.y;
+            let Some([left, right]) = spread.row(y) else { continue };
+            let columns = ((f.x + left) * points.x).ceil() as i64..=((f.x + right) * points.x).floor() as i64;
+            for column in columns {
+                if let Some(series) = at(column, row) {
+                    let weight = spread.density(DVec2::new(column as f64 / points.x - f.x, y));
                     sum += weight * f64::from(dot(series, t));
                 }
             }
         }
-        sum.max(0.0)
+        (sum * step * step).max(0.0)
+    }
+
+    /// The series of an order.
+    fn order(&self, x: i64, y: i64) -> Option<&[f32]> {
+        let (row, column) = (self.place(y, 1)?, self.place(x, 0)?);
+        let begin = (row * self.grid.size[0] + column) * self.terms;
+        Some(&self.orders[begin..begin + self.terms])
+    }
+
+    fn make_levels(&self) -> Vec<Level> {
+        let line = |axis: usize| {
+            let (size, origin) = (self.grid.size[axis], self.grid.origin[axis] as i64);
+            let wraps = self.grid.periodic[axis];
+            Line { first: if wraps { 0 } else { -origin }, size, wraps }
+        };
+        let grid = [line(0), line(1)];
+        pyramid::levels(grid, self.terms, |x, y| self.order(x, y))
     }
 
     fn place(&self, m: i64, axis: usize) -> Option<usize> {
@@ -508,6 +511,30 @@ mod tests {
 
     fn pair((light, view): ((f64, f64), (f64, f64))) -> Pair {
         Pair::new(direction(light.0, light.1), direction(view.0, view.1))
+    }
+
+    #[test]
+    fn averages_over_many_orders_are_the_sum_over_all_of_them() {
+        // Of samples 0.25 µm apart the orders wrap around.
+        for (kind, spacing) in [(Kind::Elaphe, 0.1), (Kind::Blaze, 0.1), (Kind::Elaphe, 0.25)] {
+            let spec = Spec { patch: Some([12.0, 8.0]), pixel_size: Some([spacing; 2]), ..Spec::new(kind) };
+            let field = synth::generate(&spec).unwrap();
+            let mean = Mean::in_sunlight(&field, 1.5);
+            let table = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
+            for (uu, uv, vv) in [(0.02, 0.0, 0.02), (0.2, 0.05, 0.03), (0.3, -0.1, 0.3), (1e-3, 0.0, 0.2)] {
+                let around = Covariance { uu, uv, vv };
+                for (uvw, q) in [(DVec3::new(0.1, -0.2, -1.8), 2.2), (DVec3::new(-0.9, 0.6, -1.0), 1.5)] {
+                    let spread = Spread::new(table.mean.blur(), &around, q);
+                    let z = 2.0 * PI * q * uvw.z.abs();
+                    let t: Vec<f32> = table.polynomials_at(z).into_iter().map(|t| t as f32).collect();
+                    let f = -uvw.truncate() * q;
+                    let all = table.sum(f, &spread, &t, 1.0, |x, y| table.order(x, y));
+                    let some = table.blurred(f, &spread, &t);
+                    assert!((some / all - 1.0).abs() < 1e-5, "{kind:?}, {around:?}: {some} of {all}");
+                }
+            }
+            assert!(table.levels.get().is_some_and(|levels| !levels.is_empty()), "{kind:?}");
+        }
     }
 
     #[test]

@@ -2,6 +2,8 @@
 
 mod direct;
 pub mod mean;
+mod pyramid;
+mod spread;
 mod transforms;
 
 pub use direct::DirectSum;

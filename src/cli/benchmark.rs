@@ -158,6 +158,10 @@ impl BenchmarkScene {
         options.optics.for_pictures(&options.colour)?;
         let mut scene = prepare::scene(&options.scene)?;
         light_by(&options.light, &mut scene)?;
+        // A sample of surroundings is one light more, which one sample alone says little of.
+        if !scene.lights.is_empty() {
+            scene.environment = None;
+        }
         let field = options.surface.load(None, Some(&scene), "elaphe")?;
         let view = View::under(&scene, &scene.lights, &options.optics.coherence);
         let device = prepare::device(&options.device.wish())?;

@@ -188,6 +188,7 @@ fn draw(
     shots.iter().try_for_each(|shot| prepared.check(&shot.view))?;
     if reference && shading.windows == Windows::All {
         prepared.painter().ask_for_footprints()?;
+        shading.specular_spread().into_iter().for_each(|spread| prepared.painter().ask_for_mirrored(spread));
     }
     let mut shown = Shown::of(scene);
     if let Some(first) = views.first().filter(|_| work.measured) {

@@ -263,11 +263,7 @@ impl<'a> Work<'a> {
     }
 
     /// Transforms pair after pair of terms, until the `audit` says that they are enough.
-    fn transform(
-        &self,
-        audit: &mut Audit,
-        progress: &dyn Fn(usize, usize) -> Result<()>,
-    ) -> Result<Made> {
+    fn transform(&self, audit: &mut Audit, progress: &dyn Fn(usize, usize) -> Result<()>) -> Result<Made> {
         let Self { settings, transformer, heights, most_terms, .. } = self;
         let family = self.family.as_ref();
         let [columns, rows] = self.size;
@@ -306,7 +302,9 @@ fn interpolation(settings: &Settings) -> Result<(Interpolation, f64)> {
     };
     if error > budget {
         return Err(Error::failed(
-            format!("spectra of any size that is sensible leave more than {budget:.0e} between their samples"),
+            format!(
+                "spectra of any size that is sensible leave more than {budget:.0e} between their samples"
+            ),
             [Remedy::LargerTolerance, Remedy::ReferenceMethod],
         ));
     }

@@ -44,12 +44,13 @@ pub struct View {
 }
 
 impl View {
-    /// `scene` under `lights` of this coherence, which holds a part of their extent already, without its pigment texture.
+    /// `scene` under `lights` of this coherence, which holds a part of their extent already, in its surroundings, without its pigment texture.
     pub fn under(scene: &Scene, lights: &[Light], coherence: &Coherence) -> Self {
-        Self::of(scene, lights.iter().map(|light| light.beyond(coherence)).collect())
+        let lights = lights.iter().map(|light| light.beyond(coherence)).collect();
+        Self { environment: scene.environment.clone(), ..Self::of(scene, lights) }
     }
 
-    /// `scene` under `lights`, without its pigment texture.
+    /// `scene` under `lights` alone, without surroundings and without its pigment texture.
     pub fn of(scene: &Scene, lights: Vec<Light>) -> Self {
         let bounds = scene.mesh.bounds();
         Self {
@@ -57,7 +58,7 @@ impl View {
             centre: bounds.centre,
             radius: bounds.radius,
             lights,
-            environment: scene.environment.clone(),
+            environment: None,
             base_color: scene.base_color,
             pigment: false,
         }
@@ -148,9 +149,10 @@ impl GeometryPass {
         ];
         let fragment = Some(shader!("geometry.frag").with(&constants));
         let vertex = shader!("surface.vert").with(&constants);
+        let pipeline = Pipeline::graphics(device, vertex, fragment, &drawing, &[&frame.descriptors], 0)?;
+        // Last, because the frame reads its maps from now on.
         let size = geometry.directions.size();
         let shadows = shadows.then(|| Shadows::new(device, frame, lights, size)).transpose()?;
-        let pipeline = Pipeline::graphics(device, vertex, fragment, &drawing, &[&frame.descriptors], 0)?;
         Ok(Self { pipeline, shadows })
     }
 

@@ -173,15 +173,12 @@ impl FrameSet {
     /// # Errors
     /// Where the device has no room.
     pub fn surround(&mut self, device: &Arc<Device>, environment: &Environment) -> Result<f32> {
-        let there = self.surroundings.take().filter(|there| there.show(environment));
-        let surroundings = match there {
-            Some(there) => there,
-            None => Surroundings::new(device, environment)?,
-        };
+        if let Some(there) = self.surroundings.as_ref().filter(|there| there.show(environment)) {
+            return Ok(there.unit);
+        }
+        let surroundings = Surroundings::new(device, environment)?;
         self.descriptors.image(binding::SURROUNDINGS, &surroundings.image, &self.around);
-        let unit = surroundings.unit;
-        self.surroundings = Some(surroundings);
-        Ok(unit)
+        Ok(self.surroundings.insert(surroundings).unit)
     }
 
     /// Points binding `number` of another set at the block.

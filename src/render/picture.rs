@@ -37,6 +37,8 @@ pub struct Painter {
     timestamps: Timestamps,
     asker: Option<Asker>,
     source: BoundSource,
+    // Of the specular order, where surroundings are read in the mirrored direction.
+    specular_spread: Option<f32>,
     frame: FrameSet,
     // Rows of a strip that take a fitting time.
     strip: u32,
@@ -163,6 +165,7 @@ impl Painter {
             mesh: DeviceMesh::new(device, mesh)?,
             timestamps: Timestamps::new(device, 3)?,
             asker: None,
+            specular_spread: source.specular_spread,
             source,
             frame,
             strip: 64,
@@ -194,16 +197,21 @@ impl Painter {
         Ok(())
     }
 
-    /// Makes the images of the geometry pass, and the pass, for `size` pixels; also the shading pass, where it depends on them.
+    /// Makes the images of the geometry pass, and the pass, for `size` pixels; also the shading pass, where it depends on them. Where one of
+    /// them cannot be made, the former ones stay.
     fn find_anew(&mut self, size: [u32; 2], settings: GeometrySettings) -> Result<()> {
+        let geometry = Geometry::new(&self.device, size, settings)?;
         let GeometrySettings { lights, mirrored, .. } = self.geometry.settings;
-        if (settings.lights, settings.mirrored) != (lights, mirrored) {
-            let frame = &self.frame.descriptors;
-            self.shade = PixelPass::shading(&self.device, frame, &self.source, settings)?;
+        let same = (settings.lights, settings.mirrored) == (lights, mirrored);
+        let shade = (!same)
+            .then(|| PixelPass::shading(&self.device, &self.frame.descriptors, &self.source, settings))
+            .transpose()?;
+        self.find = GeometryPass::new(&self.device, &self.frame, &geometry)?;
+        if let Some(shade) = shade {
+            self.shade = shade;
         }
-        self.geometry = Geometry::new(&self.device, size, settings)?;
-        self.frame.read_from(&self.geometry);
-        self.find = GeometryPass::new(&self.device, &self.frame, &self.geometry)?;
+        self.frame.read_from(&geometry);
+        self.geometry = geometry;
         Ok(())
     }
 
@@ -218,6 +226,13 @@ impl Painter {
             self.find_anew(self.target.size(), settings)?;
         }
         Ok(())
+    }
+
+    /// From now on the geometry pass writes the radiance of surroundings in the mirrored direction, too, averaged over a specular order of this
+    /// variance in (u, v), and [`Self::directions`] have it. Sources that know the specular order ask for it themselves.
+    pub fn ask_for_mirrored(&mut self, spread: f64) {
+        self.forget();
+        self.specular_spread = Some(spread as f32);
     }
 
     /// From now on the mesh casts shadows on itself.
@@ -236,7 +251,9 @@ impl Painter {
     /// The frames from now on are surrounded as `view` is. Where the source knows the specular order, the geometry pass writes the radiance in
     /// the mirrored direction. What a 1 of the picture on the device stands for.
     fn surround(&mut self, view: &View) -> Result<f32> {
-        let Some(environment) = view.surroundings().filter(|_| self.source.specular_spread.is_some()) else {
+        let last = self.geometry.settings.lights == view.light_count();
+        let known = self.specular_spread.is_some();
+        let Some(environment) = view.surroundings().filter(|_| known && last) else {
             self.mirror(false)?;
             return Ok(0.0);
         };
@@ -591,7 +608,7 @@ impl Painter {
         let unit = self.surround(view)?;
         let mut block = view.block(size, sample);
         block.surroundings[2] *= unit;
-        block.surroundings[3] = self.source.specular_spread.unwrap_or_default();
+        block.surroundings[3] = self.specular_spread.unwrap_or_default();
         if !self.geometry.settings.textured {
             // There are no albedos to read.
             block.base_color[3] = 0.0;

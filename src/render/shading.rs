@@ -5,10 +5,11 @@ use crate::expansion::taylor::{F32_ROUNDOFF, rounding_bound};
 use crate::expansion::{Basis, HeightScale};
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::reflectance::Reflectance;
-use crate::optics::spectrum::{Illuminant, SHORTEST};
+use crate::optics::spectrum::{Illuminant, MIDDLE, SHORTEST};
 use crate::precompute::kernel::SPECKLE;
 use crate::precompute::layers::largest_z;
 use crate::precompute::{Budget, Settings};
+use crate::spectra::power::Blur;
 use crate::surface::HeightField;
 use crate::vk::selection::Candidate;
 
@@ -70,6 +71,11 @@ impl Shading {
     /// The same for the colours of a picture.
     pub fn for_pictures(self) -> Self {
         Self { purpose: Purpose::Picture, ..self }
+    }
+
+    /// Variance of (u, v) over which coherence spreads the specular order in the middle of the spectrum; `None` for a finite grating.
+    pub fn specular_spread(&self) -> Option<f64> {
+        self.coherence.sigma().map(|sigma| Blur::of_coherence(sigma).variance[0] * MIDDLE.powi(2))
     }
 
     /// How much more a single wavelength of a single direction may err than what the tolerance is promised for. Through repeats

@@ -223,7 +223,9 @@ fn options_change_the_picture() {
         &["--material", "gold"],
         &["--material", "glass"],
         &["--film", "120nm:1.7"],
-        &["--environment", "sky"],
+        &["--environment", "none"],
+        &["--environment", "studio"],
+        &["--environment-exposure", "1"],
         &["--illuminant", "a"],
         &["--illuminant", "E"],
         &["--illuminant", "red.csv"],
@@ -240,17 +242,22 @@ fn options_change_the_picture() {
         assert!(change > 1e-6, "{more:?} changes nothing");
     }
     for same in [
-        &["--light", "35,-50,2"][..],
+        &["--light", "35,-50,2", "--environment", "sky"][..],
+        &["--environment", "sky"],
         &["--illuminant", "d65"],
         &["--ior", "1.5"],
         &["--level", "none"],
-        // A convex mesh casts none on itself.
-        &["--shadows", "off"],
-        &["--environment", "none"],
     ] {
         render(&sandbox, "sphere", "other.exr", &[&one[..], same].concat());
         // The files differ in the command that they carry.
         assert!(exr(&sandbox, "other.exr").2 == plain, "{same:?} is not the default");
+    }
+    // A light that is named is all that there is, and a convex mesh casts no shadow of it on itself.
+    render(&sandbox, "sphere", "light.exr", &["--light", "35,-50,2"]);
+    let light = exr(&sandbox, "light.exr").2;
+    for same in [&["--environment", "none"][..], &["--shadows", "off"]] {
+        render(&sandbox, "sphere", "other.exr", &[&["--light", "35,-50,2"], same].concat());
+        assert!(exr(&sandbox, "other.exr").2 == light, "{same:?} changes what a light shows");
     }
     // The mean over all windows is the default, by a table.
     render(&sandbox, "sphere", "mean.exr", &[]);
@@ -272,10 +279,10 @@ fn a_snake_casts_shadows_and_a_sky_lights_them() {
         render(&sandbox, "snake", "out.exr", &[&["--tolerance", "1e-1", "--samples", "4"], more].concat());
         exr(&sandbox, "out.exr").2.iter().map(|p| f64::from(p[1])).sum()
     };
-    let without = brightness(&["--shadows", "off"]);
-    let with = brightness(&[]);
-    let below_a_sky = brightness(&["--environment", "sky"]);
-    let brighter = brightness(&["--environment", "sky", "--environment-exposure", "2"]);
+    let without = brightness(&["--environment", "none", "--shadows", "off"]);
+    let with = brightness(&["--environment", "none"]);
+    let below_a_sky = brightness(&[]);
+    let brighter = brightness(&["--environment-exposure", "2"]);
     assert!(with < 0.95 * without && with > 0.2 * without, "{with} of {without}");
     assert!(
         below_a_sky > 1.05 * with && brighter - with > 3.0 * (below_a_sky - with),
@@ -285,7 +292,8 @@ fn a_snake_casts_shadows_and_a_sky_lights_them() {
         let line = sandbox.run2(&["render", "snake", "-o", "no.png"], more).refused(2);
         assert!(line.contains(said), "{line}");
     };
-    refused(&["--rotate-environment", "90deg"], "the scene has none");
+    refused(&["--environment", "none", "--rotate-environment", "90deg"], "the scene has none");
+    refused(&["--light", "1,0", "--rotate-environment", "90deg"], "the scene has none");
     let lights = ["--light", "1,0", "--light", "2,0", "--light", "3,0", "--light", "4,0"];
     refused(&[&lights[..], &["--environment", "sky"]].concat(), "too many lights");
 }

@@ -90,7 +90,7 @@ fn pictures_of_other_settings_are_neither_kept_nor_written_over() {
         &["--ior", "1.4"],
         &["--light", "30,0"],
         &["--shadows", "off"],
-        &["--environment", "sky"],
+        &["--environment", "studio"],
     ] {
         let line = render(&sandbox, &[&turn, more].concat()).refused(2);
         assert!(line.contains("turn-0000.png") && line.contains("another name"), "{more:?}: {line}");

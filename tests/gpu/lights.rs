@@ -85,10 +85,10 @@ fn under_a_white_sky_a_surface_that_absorbs_nothing_is_as_bright_as_its_closed_f
     let white = Environment::of(&|_| Vec3::ONE);
     let shading = shading(8.0, MIRROR);
     with_device(|device| {
-        for (kind, theta) in [(Kind::Flat, 0.0f64), (Kind::Blaze, 20.0)] {
+        for (kind, theta, pictures) in [(Kind::Flat, 0.0f64, 1), (Kind::Blaze, 20.0, 6)] {
             let field = patch(kind, 10.0);
             let scene = plate(theta.to_radians() as f32, Vec::new(), Some(white.clone()));
-            let samplings: Vec<_> = (0..6).map(|seed| Sampling { count: 512, seed }).collect();
+            let samplings: Vec<_> = (0..pictures).map(|seed| Sampling { count: 512, seed }).collect();
             let found = radiance(device, &field, &shading, &scene, &samplings);
             let expected = albedo(&field, &shading, theta);
             let relative = |f: DVec3| (f - expected).length() / expected.length();
@@ -96,14 +96,15 @@ fn under_a_white_sky_a_surface_that_absorbs_nothing_is_as_bright_as_its_closed_f
             let one = (found.iter().map(|f| relative(*f).powi(2)).sum::<f64>() / found.len() as f64).sqrt();
             let apart = relative(mean);
             eprintln!("{} at {theta}: {mean:.3} for {expected:.3}: {apart:.3}, one {one:.3}", kind.name());
-            // What a sample averages over is projected where the sample is, and not where the order is: the mean of all seeds comes out
-            // lower by twice its variance, 0.015. One picture errs by about a tenth, because an order is a lobe that few samples hit, and the
-            // mean of six by 0.04. The bounds are twice that.
-            assert!(apart < 0.08 && one < 0.2, "{} at {theta}: {mean} instead of {expected}", kind.name());
             if kind == Kind::Flat {
-                // All of the light comes back.
-                assert!((expected - DVec3::ONE).length() < 0.05, "{expected}");
+                // All of the light comes back, by the specular order alone.
+                assert!((expected - DVec3::ONE).length() < 0.005 && apart < 0.005, "{mean}, {expected}");
+                continue;
             }
+            // What a sample averages over is projected where the sample is, and not where the order is: the mean of all seeds comes out
+            // lower by twice its variance, 0.015. One picture errs by 0.15, because an order is a lobe that few samples hit, and the
+            // mean of six by 0.05.
+            assert!(apart < 0.08 && one < 0.2, "{} at {theta}: {mean} instead of {expected}", kind.name());
         }
     });
 }
@@ -142,8 +143,49 @@ fn a_flat_mirror_shows_the_surroundings_in_the_mirrored_direction_from_one_sampl
 }
 
 #[test]
+fn zz_diag() {
+    const SIZE: [u32; 2] = [80, 60];
+    let field = patch(Kind::Elaphe, 12.0);
+    let shading = shading(16.0, 1.5);
+    let scene = Scene::open("sphere").unwrap();
+    let lamp = Light { theta: 45.0, phi: -40.0, intensity: 1.0, size: 0.0 };
+    with_device(|device| {
+        for (name, lights, env) in
+            [("lamp", vec![lamp], None), ("studio", vec![], Some("studio")), ("sky", vec![], Some("sky"))]
+        {
+            let mut view = View::of(&scene, lights);
+            view.environment = env.map(|e| Environment::open(e).unwrap());
+            let source = source(device, &field, &shading, Method::Table, FootprintSizes::default());
+            let (mesh, white) = (&scene.mesh, Pigment::white());
+            let mut painter = Painter::new(device, &source, &shading, mesh, &white, SIZE, 1).unwrap();
+            for count in [1, 16, 64, 4096] {
+                let sampling = Sampling { count, seed: 3 };
+                for index in [0, 5] {
+                    let sample = sampling.sample(index.min(count - 1));
+                    painter.draw_sample(&view, &sample, SHOWN).unwrap();
+                    let found = painter.picture().unwrap().radiance;
+                    let seen = vec![painter.directions_of(&view, 0, &sample).unwrap()];
+                    let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
+                    let dark: Vec<Directions> =
+                        seen.iter().map(|s| Directions { irradiance: DVec3::ZERO, ..s.clone() }).collect();
+                    let part = reference_picture(&field, &shading, &view, &dark, &|_, _| Ok(())).unwrap();
+                    let d = view.incidents(&sample)[0];
+                    eprintln!(
+                        "DIAG {name} {count} {index}: {:.4}; mirrored part {:.3}; {:.2} variance {:.4}",
+                        apart(&found, &exact),
+                        1.0 - apart(&part, &exact),
+                        d.direction,
+                        d.variance
+                    );
+                }
+            }
+        }
+    });
+}
+
+#[test]
 fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
-    const SIZE: [u32; 2] = [40, 30];
+    const SIZE: [u32; 2] = [80, 60];
     const SEED: u64 = 3;
     let field = patch(Kind::Elaphe, 12.0);
     let shading = shading(16.0, 1.5);
@@ -152,8 +194,10 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
     let mut view = View::of(&scene, vec![lamp]);
     view.environment = Some(Environment::open("studio").unwrap());
     let sampling = Sampling { count: 64, seed: SEED };
+    // What is measured over footprints as wide as these; see the tests of pictures.
+    const ALLOWED: [(Method, f64); 2] = [(Method::Table, 0.04), (Method::Spectral, 0.08)];
     with_device(|device| {
-        for method in [Method::Table, Method::Spectral] {
+        for (method, allowed) in ALLOWED {
             let source = source(device, &field, &shading, method, FootprintSizes::default());
             let (mesh, white) = (&scene.mesh, Pigment::white());
             let mut painter = Painter::new(device, &source, &shading, mesh, &white, SIZE, 2).unwrap();
@@ -171,7 +215,7 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
                 let without = reference_picture(&field, &shading, &view, &dark, &|_, _| Ok(())).unwrap();
                 let other = apart(&without, &exact);
                 eprintln!("{} sample {index}: {error:.4}; unmirrored {other:.4}", method.name());
-                assert!(error < 0.03 && other > 2.0 * error, "{}: {error}, {other}", method.name());
+                assert!(error < allowed && other > 5.0 * allowed, "{}: {error}, {other}", method.name());
             }
         }
     });

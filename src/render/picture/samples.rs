@@ -39,7 +39,7 @@ impl Painter {
         progress: &mut dyn FnMut(u32) -> Result<()>,
     ) -> Result<Picture> {
         if sampling.count <= 1 {
-            self.draw_sample(view, &Sampling::ONE.sample(0), shown)?;
+            self.draw_sample(view, &sampling.sample(0), shown)?;
             return self.picture();
         }
         let size = self.target.size();

@@ -55,11 +55,6 @@ const KINDS: [Kind; 6] = [
 /// Samples of the specular order's power over z: between two, the phase of the farthest heights of 1 µm turns by a thirtieth of a radian.
 const SPECULAR_SAMPLES: usize = 1024;
 
-/// Variance of the specular order's blur for a coherence window of standard deviation `sigma` \[µm⁻²\].
-fn specular_blur(sigma: f64) -> f64 {
-    Blur::of_coherence(sigma).variance[0]
-}
-
 /// The `Mean` block (std140).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -105,7 +100,7 @@ impl Mean {
         let of = &shading.reflectance;
         let mut bound = BoundSource::new(device, "mean set", &KINDS, stages!("mean"), constants, of)?;
         bound.reads_footprints = true;
-        bound.specular_spread = Some((specular_blur(header.sigma) * MIDDLE.powi(2)) as f32);
+        bound.specular_spread = shading.specular_spread().map(|spread| spread as f32);
         let description = Description {
             name: "power spectra",
             format: vk::Format::R16G16B16A16_SFLOAT,
@@ -145,7 +140,7 @@ impl Mean {
             unit: header.unit as f32,
             orders: (orders / finest) as f32,
             finest: finest as f32,
-            specular: specular_blur(header.sigma) as f32,
+            specular: Blur::of_coherence(header.sigma).variance[0] as f32,
             last_level: (header.grid.levels - 1) as f32,
             rays: finest.sqrt() as f32,
             middle: MIDDLE.powi(-2) as f32,

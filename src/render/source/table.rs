@@ -63,7 +63,7 @@ impl Table {
         bound.spectral = false;
         bound.reads_footprints = true;
         let header = &self.table.header;
-        bound.specular_spread = Some(header.specular.variances[BANDS / 2] as f32);
+        bound.specular_spread = shading.specular_spread().map(|spread| spread as f32);
         let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
         let layers = 3 * header.pieces as u32;
         let description = Description {

@@ -1,0 +1,59 @@
+//! Normal distributions over frequencies.
+
+use crate::optics::footprint::Covariance;
+use crate::spectra::power::Blur;
+use glam::DVec2;
+use std::f64::consts::PI;
+
+/// Orders farther from a frequency than so many standard deviations of their blur are left out: e^(−r²/2) = 1e-10.
+pub(super) const CUT: f64 = 6.8;
+
+/// A normal distribution over frequencies.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spread {
+    /// Its covariance \[µm⁻²\].
+    pub xx: f64,
+    pub xy: f64,
+    pub yy: f64,
+    determinant: f64,
+    /// Its density at 0 \[µm²\].
+    peak: f64,
+}
+
+impl Spread {
+    /// `blur` and, at wavenumber `q` \[µm⁻¹\], the spread of directions.
+    pub fn new(blur: Blur, around: &Covariance, q: f64) -> Self {
+        let [x, y] = blur.variance;
+        Self::of(x + q * q * around.uu, q * q * around.uv, y + q * q * around.vv)
+    }
+
+    fn of(xx: f64, xy: f64, yy: f64) -> Self {
+        let determinant = xx * yy - xy * xy;
+        Self { xx, xy, yy, determinant, peak: 1.0 / (2.0 * PI * determinant.sqrt()) }
+    }
+
+    /// The spread that together with `variance` along x and y \[µm⁻²\] makes this one, where it is at least as wide as `variance` in every
+    /// direction.
+    pub fn beyond(&self, variance: [f64; 2]) -> Option<Self> {
+        let [x, y] = variance;
+        let (left_x, left_y) = (self.xx - 2.0 * x, self.yy - 2.0 * y);
+        let wider = left_x > 0.0 && left_y > 0.0 && left_x * left_y > self.xy * self.xy;
+        wider.then(|| Self::of(self.xx - x, self.xy, self.yy - y))
+    }
+
+    /// Its density at `d` \[µm²\].
+    pub fn density(&self, d: DVec2) -> f64 {
+        let squares = self.yy * d.x * d.x - 2.0 * self.xy * d.x * d.y + self.xx * d.y * d.y;
+        self.peak * (-0.5 * squares / self.determinant).exp()
+    }
+
+    /// Between which x, relative to the centre, a row `y` is within [`CUT`] standard deviations; `None` where it is nowhere.
+    pub fn row(&self, y: f64) -> Option<[f64; 2]> {
+        let left = CUT * CUT - y * y / self.yy;
+        let middle = y * self.xy / self.yy;
+        (left >= 0.0).then(|| {
+            let half = (left * self.determinant / self.yy).sqrt();
+            [middle - half, middle + half]
+        })
+    }
+}
