@@ -61,7 +61,7 @@ fn the_window_shows_and_saves_what_render_draws_through_drags_keys_drops_and_siz
     sandbox.run2(&["surface", "synth", "blaze", "-o", "blaze.png"], &["--patch", "5um"]).done();
     let square = "v -1 -1 0\nv 1 -1 0\nv 1 1 0.5\nv -1 1 0\nf 1 2 3 4\n";
     sandbox.write("square.obj", square);
-    let program = view(&sandbox, &display, &["sphere"]);
+    let program = view(&sandbox, &display, &["sphere", "--environment", "none"]);
     let window = display.window();
     wait_for("the size", || display.look(window).filter(|p| p.dimensions() == (320, 240)));
     for key in ['p', 'b'] {
@@ -71,7 +71,12 @@ fn the_window_shows_and_saves_what_render_draws_through_drags_keys_drops_and_siz
         wait_for(what, || display.look(window).filter(|shown| same(shown, expected)));
     };
     // At first, what `render` draws without a word about camera and lights.
-    let plain = [&["render", "sphere", "--samples", "1", "-o", "plain.png"][..], &SMALL, &QUICK].concat();
+    let plain = [
+        &["render", "sphere", "--environment", "none", "--samples", "1", "-o", "plain.png"][..],
+        &SMALL,
+        &QUICK,
+    ]
+    .concat();
     sandbox.run(plain).done();
     let plain = image::open(sandbox.path("plain.png")).unwrap().to_rgb8();
     shows(&plain, "the picture of render");
@@ -96,7 +101,7 @@ fn the_window_shows_and_saves_what_render_draws_through_drags_keys_drops_and_siz
     display.resize(window, [1, 1]);
     display.resize(window, [360, 300]);
     let larger = [
-        &["render", "sphere", "--samples", "1", "-o", "larger.png"][..],
+        &["render", "sphere", "--environment", "none", "--samples", "1", "-o", "larger.png"][..],
         &SMALL,
         &QUICK[..4],
         &["--size", "360x300"],
