@@ -258,29 +258,30 @@ impl<'a> TabulatedMean<'a> {
 
     /// Σ_m |c_m|²/z² γ̂(f − m/T) for the polynomials `t` of z.
     fn blurred(&self, f: DVec2, spread: &Spread, t: &[f32]) -> f64 {
-        let variance = |step: f64| self.grid.patch.map(|side| (step / side).powi(2));
-        // The narrowest of all levels is that of every second order.
-        if spread.beyond(variance(2.0)).is_none() {
-            return self.sum(f, spread, t, 1.0, |x, y| self.order(x, y));
+        let [width, height] = self.grid.patch;
+        let beyond = |[x, y]: [f64; 2]| spread.beyond([x / (width * width), y / (height * height)]);
+        let all = || self.sum(f, spread, t, [1.0; 2], |x, y| self.order(x, y));
+        if beyond(pyramid::NARROWEST).is_none() {
+            return all();
         }
         let levels = self.levels.get_or_init(|| self.make_levels());
-        let coarser = levels.iter().rev().find_map(|l| spread.beyond(variance(l.step)).map(|left| (l, left)));
+        let coarser = levels.iter().rev().find_map(|level| beyond(level.variance).map(|left| (level, left)));
         match coarser {
             Some((level, left)) => self.sum(f, &left, t, level.step, |x, y| level.at(x, y)),
-            None => self.sum(f, spread, t, 1.0, |x, y| self.order(x, y)),
+            None => all(),
         }
     }
 
-    /// Sum of the points `step` orders apart under `spread` about `f`, for the polynomials `t` of z.
+    /// Sum of the points `step` orders apart along x and y under `spread` about `f`, for the polynomials `t` of z.
     fn sum<'b>(
         &self,
         f: DVec2,
         spread: &Spread,
         t: &[f32],
-        step: f64,
+        step: [f64; 2],
         at: impl Fn(i64, i64) -> Option<&'b [f32]>,
     ) -> f64 {
-        let points = DVec2::from_array(self.grid.patch) / step;
+        let points = DVec2::from_array(self.grid.patch) / DVec2::from_array(step);
         let reach = spread.yy.sqrt() * CUT;
         let [first, last] = [((f.y - reach) * points.y).ceil(), ((f.y + reach) * points.y).floor()];
         let mut sum = 0.0;
@@ -295,7 +296,7 @@ impl<'a> TabulatedMean<'a> {
                 }
             }
         }
-        (sum * step * step).max(0.0)
+        (sum * step[0] * step[1]).max(0.0)
     }
 
     /// The series of an order.
@@ -515,10 +516,21 @@ mod tests {
 
     #[test]
     fn averages_over_many_orders_are_the_sum_over_all_of_them() {
-        // Of samples 0.25 µm apart the orders wrap around.
-        for (kind, spacing) in [(Kind::Elaphe, 0.1), (Kind::Blaze, 0.1), (Kind::Elaphe, 0.25)] {
-            let spec = Spec { patch: Some([12.0, 8.0]), pixel_size: Some([spacing; 2]), ..Spec::new(kind) };
-            let field = synth::generate(&spec).unwrap();
+        let elaphe = |spacing: f64| {
+            let spec = Spec {
+                patch: Some([12.0, 8.0]),
+                pixel_size: Some([spacing; 2]),
+                ..Spec::new(Kind::Elaphe)
+            };
+            synth::generate(&spec).unwrap()
+        };
+        let rough = |width: usize, height: usize| {
+            let heights = (0..width * height).map(|i| 0.15 * ((i * 37 % 101) as f64 * 0.7).sin()).collect();
+            HeightField::new(width, height, [0.25; 2], heights).unwrap()
+        };
+        // Of samples 0.25 µm apart the orders wrap around, and may be odd in number.
+        for field in [elaphe(0.1), elaphe(0.25), rough(48, 34), rough(49, 33)] {
+            let name = field.dimensions();
             let mean = Mean::in_sunlight(&field, 1.5);
             let table = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
             for (uu, uv, vv) in [(0.02, 0.0, 0.02), (0.2, 0.05, 0.03), (0.3, -0.1, 0.3), (1e-3, 0.0, 0.2)] {
@@ -528,13 +540,13 @@ mod tests {
                     let z = 2.0 * PI * q * uvw.z.abs();
                     let t: Vec<f32> = table.polynomials_at(z).into_iter().map(|t| t as f32).collect();
                     let f = -uvw.truncate() * q;
-                    let all = table.sum(f, &spread, &t, 1.0, |x, y| table.order(x, y));
+                    let all = table.sum(f, &spread, &t, [1.0; 2], |x, y| table.order(x, y));
                     let some = table.blurred(f, &spread, &t);
-                    assert!((some / all - 1.0).abs() < 1e-5, "{kind:?}, {around:?}: {some} of {all}");
+                    assert!((some / all - 1.0).abs() < 1e-5, "{name:?}, {around:?}: {some} of {all}");
                 }
             }
             let coarser = table.levels.get().map_or(0, Vec::len);
-            assert!(kind == Kind::Blaze || coarser > 0, "{kind:?} has no levels");
+            assert!(coarser > 0, "{name:?} samples have no levels");
         }
     }
 

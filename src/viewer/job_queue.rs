@@ -69,6 +69,14 @@ impl JobQueue {
         self.changed.notify_one();
     }
 
+    /// Puts back `request`, which was given up, where it was given up for a job and not for a newer request.
+    pub fn resume(&self, request: FrameRequest) {
+        let mut pending = self.pending();
+        if !pending.jobs.is_empty() {
+            pending.frame.get_or_insert(request);
+        }
+    }
+
     /// Waits for the next task, jobs first; `None` when the thread is to end.
     pub fn next(&self) -> Option<Task> {
         let mut pending = self.pending();

@@ -105,7 +105,13 @@ impl Renderer {
     pub fn run(mut self, queue: &JobQueue, reply: &dyn Fn(RenderReply)) {
         while let Some(task) = queue.next() {
             let result = match task {
-                Task::Frame(request) => self.draw(&request, queue),
+                Task::Frame(request) => {
+                    let drawn = self.draw(&request, queue);
+                    if let Ok(None) = drawn {
+                        queue.resume(request);
+                    }
+                    drawn
+                }
                 Task::Job(job) => self.perform(&job).map(Some),
             };
             match result {

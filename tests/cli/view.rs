@@ -61,7 +61,7 @@ fn the_window_shows_and_saves_what_render_draws_through_drags_keys_drops_and_siz
     sandbox.run2(&["surface", "synth", "blaze", "-o", "blaze.png"], &["--patch", "5um"]).done();
     let square = "v -1 -1 0\nv 1 -1 0\nv 1 1 0.5\nv -1 1 0\nf 1 2 3 4\n";
     sandbox.write("square.obj", square);
-    let program = view(&sandbox, &display, &["sphere", "--environment", "none"]);
+    let program = view(&sandbox, &display, &["sphere"]);
     let window = display.window();
     wait_for("the size", || display.look(window).filter(|p| p.dimensions() == (320, 240)));
     for key in ['p', 'b'] {
@@ -72,7 +72,7 @@ fn the_window_shows_and_saves_what_render_draws_through_drags_keys_drops_and_siz
     };
     // At first, what `render` draws without a word about camera and lights.
     let plain = [
-        &["render", "sphere", "--environment", "none", "--samples", "1", "-o", "plain.png"][..],
+        &["render", "sphere", "--samples", "1", "-o", "plain.png"][..],
         &SMALL,
         &QUICK,
     ]
@@ -101,7 +101,7 @@ fn the_window_shows_and_saves_what_render_draws_through_drags_keys_drops_and_siz
     display.resize(window, [1, 1]);
     display.resize(window, [360, 300]);
     let larger = [
-        &["render", "sphere", "--environment", "none", "--samples", "1", "-o", "larger.png"][..],
+        &["render", "sphere", "--samples", "1", "-o", "larger.png"][..],
         &SMALL,
         &QUICK[..4],
         &["--size", "360x300"],
