@@ -143,57 +143,14 @@ fn a_flat_mirror_shows_the_surroundings_in_the_mirrored_direction_from_one_sampl
 }
 
 #[test]
-fn zz_diag() {
-    const SIZE: [u32; 2] = [80, 60];
-    let field = patch(Kind::Elaphe, 12.0);
-    let shading = shading(16.0, 1.5);
-    let scene = Scene::open("sphere").unwrap();
-    let lamp = Light { theta: 45.0, phi: -40.0, intensity: 1.0, size: 0.0 };
-    with_device(|device| {
-        for (name, lights, env) in
-            [("lamp", vec![lamp], None), ("studio", vec![], Some("studio")), ("sky", vec![], Some("sky"))]
-        {
-            let mut view = View::of(&scene, lights);
-            view.environment = env.map(|e| Environment::open(e).unwrap());
-            let source = source(device, &field, &shading, Method::Table, FootprintSizes::default());
-            let (mesh, white) = (&scene.mesh, Pigment::white());
-            let mut painter = Painter::new(device, &source, &shading, mesh, &white, SIZE, 1).unwrap();
-            for count in [1, 16, 64, 4096] {
-                let sampling = Sampling { count, seed: 3 };
-                for index in [0, 5] {
-                    let sample = sampling.sample(index.min(count - 1));
-                    painter.draw_sample(&view, &sample, SHOWN).unwrap();
-                    let found = painter.picture().unwrap().radiance;
-                    let seen = vec![painter.directions_of(&view, 0, &sample).unwrap()];
-                    let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
-                    let dark: Vec<Directions> =
-                        seen.iter().map(|s| Directions { irradiance: DVec3::ZERO, ..s.clone() }).collect();
-                    let part = reference_picture(&field, &shading, &view, &dark, &|_, _| Ok(())).unwrap();
-                    let d = view.incidents(&sample)[0];
-                    eprintln!(
-                        "DIAG {name} {count} {index}: {:.4}; mirrored part {:.3}; {:.2} variance {:.4}",
-                        apart(&found, &exact),
-                        1.0 - apart(&part, &exact),
-                        d.direction,
-                        d.variance
-                    );
-                }
-            }
-        }
-    });
-}
-
-#[test]
 fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
     const SIZE: [u32; 2] = [80, 60];
-    const SEED: u64 = 3;
     let field = patch(Kind::Elaphe, 12.0);
     let shading = shading(16.0, 1.5);
     let scene = Scene::open("sphere").unwrap();
     let lamp = Light { theta: 45.0, phi: -40.0, intensity: 1.0, size: 0.0 };
     let mut view = View::of(&scene, vec![lamp]);
     view.environment = Some(Environment::open("studio").unwrap());
-    let sampling = Sampling { count: 64, seed: SEED };
     // What is measured over footprints as wide as these; see the tests of pictures.
     const ALLOWED: [(Method, f64); 2] = [(Method::Table, 0.04), (Method::Spectral, 0.08)];
     with_device(|device| {
@@ -201,22 +158,18 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
             let source = source(device, &field, &shading, method, FootprintSizes::default());
             let (mesh, white) = (&scene.mesh, Pigment::white());
             let mut painter = Painter::new(device, &source, &shading, mesh, &white, SIZE, 2).unwrap();
-            for index in [0, 5] {
-                let sample = sampling.sample(index);
-                painter.draw_sample(&view, &sample, SHOWN).unwrap();
-                let found = painter.picture().unwrap().radiance;
-                let seen: Vec<Directions> =
-                    (0..2).map(|light| painter.directions_of(&view, light, &sample).unwrap()).collect();
-                assert!(seen[0].mirrored.is_empty() && seen[1].mirrored.len() == seen[1].view.len());
-                let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
-                let error = apart(&found, &exact);
-                let dark: Vec<Directions> =
-                    seen.iter().map(|s| Directions { mirrored: Vec::new(), ..s.clone() }).collect();
-                let without = reference_picture(&field, &shading, &view, &dark, &|_, _| Ok(())).unwrap();
-                let other = apart(&without, &exact);
-                eprintln!("{} sample {index}: {error:.4}; unmirrored {other:.4}", method.name());
-                assert!(error < allowed && other > 5.0 * allowed, "{}: {error}, {other}", method.name());
-            }
+            let found = painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
+            let seen: Vec<Directions> =
+                (0..2).map(|light| painter.directions(&view, light).unwrap()).collect();
+            assert!(seen[0].mirrored.is_empty() && seen[1].mirrored.len() == seen[1].view.len());
+            let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
+            let error = apart(&found, &exact);
+            let dark: Vec<Directions> =
+                seen.iter().map(|s| Directions { mirrored: Vec::new(), ..s.clone() }).collect();
+            let without = reference_picture(&field, &shading, &view, &dark, &|_, _| Ok(())).unwrap();
+            let other = apart(&without, &exact);
+            eprintln!("a sphere by {}: {error:.4}; unmirrored {other:.4}", method.name());
+            assert!(error < allowed && other > 5.0 * allowed, "{}: {error}, {other}", method.name());
         }
     });
 }
