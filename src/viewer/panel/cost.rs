@@ -84,8 +84,7 @@ pub fn foot(ui: &mut Ui, model: &mut Model) {
     ui.add_space(3.0);
     let device = format!("{}; {} presentation", model.device.name, model.device.present_mode);
     let device = egui::Label::new(RichText::new(device).small().color(style::FAINT)).truncate();
-    ui.add(device)
-        .on_hover_text("The device that draws, and how frames reach the display.\n--device, --present");
+    ui.add(device).on_hover_text(rows::DEVICE.help());
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         let save = ui.button("Save  [S]");

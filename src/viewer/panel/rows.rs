@@ -26,7 +26,7 @@ impl Row {
     }
 
     /// The text beside the pointer.
-    fn help(&self) -> String {
+    pub fn help(&self) -> String {
         self.option.map_or_else(|| self.tip.to_owned(), |option| format!("{}\n{option}", self.tip))
     }
 }
@@ -66,6 +66,8 @@ rows! {
     COPIES = Row::setting("copies", "--coherence grating:", "Number of copies of the patch along x and y.");
     INDEX = Row::setting("refractive index", "--ior", "Refractive index of the surface, for how much it reflects. --material names one with its spectrum.");
     LIGHT = Row::setting("light", "--light", "θ: degrees from up. φ: degrees from +x toward +y. ×: irradiance over π. A right drag on the picture moves the first light.");
+    ADD_LIGHT = Row::setting("add a light", "--light", "Four lights at most, three beside surroundings.");
+    DEVICE = Row::setting("device", "--device, --present", "The device that draws, and how frames reach the display.");
     FRAME = Row::other("frame time", "Time from the request of a frame to its picture: median and 95th percentile of the last 120.");
     TEXTURE = Row::other("texture", "Size of the spectra or colours on the device.");
     READS = Row::other("texture reads", "Texture reads of a covered pixel, with the number of terms and wavelengths that they are summed from.");

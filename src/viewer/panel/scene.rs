@@ -66,8 +66,7 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
             lights.remove(index);
         }
         let add = |ui: &mut Ui| {
-            let tip = format!("At most {MAX_LIGHTS} lights.\n--light");
-            ui.small_button("add a light").on_hover_text(tip).clicked()
+            ui.small_button(rows::ADD_LIGHT.label).on_hover_text(rows::ADD_LIGHT.help()).clicked()
         };
         if lights.len() < MAX_LIGHTS && add(ui) {
             let phi = lights.last().map_or(0.0, |l| (l.phi + 90.0) % 360.0);
