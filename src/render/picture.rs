@@ -59,6 +59,8 @@ pub struct Painter {
 enum Content {
     /// Nothing: radiance is of no picture, or of parts of several.
     Nothing,
+    /// Nothing: radiance holds a part of a picture, and more tiles of it may follow.
+    Part,
     /// One sample: the radiance, where the depth says that the mesh covers.
     Sample,
     /// The mean of the samples that are summed.
@@ -357,7 +359,7 @@ impl Painter {
         let (geometry, target, display) = (&self.geometry, &self.target, &self.display);
         let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
         match self.shows {
-            Content::Nothing => return Ok(false),
+            Content::Nothing | Content::Part => return Ok(false),
             Content::Sample => self.commands.run(|record| {
                 record.images(&[(&target.radiance, Access::ShaderRead, Access::ColorAttachment)]);
                 let all = record.within(size, 0..size[1]);
@@ -424,6 +426,8 @@ impl Painter {
         })?;
         if last {
             self.shows = if matches!(finish, Finish::Add(_)) { Content::Mean } else { Content::Sample };
+        } else if self.shows != Content::Mean {
+            self.shows = Content::Part;
         }
         let times = self.timestamps.intervals()?;
         Ok([times[0], times[1]])
@@ -486,7 +490,7 @@ impl Painter {
         self.picture()
     }
 
-    /// Reads back what was drawn last, in the size of the pictures.
+    /// Reads back what was drawn last, in the size of the pictures. Where that was given up, it has no radiance and the former display.
     ///
     /// # Errors
     /// Where the device is lost.
@@ -498,6 +502,10 @@ impl Painter {
                 let samples = summed.samples as f32;
                 sum.iter_mut().flatten().for_each(|x| *x /= samples);
                 sum
+            }
+            None if self.shows == Content::Part => {
+                let [width, height] = self.target.size();
+                vec![[0.0; 4]; width as usize * height as usize]
             }
             None => {
                 let mut radiance = self.read(&self.target.radiance)?;

@@ -49,8 +49,9 @@ impl Sampling {
 
     /// Sample number `index` of the picture.
     pub fn sample(&self, index: u32) -> Sample {
-        let mut sample =
-            Sample { index, count: self.count, seed: self.seed, jitter: [0.0; 2], footprint: 0.0 };
+        // A single sample is the same whatever the seed.
+        let seed = if self.count > 1 { self.seed } else { Self::ONE.seed };
+        let mut sample = Sample { index, count: self.count, seed, jitter: [0.0; 2], footprint: 0.0 };
         let variance = if self.count > 1 { JITTER_VARIANCE } else { 0.0 };
         sample.footprint = (FILTER_VARIANCE - variance).sqrt();
         if variance > 0.0 {

@@ -41,7 +41,7 @@ fn another_scene_keeps_the_surface_and_files_stay_in_the_list() {
     viewer.shows("--surface sinusoid");
     viewer.choose("height field", "small.png");
     let (_, command) = viewer.shows("--surface small.png");
-    assert!(command.contains("--height 0.1374um"), "{command}");
+    assert!(command.contains("--height 0.1374"), "{command}");
     viewer.close();
 }
 

@@ -22,6 +22,7 @@ impl ViewerWindow {
     /// When the device is lost.
     pub fn handle(&mut self, event: Event) -> Result<()> {
         match event {
+            Event::Worker(WorkerReply::Failed(_, _, e)) if self.device.is_lost() => return Err(e),
             Event::Worker(reply) => self.handle_preparation(reply),
             Event::Render(reply) => self.handle_rendering(reply)?,
             Event::Probe(Ok(status)) => {
