@@ -355,7 +355,9 @@ fn names_the_command_line(text: &str) -> bool {
 fn words_of_the_command_line_stand_in_cli_alone() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let is_test = |file: &Path| file.to_string_lossy().ends_with("tests.rs");
-    for file in sources().into_iter().filter(|file| !file.starts_with("cli") && !is_test(file)) {
+    // The window says beside each control which option sets the same; all of these words stand in one file.
+    let names_options = |file: &Path| file.starts_with("cli") || file == Path::new("viewer/panel/rows.rs");
+    for file in sources().into_iter().filter(|file| !names_options(file) && !is_test(file)) {
         for (line, text) in literals(&std::fs::read_to_string(root.join(&file)).unwrap()) {
             assert!(
                 !names_the_command_line(&text),

@@ -517,11 +517,8 @@ mod tests {
     #[test]
     fn averages_over_many_orders_are_the_sum_over_all_of_them() {
         let elaphe = |spacing: f64| {
-            let spec = Spec {
-                patch: Some([12.0, 8.0]),
-                pixel_size: Some([spacing; 2]),
-                ..Spec::new(Kind::Elaphe)
-            };
+            let spec =
+                Spec { patch: Some([12.0, 8.0]), pixel_size: Some([spacing; 2]), ..Spec::new(Kind::Elaphe) };
             synth::generate(&spec).unwrap()
         };
         let rough = |width: usize, height: usize| {
@@ -530,7 +527,7 @@ mod tests {
         };
         // Of samples 0.25 µm apart the orders wrap around, and may be odd in number.
         for field in [elaphe(0.1), elaphe(0.25), rough(48, 34), rough(49, 33)] {
-            let name = field.dimensions();
+            let name = (field.columns(), field.rows());
             let mean = Mean::in_sunlight(&field, 1.5);
             let table = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
             for (uu, uv, vv) in [(0.02, 0.0, 0.02), (0.2, 0.05, 0.03), (0.3, -0.1, 0.3), (1e-3, 0.0, 0.2)] {

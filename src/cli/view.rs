@@ -26,7 +26,7 @@ pub struct Arguments {
     /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
     scene: OsString,
-    /// Width and height of the window in pixels
+    /// Width and height of the window in pixels, times the scale of the display
     #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "1280x800")]
     size: [u32; 2],
     /// Frames a second to keep up while something moves, by leaving work out
@@ -127,4 +127,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         command_line: super::view_command::render,
     })?;
     check_validation(&messages)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_options_that_the_panel_names_are_those_of_view() {
+        let command = Arguments::augment_args(clap::Command::new("view"));
+        let options: Vec<String> =
+            command.get_arguments().filter_map(|a| a.get_long().map(|long| format!("--{long}"))).collect();
+        for row in viewer::ROWS {
+            let Some(option) = row.option.filter(|option| option.starts_with("--")) else { continue };
+            let name = option.split(' ').next().unwrap_or_default();
+            assert!(options.iter().any(|known| known == name), "{}: {option}", row.label);
+        }
+    }
 }

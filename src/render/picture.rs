@@ -23,7 +23,10 @@ use std::ops::Range;
 use std::sync::Arc;
 
 pub mod samples;
+mod tiles;
 pub mod timing;
+
+use tiles::Tiles;
 
 /// Draws pictures of one mesh with one surface.
 pub struct Painter {
@@ -40,8 +43,8 @@ pub struct Painter {
     // Of the specular order, where surroundings are read in the mirrored direction.
     specular_spread: Option<f32>,
     frame: FrameSet,
-    // Rows of a strip that take a fitting time.
-    strip: u32,
+    // Milliseconds a pixel of the last picture that was drawn in tiles.
+    pixel_time: Option<f64>,
     // What the display shows.
     shows: Content,
     // Made with the first picture of several samples.
@@ -56,6 +59,8 @@ pub struct Painter {
 enum Content {
     /// Nothing: radiance is of no picture, or of parts of several.
     Nothing,
+    /// Nothing: radiance holds a part of a picture, and more tiles of it may follow.
+    Part,
     /// One sample: the radiance, where the depth says that the mesh covers.
     Sample,
     /// The mean of the samples that are summed.
@@ -168,7 +173,7 @@ impl Painter {
             specular_spread: source.specular_spread,
             source,
             frame,
-            strip: 64,
+            pixel_time: None,
             shows: Content::Nothing,
             accumulation: None,
             summed: None,
@@ -304,11 +309,11 @@ impl Painter {
     pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<[f64; 2]> {
         let size = self.target.size();
         self.write(view, size, sample)?;
-        self.submit(size, 0..size[1], Finish::Display, shown)
+        self.submit(size, size.map(|n| 0..n), Finish::Display, shown)
     }
 
-    /// Draws one sample of `view` with `size` pixels, at most those of the pictures, in strips of some ten milliseconds each, between which
-    /// others get the device. `go_on` is asked before each strip; where it says no, the former display stays. Milliseconds
+    /// Draws one sample of `view` with `size` pixels, at most those of the pictures, in tiles of some ten milliseconds each, between which
+    /// others get the device. `go_on` is asked before each tile; where it says no, the former display stays. Milliseconds
     /// that the device took, or `None` for a picture that was given up.
     ///
     /// # Errors
@@ -321,34 +326,28 @@ impl Painter {
         go_on: &mut dyn FnMut() -> bool,
     ) -> Result<Option<f64>> {
         self.write(view, size, &Sampling::ONE.sample(0))?;
-        let times = self.submit_strips(size, Finish::Display, shown, go_on)?;
+        let times = self.submit_tiles(size, Finish::Display, shown, go_on)?;
         Ok(times.map(|times| times[0] + times[1]))
     }
 
-    /// Draws the sample that was written in strips, as [`Self::draw_while`] says; milliseconds for shading and for what follows it.
-    fn submit_strips(
+    /// Draws the sample that was written in tiles, as [`Self::draw_while`] says; milliseconds for shading and for what follows it.
+    fn submit_tiles(
         &mut self,
         size: [u32; 2],
         finish: Finish,
         shown: Shown,
         go_on: &mut dyn FnMut() -> bool,
     ) -> Result<Option<[f64; 2]>> {
-        /// Long enough to keep a device busy, short enough for a hand not to feel it \[ms\].
-        const STRIP: f64 = 30.0;
-        /// Rows of a strip are a multiple of it, so that no group of neighbours is torn apart.
-        const STEP: u32 = 16;
-        let (mut row, mut total) = (0, [0.0; 2]);
-        while row < size[1] {
+        let (mut tiles, mut total) = (Tiles::new(size, self.pixel_time), [0.0; 2]);
+        while let Some(tile) = tiles.next_tile() {
             if !go_on() {
                 return Ok(None);
             }
-            let end = (row + self.strip.max(STEP)).min(size[1]);
-            let times = self.submit(size, row..end, finish, shown)?;
-            let per_row = times[0].max(1e-3) / f64::from(end - row);
-            self.strip = ((STRIP / per_row) as u32).next_multiple_of(STEP).min(1 << 16);
+            let times = self.submit(size, tile, finish, shown)?;
+            tiles.took(times[0]);
             total = [total[0] + times[0], total[1] + times[1]];
-            row = end;
         }
+        self.pixel_time = Some(total[0] / (f64::from(size[0]) * f64::from(size[1])));
         Ok(Some(total))
     }
 
@@ -360,7 +359,7 @@ impl Painter {
         let (geometry, target, display) = (&self.geometry, &self.target, &self.display);
         let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
         match self.shows {
-            Content::Nothing => return Ok(false),
+            Content::Nothing | Content::Part => return Ok(false),
             Content::Sample => self.commands.run(|record| {
                 record.images(&[(&target.radiance, Access::ShaderRead, Access::ColorAttachment)]);
                 let all = record.within(size, 0..size[1]);
@@ -382,18 +381,25 @@ impl Painter {
         Ok(true)
     }
 
-    /// Draws `rows` of a sample of `size`: with the first row goes the geometry, with the last the `finish`.
-    fn submit(&mut self, size: [u32; 2], rows: Range<u32>, finish: Finish, shown: Shown) -> Result<[f64; 2]> {
+    /// Draws a `tile` of a sample of `size`: with the first goes the geometry, with the last the `finish`.
+    fn submit(
+        &mut self,
+        size: [u32; 2],
+        tile: [Range<u32>; 2],
+        finish: Finish,
+        shown: Shown,
+    ) -> Result<[f64; 2]> {
         let (geometry, target) = (&self.geometry, &self.target);
         let (display, accumulation) = (&self.display, &self.accumulation);
         let frame = &self.frame.descriptors;
         let sets = [frame, &self.source.descriptors];
-        let (first, last) = (rows.start == 0, rows.end == size[1]);
+        let first = tile.iter().all(|range| range.start == 0);
+        let last = tile.iter().zip(size).all(|(range, end)| range.end == end);
         if self.shows == Content::Sample {
             self.shows = Content::Nothing;
         }
         self.commands.run(|record| {
-            let (all, some) = (record.within(size, 0..size[1]), record.within(size, rows));
+            let (all, some) = (record.within(size, 0..size[1]), record.tile(size, tile));
             record.reset(&self.timestamps);
             record.timestamp(&self.timestamps, 0);
             if first {
@@ -420,6 +426,8 @@ impl Painter {
         })?;
         if last {
             self.shows = if matches!(finish, Finish::Add(_)) { Content::Mean } else { Content::Sample };
+        } else if self.shows != Content::Mean {
+            self.shows = Content::Part;
         }
         let times = self.timestamps.intervals()?;
         Ok([times[0], times[1]])
@@ -482,7 +490,7 @@ impl Painter {
         self.picture()
     }
 
-    /// Reads back what was drawn last, in the size of the pictures.
+    /// Reads back what was drawn last, in the size of the pictures. Where that was given up, it has no radiance and the former display.
     ///
     /// # Errors
     /// Where the device is lost.
@@ -494,6 +502,10 @@ impl Painter {
                 let samples = summed.samples as f32;
                 sum.iter_mut().flatten().for_each(|x| *x /= samples);
                 sum
+            }
+            None if self.shows == Content::Part => {
+                let [width, height] = self.target.size();
+                vec![[0.0; 4]; width as usize * height as usize]
             }
             None => {
                 let mut radiance = self.read(&self.target.radiance)?;

@@ -242,6 +242,11 @@ impl Wanted {
     }
 }
 
+/// A source that diffracts nothing, so that the pigment is seen alone. It takes no time to make.
+pub fn pigment_alone() -> Source {
+    Source::Table(Table { table: Arc::new(ColorTable::dark()) })
+}
+
 /// How the surface goes on beyond a patch like `field`, unless the user says: copies where they join without visible steps.
 pub fn beyond_of(field: &HeightField) -> Beyond {
     match tiling::tiles(field).verdict {

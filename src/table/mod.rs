@@ -106,6 +106,24 @@ pub struct Header {
 }
 
 impl ColorTable {
+    /// The table of a surface that diffracts nothing.
+    pub fn dark() -> Self {
+        let grid = Grid::new(0.25, 0.0);
+        let level = |level| vec![f16::ZERO; grid.side_of(level).pow(2) * 3 * sums::CUBIC];
+        let specular =
+            Specular { variances: vec![1.0; BANDS], weights: vec![vec![[0.0; 3]; SPECULAR_SAMPLES]; BANDS] };
+        let header = Header {
+            grid,
+            pieces: 1,
+            unit: 1.0,
+            specular,
+            coherence_blur: 1.0,
+            cubic_error: 0.0,
+            holds_reflectance: false,
+        };
+        Self { header, levels: (0..grid.levels).map(level).collect() }
+    }
+
     /// Bytes of all levels.
     pub fn bytes(&self) -> usize {
         self.levels.iter().map(|level| level.len() * size_of::<f16>()).sum()

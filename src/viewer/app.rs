@@ -8,7 +8,7 @@ use crate::vk::instance::Instance;
 use std::sync::Arc;
 use std::time::Instant;
 use winit::application::ApplicationHandler;
-use winit::dpi::PhysicalSize;
+use winit::dpi::{LogicalSize, PhysicalSize};
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::window::{Window, WindowId};
@@ -45,7 +45,7 @@ impl App {
         let [width, height] = self.start.size;
         let attributes = Window::default_attributes()
             .with_title("diffract")
-            .with_inner_size(PhysicalSize::new(width, height))
+            .with_inner_size(LogicalSize::new(width, height))
             .with_min_inner_size(PhysicalSize::new(1, 1));
         let opened = events
             .create_window(attributes)

@@ -23,7 +23,7 @@ impl Compare {
     /// The name on the panel.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Alone => "alone",
+            Self::Alone => "off",
             Self::Beside => "split",
             Self::Error => "error",
         }
@@ -38,6 +38,14 @@ impl Compare {
 /// The setting to compare with until the user changes it: a tenth of the tolerance, by the most accurate basis.
 pub fn strict(own: &OpticsSettings) -> OpticsSettings {
     optimal(own, (own.tolerance / 10.0).max(1e-4))
+}
+
+/// The setting for the first colours of a picture; `None` if its own is as quick to prepare.
+pub fn preview(own: &OpticsSettings, of_mean: bool) -> Option<OpticsSettings> {
+    /// Enough to recognise the colours, and in a small part of the usual time.
+    const TOLERANCE: f64 = 0.3;
+    let method = if of_mean { Method::Table } else { Method::Spectral };
+    (own.tolerance < TOLERANCE).then(|| OpticsSettings { method, ..optimal(own, TOLERANCE) })
 }
 
 /// The setting for moving pictures: ten times the tolerance.
@@ -88,6 +96,9 @@ mod tests {
                 wavelengths: None,
             };
             assert!(strict(&own).tolerance < tolerance && coarse(&own).tolerance > tolerance);
+            let first = preview(&own, true).unwrap();
+            assert!(first.tolerance >= coarse(&own).tolerance && first.method == Method::Table);
+            assert_eq!(preview(&first, true), None);
             assert_eq!((strict(&own).terms, strict(&own).windows), (None, own.windows));
         }
     }

@@ -6,6 +6,16 @@ use super::job_queue::RenderReply;
 use super::worker::WorkerReply;
 use crate::error::Result;
 
+/// What came of opening a scene.
+pub struct OpenedScene {
+    /// Its name.
+    pub name: String,
+    /// Whether it is opened to return to the settings at the start.
+    pub resets: bool,
+    /// The scene.
+    pub loaded: Result<LoadedScene>,
+}
+
 /// A message from a background thread.
 pub enum Event {
     /// From the worker that prepares layers and colour tables.
@@ -14,6 +24,6 @@ pub enum Event {
     Render(RenderReply),
     /// From the error probe.
     Probe(Result<ProbeStatus>),
-    /// The scene of this name was read.
-    Scene(String, Box<Result<LoadedScene>>),
+    /// A scene was read.
+    Scene(Box<OpenedScene>),
 }

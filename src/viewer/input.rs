@@ -7,15 +7,16 @@ use egui::{Key, Modifiers, PointerButton, Rect, Sense, Ui};
 use glam::Vec2;
 
 /// Every key and gesture with its meaning, as F1 lists them.
-pub const KEYS: [(&str, &str); 16] = [
+pub const KEYS: [(&str, &str); 17] = [
     ("left drag", "orbit"),
     ("wheel", "zoom"),
     ("middle or Shift + left drag", "pan"),
     ("right or Ctrl + left drag", "move the first light over the hemisphere"),
     ("double click", "look at the point under the pointer"),
+    ("F", "show the whole mesh"),
     ("R", "reset all settings"),
     ("S", "save the picture as PNG; Shift + S: as EXR too"),
-    ("C", "compare: alone, split, error in false colour"),
+    ("C", "compare: off, split, error in false colour"),
     ("drag the line", "move the split"),
     ("E", "measure the error against the f64 reference"),
     ("B", "show or hide the BRDF hemisphere"),
@@ -23,14 +24,15 @@ pub const KEYS: [(&str, &str); 16] = [
     ("+ and −", "exposure"),
     ("P", "show or hide the panel"),
     ("F1", "show or hide this list"),
-    ("Esc", "close"),
+    ("Esc", "close a list, this list, the window"),
 ];
 
 /// Applies key presses to `model`.
 pub fn keys(ui: &Ui, model: &mut Model) {
-    if ui.ctx().text_edit_focused() {
+    if model.visible.typing || ui.ctx().text_edit_focused() {
         return;
     }
+    let list_is_open = egui::Popup::is_any_open(ui.ctx());
     ui.input(|i| {
         // Repeats of a held key are ignored: none of these actions should be repeated.
         let pressed = |wanted: Key| {
@@ -39,6 +41,7 @@ pub fn keys(ui: &Ui, model: &mut Model) {
             )
         };
         model.actions.reset |= pressed(Key::R);
+        model.actions.frame |= pressed(Key::F);
         if pressed(Key::S) {
             model.actions.save = Some(if i.modifiers.shift { SaveAs::PngAndExr } else { SaveAs::Png });
         }
@@ -50,9 +53,9 @@ pub fn keys(ui: &Ui, model: &mut Model) {
         model.pacing.continuous ^= pressed(Key::Space);
         model.visible.panel ^= pressed(Key::P);
         model.visible.help ^= pressed(Key::F1);
-        if pressed(Key::Escape) {
-            // If the list of keys is open, Esc closes the list.
-            model.actions.close = !model.visible.help;
+        // Esc closes what is innermost. An open list and an edited text close themselves.
+        if pressed(Key::Escape) && !list_is_open {
+            model.actions.close |= !model.visible.help;
             model.visible.help = false;
         }
         for (key, step) in [(Key::Plus, 0.5), (Key::Equals, 0.5), (Key::Minus, -0.5)] {
@@ -63,9 +66,9 @@ pub fn keys(ui: &Ui, model: &mut Model) {
     });
 }
 
-/// Applies the pointer over the picture in `rect` to `model`.
-pub fn pointer(ui: &mut Ui, rect: Rect, model: &mut Model) {
-    let picture = ui.interact(rect, ui.id().with("picture"), Sense::click_and_drag());
+/// Applies the pointer over the picture in `rect` to `model`, where it is within `touched`.
+pub fn pointer(ui: &mut Ui, touched: Rect, rect: Rect, model: &mut Model) {
+    let picture = ui.interact(touched, ui.id().with("picture"), Sense::click_and_drag());
     if picture.double_clicked()
         && let Some(at) = picture.interact_pointer_pos()
     {

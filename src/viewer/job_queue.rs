@@ -6,6 +6,7 @@ use super::quality::{Detail, Quality};
 use crate::error::Error;
 use crate::render::picture::Picture;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 /// Work that is done once and never replaced by a newer request.
 pub enum Job {
@@ -40,7 +41,12 @@ pub struct Pending {
     pub jobs: Vec<Job>,
     /// Whether the thread is to end.
     pub stop: bool,
+    /// Whether the window has something to show, which goes before the next tile.
+    pub window_first: bool,
 }
+
+/// Longest wait for the window, which may be hidden.
+const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
 /// The next thing to do.
 pub enum Task {
@@ -77,6 +83,18 @@ impl JobQueue {
         }
     }
 
+    /// Waits until the window has shown what it has to show.
+    pub fn give_way(&self) {
+        let waits = |pending: &mut Pending| pending.window_first && !pending.stop;
+        let (mut pending, waited) = self
+            .changed
+            .wait_timeout_while(self.pending(), LONGEST_WAIT, waits)
+            .unwrap_or_else(PoisonError::into_inner);
+        if waited.timed_out() {
+            pending.window_first = false;
+        }
+    }
+
     /// Waits for the next task, jobs first; `None` when the thread is to end.
     pub fn next(&self) -> Option<Task> {
         let mut pending = self.pending();
@@ -92,5 +110,22 @@ impl JobQueue {
             }
             pending = self.changed.wait(pending).unwrap_or_else(PoisonError::into_inner);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Instant;
+
+    #[test]
+    fn drawing_waits_for_the_window_and_not_for_one_that_is_hidden() {
+        let queue = JobQueue::default();
+        let start = Instant::now();
+        queue.give_way();
+        assert!(start.elapsed() < LONGEST_WAIT);
+        queue.update(|pending| pending.window_first = true);
+        queue.give_way();
+        assert!(start.elapsed() >= LONGEST_WAIT && !queue.pending().window_first);
     }
 }

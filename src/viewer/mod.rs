@@ -10,12 +10,14 @@ mod controls;
 pub mod error_probe;
 mod event;
 mod frame;
+mod framing;
 mod graph;
 #[allow(unsafe_code, reason = "hands Vulkan objects to the panel's renderer")]
 pub mod gui;
 mod input;
 mod inset;
 mod job_queue;
+mod layout;
 mod model;
 mod orbit;
 mod overlay;
@@ -33,6 +35,10 @@ mod text_dump;
 mod window;
 mod worker;
 
+#[cfg(test)]
+mod hand;
+#[cfg(test)]
+pub(crate) use panel::rows::ALL as ROWS;
 #[cfg(test)]
 pub(crate) use settings::tests::settings as settings_of_a_plate;
 pub use settings::{OpticsSettings, ViewSettings};

@@ -4,11 +4,14 @@ use super::compare::{self, Compare};
 use super::controls::in_controls;
 use super::error_probe::ProbeStatus;
 use super::frame::{LoadedScene, RenderedFrame};
+use super::framing;
 use super::graph::History;
 use super::prepared::{Prepared, ROLES, Role};
 use super::quality::{Detail, Quality, QualityControl};
-use super::settings::{OpticsSettings, ViewSettings};
+use super::settings::{OpticsSettings, SceneSettings, ViewSettings};
 use crate::error::Error;
+use crate::scene::Camera;
+use crate::surface::Source;
 use std::sync::Arc;
 
 /// One-off actions that the user has asked for.
@@ -24,6 +27,8 @@ pub struct Actions {
     pub close: bool,
     /// Open a dropped file, or a scene by name.
     pub open: Option<String>,
+    /// Show the whole mesh.
+    pub frame: bool,
     /// Turn the camera to the point under this pixel.
     pub focus: Option<[f32; 2]>,
 }
@@ -37,13 +42,22 @@ pub enum SaveAs {
     PngAndExr,
 }
 
-/// A line for the user.
+/// What an error is about: the next success of the same kind makes it outdated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Concern {
+    /// A setting, a surface or a scene that was refused.
+    Setting,
+    /// Drawing, saving or measuring the picture.
+    Picture,
+}
+
+/// An error that stays in sight until the user dismisses it or it is outdated.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Message {
-    /// The text.
+pub struct Failure {
+    /// What happened, and what helps.
     pub text: String,
-    /// Whether it reports an error.
-    pub is_error: bool,
+    /// What it is about.
+    pub concern: Concern,
 }
 
 /// The comparison with another setting.
@@ -58,9 +72,33 @@ pub struct Comparison {
     pub prepared: Option<Arc<Prepared>>,
 }
 
+/// The first colours of settings in preparation.
+#[derive(Clone)]
+pub struct Preview {
+    /// What it is drawn from.
+    pub prepared: Arc<Prepared>,
+    /// The settings that the user has asked for.
+    pub settings: ViewSettings,
+}
+
+/// What stands on the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// The pigment alone.
+    Pigment,
+    /// The first colours.
+    Preview,
+    /// What the settings say.
+    Own,
+}
+
 /// The settings that are ready to be drawn, and the progress of those that are not.
 #[derive(Default)]
 pub struct Sources {
+    /// A surface that diffracts nothing, to be drawn before there is any other.
+    pub pigment: Option<Arc<Prepared>>,
+    /// The first colours, until the user's own are there.
+    pub preview: Option<Preview>,
     /// The user's own.
     pub own: Option<Arc<Prepared>>,
     /// For moving pictures: fewer terms and wavelengths.
@@ -81,6 +119,19 @@ pub struct Progress {
 }
 
 impl Sources {
+    /// What still pictures are drawn from, and what that shows.
+    pub fn shown(&self) -> Option<(&Arc<Prepared>, Stage)> {
+        let preview = self.preview.as_ref().map(|preview| (&preview.prepared, Stage::Preview));
+        let own = self.own.as_ref().map(|own| (own, Stage::Own));
+        let pigment = self.pigment.as_ref().map(|pigment| (pigment, Stage::Pigment));
+        preview.or(own).or(pigment)
+    }
+
+    /// What stands on the picture.
+    pub fn stage(&self) -> Stage {
+        self.shown().map_or(Stage::Pigment, |(_, stage)| stage)
+    }
+
     /// What moving pictures of `detail` are drawn from, if it is ready; `None` for the user's own.
     pub fn lighter(&self, detail: Detail) -> Option<&Arc<Prepared>> {
         match detail {
@@ -101,11 +152,17 @@ impl Sources {
 
     /// What is being computed, and the fraction done.
     pub fn in_progress(&self) -> Option<(&'static str, f32)> {
+        let own = match self.stage() {
+            Stage::Pigment => "pigment alone, preparing colours",
+            Stage::Preview => "preview of the colours, preparing finer ones",
+            Stage::Own => "preparing new settings, shown as before",
+        };
         let named = [
-            (Role::Own, "computing spectra"),
-            (Role::Other, "computing spectra to compare with"),
-            (Role::Coarse, "computing spectra for moving"),
-            (Role::FewerWavelengths, "computing spectra for moving"),
+            (Role::Preview, own),
+            (Role::Own, own),
+            (Role::Other, "preparing the comparison"),
+            (Role::Coarse, "preparing previews"),
+            (Role::FewerWavelengths, "preparing previews"),
         ];
         named.into_iter().find_map(|(role, name)| {
             let Progress { done, of } = self.progress[role as usize]?;
@@ -136,6 +193,8 @@ pub struct Visible {
     pub help: bool,
     /// The hemisphere.
     pub inset: bool,
+    /// Whether a text was being edited at the end of the last pass. Esc ends the edit before the keys are read.
+    pub typing: bool,
 }
 
 /// The device, as the panel shows it.
@@ -163,6 +222,15 @@ impl Default for LastCoherence {
     }
 }
 
+/// The view that nobody has chosen: the scene's own, fitted to the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DefaultView {
+    /// The camera. Another one is the user's.
+    pub camera: Camera,
+    /// Pixels of the picture that it is fitted to.
+    pub size: [u32; 2],
+}
+
 /// The state behind the window.
 pub struct Model {
     /// What the user has set.
@@ -177,6 +245,10 @@ pub struct Model {
     pub last_coherence: LastCoherence,
     /// Mesh and pigment.
     pub loaded: Arc<LoadedScene>,
+    /// What the scene has brought that was opened last.
+    pub brought: SceneSettings,
+    /// The view as long as nobody has chosen one.
+    pub default_view: Option<DefaultView>,
     /// What can be drawn.
     pub sources: Sources,
     /// What is shown.
@@ -185,8 +257,12 @@ pub struct Model {
     pub pacing: Pacing,
     /// The measured error of what is shown.
     pub probe: Option<ProbeStatus>,
-    /// The line for the user.
-    pub message: Option<Message>,
+    /// What was done last, for the user.
+    pub notice: Option<String>,
+    /// What went wrong.
+    pub failure: Option<Failure>,
+    /// Surfaces from files, to choose again.
+    pub files: Vec<Source>,
     /// Which parts of the user interface are shown.
     pub visible: Visible,
     /// Pixels of the picture.
@@ -197,12 +273,14 @@ pub struct Model {
     pub actions: Actions,
     /// Whether the next picture says how it is exposed.
     pub measures_exposure: bool,
+    /// The exposure \[stops\] that was measured last.
+    pub measured_exposure: Option<f64>,
 }
 
 impl Model {
     /// The state at the start, to keep `fps` frames a second on `device`.
     pub fn new(settings: ViewSettings, loaded: Arc<LoadedScene>, fps: f64, device: String) -> Self {
-        Self {
+        let mut model = Self {
             original: settings.clone(),
             applied: settings.clone(),
             comparison: Comparison {
@@ -212,6 +290,8 @@ impl Model {
                 prepared: None,
             },
             last_coherence: LastCoherence::default(),
+            brought: SceneSettings::of(&loaded.scene),
+            default_view: None,
             settings,
             loaded,
             sources: Sources::default(),
@@ -224,26 +304,111 @@ impl Model {
                 moving: false,
             },
             probe: None,
-            message: None,
-            visible: Visible { panel: true, help: false, inset: true },
+            notice: None,
+            failure: None,
+            files: Vec::new(),
+            visible: Visible { panel: true, help: false, inset: true, typing: false },
             size: [0, 0],
             device: DeviceStatus { name: device, memory: 0, present_mode: "" },
             actions: Actions::default(),
             measures_exposure: false,
+            measured_exposure: None,
+        };
+        model.remember_surface();
+        model.choose_default_view();
+        model
+    }
+
+    /// Lists the surface that is set, if it is a file's, so that it can be chosen again with its units.
+    pub fn remember_surface(&mut self) {
+        const MOST: usize = 12;
+        let surface = &self.settings.surface;
+        if surface.kind().is_some() {
+            return;
         }
+        match self.files.iter_mut().find(|file| file.name == surface.name) {
+            Some(file) => file.clone_from(surface),
+            None => self.files.push(surface.clone()),
+        }
+        if self.files.len() > MOST {
+            self.files.remove(0);
+        }
+    }
+
+    /// Returns to the settings of the picture that is shown, because those that the user has set are refused.
+    pub fn revert(&mut self) {
+        self.sources.preview = None;
+        self.settings = self.shown();
     }
 
     /// Exposes as a picture asks for that was measured; a reset returns to it.
     pub fn expose(&mut self, stops: f64) {
         (self.settings.exposure, self.original.exposure) = (stops, stops);
         self.measures_exposure = false;
+        self.measured_exposure = Some(stops);
+    }
+
+    /// Fits the view to the picture from now on if it is the scene's own.
+    pub fn choose_default_view(&mut self) {
+        let camera = self.loaded.scene.camera;
+        let is_own = self.settings.camera == camera;
+        self.default_view = is_own.then_some(DefaultView { camera, size: [0; 2] });
+    }
+
+    /// Fits the view to a picture of another size, unless the user has chosen a view; whether it has changed.
+    pub fn fit_view(&mut self) -> bool {
+        let (scene, before) = (&self.loaded.scene, self.settings.camera);
+        match &mut self.default_view {
+            Some(view) if view.camera != before => self.default_view = None,
+            Some(view) if view.size != self.size && !self.size.contains(&0) => {
+                let camera = framing::of_scene(scene.camera, &scene.mesh, self.size);
+                *view = DefaultView { camera, size: self.size };
+                self.settings.camera = camera;
+            }
+            _ => {}
+        }
+        self.settings.camera != before
+    }
+
+    /// Shows the whole mesh from the side that it is seen from.
+    pub fn frame_view(&mut self) {
+        let camera = self.settings.camera;
+        self.settings.camera = framing::whole(camera, &self.loaded.scene.mesh, self.size);
+    }
+
+    /// Shows a scene that was opened as `name`. A mesh changes the view alone; a scene also replaces what the one before has brought.
+    pub fn show_scene(&mut self, name: String, loaded: LoadedScene) {
+        let is_mesh = name.to_lowercase().ends_with(".obj");
+        self.settings.camera = loaded.scene.camera;
+        // An exposure that was measured is that of the scene.
+        self.measures_exposure |= self.measured_exposure == Some(self.settings.exposure);
+        if !is_mesh {
+            let brought = SceneSettings::of(&loaded.scene);
+            self.settings.change_scene(&self.brought, &brought);
+            self.brought = brought;
+        }
+        self.settings.scene.clone_from(&name);
+        self.applied.scene = name;
+        self.loaded = Arc::new(loaded);
+        self.choose_default_view();
+        self.pacing.quality.invalidate();
+        self.notice = None;
+        self.succeed(Concern::Setting);
+    }
+
+    /// Returns to the settings at the start, whose scene is shown.
+    pub fn return_to_start(&mut self) {
+        self.settings = self.original.clone();
+        self.comparison.mode = Compare::Alone;
+        self.choose_default_view();
     }
 
     /// The settings of the picture that is shown: optics as prepared, everything else as set now.
     pub fn shown(&self) -> ViewSettings {
-        let (now, done) = (&self.settings, &self.applied);
+        let now = &self.settings;
+        let done = self.sources.preview.as_ref().map_or(&self.applied, |preview| &preview.settings);
         ViewSettings {
-            scene: done.scene.clone(),
+            scene: self.applied.scene.clone(),
             lights: now.lights.clone(),
             exposure: now.exposure,
             tone: now.tone,
@@ -268,11 +433,101 @@ impl Model {
 
     /// Shows a line to the user.
     pub fn say(&mut self, text: impl Into<String>) {
-        self.message = Some(Message { text: text.into(), is_error: false });
+        self.notice = Some(text.into());
     }
 
-    /// Shows an error to the user.
-    pub fn report(&mut self, error: &Error) {
-        self.message = Some(Message { text: in_controls(error), is_error: true });
+    /// Shows an error to the user. What was announced before it does not happen.
+    pub fn report(&mut self, concern: Concern, error: &Error) {
+        self.notice = None;
+        self.failure = Some(Failure { text: in_controls(error), concern });
+    }
+
+    /// Removes an error that a success has made outdated.
+    pub fn succeed(&mut self, concern: Concern) {
+        self.failure.take_if(|failure| failure.concern == concern);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use crate::viewer::settings::tests::settings;
+
+    fn model() -> Model {
+        let (settings, scene) = settings();
+        let mut model = Model::new(settings, Arc::new(LoadedScene::of(scene).unwrap()), 15.0, String::new());
+        model.size = [640, 480];
+        model
+    }
+
+    fn show(model: &mut Model, name: &str) {
+        model.show_scene(name.to_owned(), LoadedScene::of(Scene::open(name).unwrap()).unwrap());
+    }
+
+    #[test]
+    fn another_scene_leaves_what_the_user_has_set_and_brings_the_rest() {
+        let mut model = model();
+        model.settings.surface = Source { name: "scan.png".into(), ..model.settings.surface.clone() };
+        model.settings.exposure = 1.5;
+        model.settings.base_color = glam::Vec3::splat(0.2);
+        let set = model.settings.clone();
+        show(&mut model, "cd");
+        let now = &model.settings;
+        assert_eq!((&now.surface, now.exposure, now.base_color), (&set.surface, 1.5, set.base_color));
+        let scene = &model.loaded.scene;
+        assert_eq!((&now.lights, now.tone, now.camera), (&scene.lights, scene.tone, scene.camera));
+        assert_eq!(now.reflectance, scene.reflectance.clone().unwrap());
+        // Nothing was set that the next scene could not bring.
+        show(&mut model, "plate");
+        model.return_to_start();
+        show(&mut model, "sphere");
+        assert_eq!(model.settings.exposure, model.loaded.scene.exposure);
+    }
+
+    #[test]
+    fn refused_settings_return_to_those_of_the_picture() {
+        let mut model = model();
+        model.settings.surface.name = "nothing.png".into();
+        model.settings.optics.tolerance = 1e-4;
+        model.settings.exposure += 1.0;
+        let exposure = model.settings.exposure;
+        model.revert();
+        assert_eq!(model.settings.surface, model.applied.surface);
+        assert_eq!(model.settings.optics, model.applied.optics);
+        assert_eq!(model.settings.exposure, exposure, "what was not refused stays");
+    }
+
+    #[test]
+    fn an_error_stays_until_its_own_kind_succeeds() {
+        let mut model = model();
+        model.report(Concern::Setting, &Error::failed("no such file", "choose another"));
+        model.say("saved a.png");
+        model.succeed(Concern::Picture);
+        assert_eq!(model.failure.as_ref().unwrap().text, "no such file; choose another");
+        model.succeed(Concern::Setting);
+        assert_eq!((model.failure, model.notice.as_deref()), (None, Some("saved a.png")));
+    }
+
+    #[test]
+    fn the_view_follows_the_picture_until_the_user_has_chosen_one() {
+        let mut model = model();
+        show(&mut model, "sphere");
+        let own = model.settings.camera;
+        assert!(!model.fit_view());
+        assert_eq!(model.settings.camera, own, "the scene's own where it fits");
+        model.size = [200, 800];
+        assert!(model.fit_view());
+        assert!(model.settings.camera.distance > own.distance);
+        model.size = [640, 480];
+        assert!(model.fit_view());
+        assert_eq!(model.settings.camera, own);
+        model.settings.camera.phi += 0.5;
+        let chosen = model.settings.camera;
+        model.size = [200, 800];
+        assert!(!model.fit_view());
+        assert_eq!(model.settings.camera, chosen);
+        model.frame_view();
+        assert_eq!((model.settings.camera.phi, model.settings.camera.theta), (chosen.phi, chosen.theta));
     }
 }

@@ -9,10 +9,14 @@ use super::settings::OpticsSettings;
 use super::style;
 use crate::render::difference;
 use crate::setup::Method;
-use egui::{Align2, Color32, FontId, Grid, Mesh, Painter, Rect, RichText, Stroke, Ui, pos2, vec2};
+use egui::{
+    Align2, Color32, FontId, Label, Mesh, Painter, Rect, RichText, ScrollArea, Sense, Stroke, Ui, pos2, vec2,
+};
 
 /// Distance to the edge [points].
 const MARGIN: f32 = 12.0;
+/// Width of the panel's handle at the right edge [points].
+pub const HANDLE: f32 = 16.0;
 
 /// Draws everything over the picture in `rect`.
 pub fn show(ui: &mut Ui, rect: Rect, model: &mut Model) {
@@ -23,7 +27,7 @@ pub fn show(ui: &mut Ui, rect: Rect, model: &mut Model) {
     if let Some(inset) = model.frame.as_ref().and_then(|e| e.inset.as_ref()).filter(|_| model.visible.inset) {
         hemisphere(&painter, rect, inset);
     }
-    state(&painter, rect, model);
+    state(ui, &painter, rect, model);
     if model.visible.help {
         help(ui, model);
     }
@@ -39,38 +43,48 @@ fn note(painter: &Painter, at: egui::Pos2, anchor: Align2, width: f32, text: &st
     rect
 }
 
-/// What is shown or computed now, and the message.
-fn state(painter: &Painter, rect: Rect, model: &Model) {
+/// What is shown and computed now, what was done, and what went wrong, from the bottom up.
+fn state(ui: &Ui, painter: &Painter, rect: Rect, model: &mut Model) {
     let mut at = rect.left_bottom() + vec2(MARGIN, -MARGIN);
-    let width = rect.width() - 4.0 * MARGIN;
+    let width = (rect.width() - 4.0 * MARGIN - HANDLE).max(60.0);
     if let Some((what, part)) = model.sources.in_progress() {
-        let ground = Rect::from_min_size(at - vec2(0.0, 34.0), vec2(260.0, 34.0));
-        painter.rect_filled(ground, 4.0, style::GLASS);
-        let text = format!("{what}: {:.0} %", part * 1e2);
-        painter.text(
-            ground.min + vec2(8.0, 5.0),
-            Align2::LEFT_TOP,
-            text,
-            FontId::proportional(12.0),
-            style::TEXT,
-        );
-        let bar = Rect::from_min_size(ground.min + vec2(8.0, 24.0), vec2(244.0, 4.0));
-        painter.rect_filled(bar, 2.0, style::GRID);
-        let done = Rect::from_min_size(bar.min, vec2(bar.width() * part.clamp(0.0, 1.0), 4.0));
-        painter.rect_filled(done, 2.0, style::ACCENT);
-        at.y = ground.top() - 6.0;
+        at.y = progress(painter, at, width, what, part).top() - 6.0;
     } else if let Some(frame) = &model.frame {
+        let is_own = model.sources.own.as_ref().is_some_and(|own| own.number == frame.number);
         let text = match (model.pacing.moving, frame.quality) {
-            (true, quality) => format!("moving: {quality}, {:.0} ms", frame.wall_ms),
-            (false, Quality::WHOLE) => "still: everything".to_owned(),
-            (false, _) => "still: refining".to_owned(),
+            (true, quality) => format!("{quality}, {:.0} ms", frame.wall_ms),
+            (false, Quality::WHOLE) if is_own => Quality::WHOLE.to_string(),
+            (false, Quality::WHOLE) => "refining".to_owned(),
+            (false, quality) => format!("{quality}, refining"),
         };
         at.y = note(painter, at, Align2::LEFT_BOTTOM, width, &text, style::FAINT).top() - 6.0;
     }
-    if let Some(message) = &model.message {
-        let color = if message.is_error { style::POOR } else { style::TEXT };
-        note(painter, at, Align2::LEFT_BOTTOM, width, &message.text, color);
+    if let Some(text) = &model.notice {
+        at.y = note(painter, at, Align2::LEFT_BOTTOM, width, text, style::TEXT).top() - 6.0;
     }
+    if let Some(failure) = &model.failure {
+        let text = format!("{}  (click to dismiss)", failure.text);
+        let rect = note(painter, at, Align2::LEFT_BOTTOM, width, &text, style::POOR);
+        if ui.interact(rect, ui.id().with("failure"), Sense::click()).clicked() {
+            model.failure = None;
+        }
+    }
+}
+
+/// Draws how far something is done, above `at` and at most `width` wide; the rectangle.
+fn progress(painter: &Painter, at: egui::Pos2, width: f32, what: &str, part: f32) -> Rect {
+    let text = format!("{what}: {:.0} %", part * 1e2);
+    let galley = painter.layout(text, FontId::proportional(12.0), style::TEXT, (width - 16.0).min(320.0));
+    let size = vec2(width.min(galley.size().x.max(244.0) + 16.0), galley.size().y + 20.0);
+    let ground = Align2::LEFT_BOTTOM.anchor_size(at, size);
+    painter.rect_filled(ground, 4.0, style::GLASS);
+    let bar =
+        Rect::from_min_max(ground.left_bottom() + vec2(8.0, -10.0), ground.right_bottom() - vec2(8.0, 6.0));
+    painter.galley(ground.min + vec2(8.0, 5.0), galley, style::TEXT);
+    painter.rect_filled(bar, 2.0, style::GRID);
+    let done = Rect::from_min_size(bar.min, vec2(bar.width() * part.clamp(0.0, 1.0), bar.height()));
+    painter.rect_filled(done, 2.0, style::ACCENT);
+    ground
 }
 
 fn named(optics: &OpticsSettings) -> String {
@@ -104,7 +118,7 @@ fn split(painter: &Painter, rect: Rect, model: &Model) {
     let left = painter.with_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
     // Names that do not fit are cut off instead of wrapped.
     let wide = f32::INFINITY;
-    note(&left, pos2(x - MARGIN, top), Align2::RIGHT_TOP, wide, &named(&model.settings.optics), style::TEXT);
+    note(&left, pos2(x - MARGIN, top), Align2::RIGHT_TOP, wide, &named(&model.applied.optics), style::TEXT);
     let right = painter.with_clip_rect(Rect::from_min_max(pos2(x, rect.top()), rect.max));
     let ready = model.comparison.prepared.is_some();
     let other = match model.comparison.mode {
@@ -121,8 +135,10 @@ fn split(painter: &Painter, rect: Rect, model: &Model) {
 /// The colour scale of relative errors.
 fn scale(painter: &Painter, rect: Rect) {
     const SIZE: egui::Vec2 = vec2(220.0, 10.0);
-    let ground =
-        Rect::from_min_size(rect.right_bottom() - vec2(264.0 + MARGIN, 44.0 + MARGIN), vec2(264.0, 44.0));
+    let ground = Rect::from_min_size(
+        rect.right_bottom() - vec2(264.0 + MARGIN + HANDLE, 44.0 + MARGIN),
+        vec2(264.0, 44.0),
+    );
     painter.rect_filled(ground, 4.0, style::GLASS);
     let bar = Rect::from_min_size(ground.min + vec2(22.0, 8.0), SIZE);
     let mut mesh = Mesh::default();
@@ -177,17 +193,30 @@ fn hemisphere(painter: &Painter, rect: Rect, inset: &Inset) {
 }
 
 fn help(ui: &mut Ui, model: &mut Model) {
+    /// Room for the frame and the title of the list of keys.
+    const FRAME: egui::Vec2 = vec2(40.0, 70.0);
+    /// Width of the column of keys, and of what they do.
+    const COLUMNS: [f32; 2] = [180.0, 290.0];
+    let room = ui.ctx().content_rect().size() - FRAME;
+    let whats = COLUMNS[1].min(room.x - COLUMNS[0]);
     egui::Window::new("Keys")
         .open(&mut model.visible.help)
         .collapsible(false)
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
         .show(ui.ctx(), |ui| {
-            Grid::new("keys").num_columns(2).spacing(vec2(24.0, 6.0)).show(ui, |ui| {
+            ScrollArea::vertical().max_height(room.y).show(ui, |ui| {
                 for (key, what) in KEYS {
-                    ui.label(RichText::new(key).color(style::ACCENT));
-                    ui.label(what);
-                    ui.end_row();
+                    ui.horizontal_top(|ui| {
+                        let cell = |ui: &mut Ui, width: f32, text: RichText| {
+                            ui.scope(|ui| {
+                                ui.set_width(width);
+                                ui.add(Label::new(text).wrap());
+                            });
+                        };
+                        cell(ui, COLUMNS[0], RichText::new(key).color(style::ACCENT));
+                        cell(ui, whats, RichText::new(what));
+                    });
                 }
             });
         });

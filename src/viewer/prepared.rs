@@ -1,13 +1,17 @@
 //! Surfaces and settings that are ready to be drawn.
 
+use crate::error::Result;
 use crate::render::shading::Shading;
 use crate::render::source::Source;
+use crate::setup;
 use crate::surface::HeightField;
 use std::sync::Arc;
 
 /// What a setting is prepared for, the most urgent first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
+    /// The first colours of the user's own picture, until those are there that the settings ask for.
+    Preview,
     /// The user's own picture.
     Own,
     /// The picture that it is compared with.
@@ -19,7 +23,22 @@ pub enum Role {
 }
 
 /// Number of roles.
-pub const ROLES: usize = 4;
+pub const ROLES: usize = 5;
+
+impl Prepared {
+    /// A surface that diffracts nothing, before there is any other.
+    ///
+    /// # Errors
+    /// None that is known of.
+    pub fn pigment_alone() -> Result<Self> {
+        Ok(Self {
+            number: 0,
+            field: Arc::new(HeightField::new(1, 1, [1.0; 2], vec![0.0])?),
+            shaded_from: setup::pigment_alone(),
+            shading: Shading::default(),
+        })
+    }
+}
 
 /// A surface and settings that are ready to be drawn.
 pub struct Prepared {

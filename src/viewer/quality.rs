@@ -63,10 +63,10 @@ impl fmt::Display for Quality {
             Detail::Coarse => Some("fewer wavelengths and terms"),
         };
         match (spectra, self.divisor) {
-            (None, 1) => f.write_str("everything"),
-            (Some(spectra), 1) => f.write_str(spectra),
-            (None, n) => write!(f, "1/{n} resolution"),
-            (Some(spectra), n) => write!(f, "{spectra}, 1/{n} resolution"),
+            (None, 1) => f.write_str("full quality"),
+            (Some(spectra), 1) => write!(f, "preview, {spectra}"),
+            (None, n) => write!(f, "preview 1/{n}"),
+            (Some(spectra), n) => write!(f, "preview 1/{n}, {spectra}"),
         }
     }
 }
@@ -239,10 +239,10 @@ mod tests {
     #[test]
     fn what_is_done_is_said() {
         let said = |detail, divisor| Quality { detail, divisor }.to_string();
-        assert_eq!(said(Detail::Full, 1), "everything");
-        assert_eq!(said(Detail::Full, 3), "1/3 resolution");
-        assert_eq!(said(Detail::FewerWavelengths, 1), "fewer wavelengths");
-        assert_eq!(said(Detail::Coarse, 2), "fewer wavelengths and terms, 1/2 resolution");
+        assert_eq!(said(Detail::Full, 1), "full quality");
+        assert_eq!(said(Detail::Full, 3), "preview 1/3");
+        assert_eq!(said(Detail::FewerWavelengths, 1), "preview, fewer wavelengths");
+        assert_eq!(said(Detail::Coarse, 2), "preview 1/2, fewer wavelengths and terms");
     }
 
     #[test]

@@ -34,6 +34,11 @@ impl RenderThread {
         self.queue.update(|pending| pending.frame = Some(request));
     }
 
+    /// Lets the window go before the next tile, or goes on with it.
+    pub fn give_way(&self, window_first: bool) {
+        self.queue.update(|pending| pending.window_first = window_first);
+    }
+
     /// Adds a job.
     pub fn submit(&self, job: Job) {
         self.queue.update(|pending| pending.jobs.push(job));

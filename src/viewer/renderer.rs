@@ -112,7 +112,7 @@ impl Renderer {
                     }
                     drawn
                 }
-                Task::Job(job) => self.perform(&job).map(Some),
+                Task::Job(job) => self.perform(&job, queue).map(Some),
             };
             match result {
                 Ok(Some(done)) => reply(done),
@@ -131,7 +131,10 @@ impl Renderer {
         };
         let newer = || superseded() || !queue.pending().jobs.is_empty();
         let milliseconds = || start.elapsed().as_secs_f64() * 1e3;
-        let mut go_on = || !newer() || (request.moving && milliseconds() <= LONGEST_MOVING_FRAME);
+        let mut go_on = || {
+            queue.give_way();
+            !newer() || (request.moving && milliseconds() <= LONGEST_MOVING_FRAME)
+        };
         self.drop_outdated(request);
         let slot = match (request.quality.detail, &request.lighter) {
             (Detail::Full, _) | (_, None) => &mut self.own,
@@ -258,9 +261,13 @@ impl Renderer {
     }
 
     /// Does `job`.
-    fn perform(&mut self, job: &Job) -> Result<RenderReply> {
+    fn perform(&mut self, job: &Job, queue: &JobQueue) -> Result<RenderReply> {
         let (Job::Picture(request) | Job::Samples(request)) = job;
-        paint(&self.device, &mut self.own, &request.own, request, request.size, &mut || true)?;
+        let mut go_on = || {
+            queue.give_way();
+            true
+        };
+        paint(&self.device, &mut self.own, &request.own, request, request.size, &mut go_on)?;
         let Some(slot) = &mut self.own else {
             return Err(Error::failed("there is no picture", "report this as a bug of diffract"));
         };

@@ -58,6 +58,44 @@ pub struct ViewSettings {
     pub camera: Camera,
 }
 
+/// What a scene brings beside mesh and camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneSettings {
+    /// The height field.
+    pub surface: Source,
+    /// What the surface reflects.
+    pub reflectance: Reflectance,
+    /// The lights.
+    pub lights: Vec<Light>,
+    /// Exposure \[stops\].
+    pub exposure: f64,
+    /// What the display makes of highlights.
+    pub tone: Tone,
+    /// Albedo of the pigment, linear sRGB.
+    pub base_color: Vec3,
+}
+
+impl SceneSettings {
+    /// What `scene` brings.
+    pub fn of(scene: &Scene) -> Self {
+        Self {
+            surface: Source {
+                name: scene.surface.clone(),
+                pixel_size: scene.pixel_size,
+                height: scene.full_height,
+                channel: None,
+                prepare: scene.prepare.clone(),
+                seed: 1,
+            },
+            reflectance: scene.reflectance.clone().unwrap_or_default(),
+            lights: scene.lights.clone(),
+            exposure: scene.exposure,
+            tone: scene.tone,
+            base_color: scene.base_color,
+        }
+    }
+}
+
 /// What a change requires; each includes those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Needs {
@@ -113,6 +151,21 @@ impl ViewSettings {
             purpose: Purpose::Picture,
             looser_colours: 1.0,
         })
+    }
+
+    /// Replaces what `old` has brought by what `new` brings, and keeps what the user has set since.
+    pub fn change_scene(&mut self, old: &SceneSettings, new: &SceneSettings) {
+        fn replace<T: Clone + PartialEq>(now: &mut T, old: &T, new: &T) {
+            if now == old {
+                now.clone_from(new);
+            }
+        }
+        replace(&mut self.surface, &old.surface, &new.surface);
+        replace(&mut self.reflectance, &old.reflectance, &new.reflectance);
+        replace(&mut self.lights, &old.lights, &new.lights);
+        replace(&mut self.exposure, &old.exposure, &new.exposure);
+        replace(&mut self.tone, &old.tone, &new.tone);
+        replace(&mut self.base_color, &old.base_color, &new.base_color);
     }
 
     /// Positions of the window: a finite grating stands at one place.
@@ -208,6 +261,23 @@ pub(crate) mod tests {
         assert_eq!(needs(&|s| s.surface.seed = 2), Needs::Layers);
         assert_eq!(needs(&|s| s.illuminant = "a".to_owned()), Needs::Layers);
         assert_eq!(needs(&|s| s.scene = "disc".to_owned()), Needs::Mesh);
+    }
+
+    #[test]
+    fn another_scene_brings_what_the_user_has_not_set() {
+        let (mut s, scene) = settings();
+        let [old, new] = [&scene, &Scene::open("cd").unwrap()].map(SceneSettings::of);
+        s.change_scene(&old, &new);
+        let brought = [s.surface == new.surface, s.reflectance == new.reflectance, s.lights == new.lights];
+        assert_eq!(brought, [true; 3]);
+        assert_eq!((s.exposure, s.tone, s.base_color), (new.exposure, new.tone, new.base_color));
+        s.exposure += 1.0;
+        s.surface = Source { height: Some(0.3), ..Source::built_in(crate::surface::synth::Kind::Elaphe) };
+        s.base_color = Vec3::splat(0.25);
+        let set = s.clone();
+        s.change_scene(&new, &old);
+        assert_eq!((s.exposure, &s.surface, s.base_color), (set.exposure, &set.surface, set.base_color));
+        assert_eq!((&s.lights, s.tone), (&old.lights, old.tone));
     }
 
     #[test]

@@ -46,7 +46,7 @@ pub struct Start {
     pub illuminant: String,
     /// Whether the exposure is that which suits the first picture, instead of the scene's.
     pub measures_exposure: bool,
-    /// Size of the window \[pixels\].
+    /// Size of the window \[points: pixels at a scale of 1\].
     pub size: [u32; 2],
     /// Frames a second to keep while something moves.
     pub fps: f64,

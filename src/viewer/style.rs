@@ -63,6 +63,8 @@ pub fn apply(context: &Context) {
         style.spacing.item_spacing = vec2(8.0, 5.0);
         style.spacing.interact_size.y = 20.0;
         style.spacing.slider_width = 120.0;
+        style.spacing.scroll =
+            egui::style::ScrollStyle { bar_width: 8.0, ..egui::style::ScrollStyle::solid() };
         style.animation_time = 0.0;
     });
 }

@@ -28,7 +28,8 @@ impl TextDump {
     pub fn write(&mut self, shapes: &[ClippedShape], scale: f32) {
         let mut texts = String::new();
         for ClippedShape { clip_rect, shape } in shapes.iter().rev() {
-            collect(shape, &mut |text, at| {
+            collect(shape, &mut |text, rect| {
+                let at = rect.center();
                 if clip_rect.contains(at) {
                     let line = text.replace('\n', " ");
                     let _ = writeln!(texts, "{:.0} {:.0} {line}", at.x * scale, at.y * scale); // writing to a String cannot fail
@@ -45,12 +46,12 @@ impl TextDump {
     }
 }
 
-/// Calls `add` with each text in `shape` and the position of its middle.
-fn collect(shape: &Shape, add: &mut dyn FnMut(&str, egui::Pos2)) {
+/// Calls `add` with each text in `shape` and its rectangle.
+pub fn collect(shape: &Shape, add: &mut dyn FnMut(&str, egui::Rect)) {
     match shape {
         Shape::Vec(shapes) => shapes.iter().for_each(|shape| collect(shape, add)),
         Shape::Text(text) => {
-            add(text.galley.text(), text.galley.rect.translate(text.pos.to_vec2()).center());
+            add(text.galley.text(), text.galley.rect.translate(text.pos.to_vec2()));
         }
         _ => {}
     }

@@ -9,15 +9,15 @@ use super::error_probe::ErrorProbe;
 use super::event::Event;
 use super::frame::{FrameRequest, LoadedScene};
 use super::gui::PaintJobs;
-use super::model::Model;
-use super::prepared::ROLES;
+use super::model::{Model, Stage};
+use super::prepared::{Prepared, ROLES};
 use super::presenter::{Presenter, ShownPictures};
 use super::render_thread::RenderThread;
 use super::settings::ViewSettings;
 use super::start::{CommandLine, Start};
 use super::text_dump::TextDump;
 use super::worker::Worker;
-use super::{input, overlay, panel, style};
+use super::{layout, style};
 use crate::error::{Error, Remedy, Result};
 use crate::render::window::Place;
 use crate::vk::device::Device;
@@ -174,8 +174,9 @@ impl ViewerWindow {
             window,
         };
         opened.model.measures_exposure = start.measures_exposure;
+        opened.model.sources.pigment = Some(Arc::new(Prepared::pigment_alone()?));
         opened.set_title();
-        opened.request_preparations();
+        // The first pass requests the source: by then the size of the picture is known, which sets how fine it has to be.
         opened.window.request_redraw();
         Ok(opened)
     }
@@ -200,6 +201,7 @@ impl ViewerWindow {
             self.pass();
         }
         if self.gui.state.on_window_event(&self.window, event).repaint {
+            self.threads.render.give_way(true);
             self.window.request_redraw();
         }
         if button {
@@ -245,6 +247,7 @@ impl ViewerWindow {
         self.pass();
         let pictures = pictures(&self.model);
         let drawn = self.presenter.draw(pictures.as_ref(), &mut self.gui.paint_jobs);
+        self.threads.render.give_way(false);
         self.schedule.presented = Instant::now();
         let area: [u32; 2] = self.window.inner_size().into();
         if !drawn? && !area.contains(&0) {
@@ -264,12 +267,17 @@ impl ViewerWindow {
         };
         let context = self.gui.context.clone();
         let mut picture = Rect::NOTHING;
-        let output = context.run_ui(input, |ui| picture = show(ui, &mut self.model));
+        let output = context.run_ui(input, |ui| picture = layout::show(ui, &mut self.model));
         let scale = output.pixels_per_point;
         if let Some(dump) = &mut self.gui.text_dump {
             dump.write(&output.shapes, scale);
         }
         self.model.size = [picture.width(), picture.height()].map(|n| (n.max(0.0) * scale).round() as u32);
+        if self.model.fit_view() {
+            // A view that follows the window is no motion.
+            self.motion.last.camera = self.model.settings.camera;
+            self.window.request_redraw();
+        }
         self.gui.state.handle_platform_output(&self.window, output.platform_output);
         let jobs = &mut self.gui.paint_jobs;
         jobs.primitives = context.tessellate(output.shapes, scale);
@@ -326,15 +334,7 @@ impl ViewerWindow {
     }
 
     fn set_title(&self) {
-        let s = &self.model.settings;
-        let short = |name: &str| {
-            Path::new(name).file_name().map_or(name.to_owned(), |n| n.to_string_lossy().into_owned())
-        };
-        self.window.set_title(&format!(
-            "diffract: {}, {}",
-            short(&s.scene),
-            short(&s.surface.name.to_string_lossy())
-        ));
+        self.window.set_title(&title(&self.model));
     }
 }
 
@@ -352,22 +352,18 @@ impl Threads {
     }
 }
 
-/// Shows the panel and what lies over the picture; the picture's rectangle.
-fn show(ui: &mut egui::Ui, model: &mut Model) -> Rect {
-    input::keys(ui, model);
-    if model.visible.panel {
-        let frame = egui::Frame::new().fill(style::PANEL).inner_margin(egui::Margin::symmetric(12, 4));
-        egui::Panel::right("panel")
-            .exact_size(panel::WIDTH)
-            .resizable(false)
-            .frame(frame)
-            .show(ui, |ui| panel::show(ui, model));
+/// The title: what is shown, and what is not shown yet.
+fn title(model: &Model) -> String {
+    let short = |name: &Path| name.file_name().unwrap_or(name.as_os_str()).to_string_lossy().into_owned();
+    let [shown, wanted] =
+        [&model.shown(), &model.settings].map(|settings| short(Path::new(&settings.surface.name)));
+    let scene = short(Path::new(&model.applied.scene));
+    match model.sources.stage() {
+        Stage::Pigment => format!("diffract: {scene}, preparing {wanted}"),
+        _ if shown != wanted => format!("diffract: {scene}, {shown}, preparing {wanted}"),
+        Stage::Preview => format!("diffract: {scene}, {shown} (preview)"),
+        Stage::Own => format!("diffract: {scene}, {shown}"),
     }
-    let mut picture = ui.available_rect_before_wrap();
-    picture.min = egui::Pos2::ZERO;
-    input::pointer(ui, picture, model);
-    overlay::show(ui, picture, model);
-    picture
 }
 
 /// The pictures to present and their place in the window.

@@ -53,20 +53,27 @@ pub enum WorkerReply {
     },
     /// A setting is ready, with a note for the user if there is one.
     Ready(Role, Arc<Prepared>, Option<Error>),
-    /// The newest request of a role failed.
-    Failed(Role, Error),
+    /// The request of this number failed.
+    Failed(Role, u64, Error),
+}
+
+/// A request that is not done.
+struct Waiting {
+    request: Request,
+    // Whether it was begun and gave way, so that it is known to take its time.
+    begun: bool,
 }
 
 /// The newest request of each role, shared between the window's thread and the worker.
 #[derive(Default)]
 struct RequestQueue {
-    requests: Mutex<[Option<Request>; ROLES]>,
+    requests: Mutex<[Option<Waiting>; ROLES]>,
     changed: Condvar,
     stop: AtomicBool,
 }
 
 impl RequestQueue {
-    fn requests(&self) -> MutexGuard<'_, [Option<Request>; ROLES]> {
+    fn requests(&self) -> MutexGuard<'_, [Option<Waiting>; ROLES]> {
         self.requests.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -81,8 +88,10 @@ impl RequestQueue {
             if self.is_stopped() {
                 return None;
             }
-            if let Some(request) = requests.iter_mut().find_map(Option::take) {
-                return Some(request);
+            // The user's own is begun before its preview, because it may be in the cache; otherwise it gives way at its first step.
+            let own = requests[Role::Own as usize].take_if(|waiting| !waiting.begun);
+            if let Some(waiting) = own.or_else(|| requests.iter_mut().find_map(Option::take)) {
+                return Some(waiting.request);
             }
             requests = self.changed.wait(requests).unwrap_or_else(PoisonError::into_inner);
         }
@@ -91,6 +100,17 @@ impl RequestQueue {
     /// Whether to abandon work for `role`, because the worker is to end or a request at least as urgent waits.
     fn interrupts(&self, role: Role) -> bool {
         self.is_stopped() || self.requests()[..=role as usize].iter().any(Option::is_some)
+    }
+
+    /// Puts back an interrupted request, unless a newer one has replaced it.
+    fn put_back(&self, request: Request) {
+        let role = request.role as usize;
+        self.requests()[role].get_or_insert(Waiting { request, begun: true });
+    }
+
+    /// Drops the preview of request `number`, which is done.
+    fn skip_preview(&self, number: u64) {
+        self.requests()[Role::Preview as usize].take_if(|waiting| waiting.request.number < number);
     }
 }
 
@@ -123,7 +143,7 @@ impl Worker {
     /// Requests a setting. It replaces the former request of its role, even one in progress.
     pub fn request(&self, request: Request) {
         let role = request.role as usize;
-        self.queue.requests()[role] = Some(request);
+        self.queue.requests()[role] = Some(Waiting { request, begun: false });
         self.queue.changed.notify_one();
     }
 }
@@ -162,12 +182,14 @@ impl Preparer {
             };
             match self.prepare(&request, &progress) {
                 _ if queue.is_stopped() => {}
-                Ok((prepared, note)) => reply(WorkerReply::Ready(role, prepared, note)),
-                Err(_) if queue.interrupts(role) => {
-                    // Interrupted: the request is done later, unless a newer one replaces it.
-                    queue.requests()[role as usize].get_or_insert(request);
+                Ok((prepared, note)) => {
+                    if role == Role::Own {
+                        queue.skip_preview(request.number);
+                    }
+                    reply(WorkerReply::Ready(role, prepared, note));
                 }
-                Err(e) => reply(WorkerReply::Failed(role, e)),
+                Err(_) if queue.interrupts(role) => queue.put_back(request),
+                Err(e) => reply(WorkerReply::Failed(role, request.number, e)),
             }
         }
     }
@@ -241,6 +263,25 @@ mod tests {
     }
 
     #[test]
+    fn a_preview_comes_before_what_takes_its_time() {
+        let (sender, reports) = mpsc::channel();
+        let worker = Worker::new(&device(), None, move |report| {
+            if !matches!(report, WorkerReply::Progress { .. }) {
+                let _ = sender.send(report);
+            }
+        })
+        .unwrap();
+        worker.request(request(Role::Preview, 1, "bumps", 0.3));
+        worker.request(request(Role::Own, 2, "bumps", 0.1));
+        let roles =
+            [(); 2].map(|()| match reports.recv_timeout(std::time::Duration::from_secs(60)).unwrap() {
+                WorkerReply::Ready(role, ..) => role,
+                _ => panic!("refused"),
+            });
+        assert_eq!(roles, [Role::Preview, Role::Own]);
+    }
+
+    #[test]
     fn the_newest_request_wins_and_the_others_get_their_turn() {
         let (sender, reports) = mpsc::channel();
         let worker = Worker::new(&device(), None, move |report| {
@@ -258,7 +299,7 @@ mod tests {
         while !(ready.contains(&(Role::Own, 6)) && ready.contains(&(Role::Coarse, 1))) {
             match reports.recv_timeout(std::time::Duration::from_secs(60)).unwrap() {
                 WorkerReply::Ready(role, prepared, _) => ready.push((role, prepared.number)),
-                WorkerReply::Failed(_, e) => panic!("{e}"),
+                WorkerReply::Failed(_, _, e) => panic!("{e}"),
                 WorkerReply::Progress { .. } => {}
             }
         }
@@ -266,6 +307,6 @@ mod tests {
         assert!(own.is_sorted(), "{own:?}");
         worker.request(request(Role::Own, 7, "nothing.png", 0.1));
         let refused = reports.recv_timeout(std::time::Duration::from_secs(60)).unwrap();
-        assert!(matches!(refused, WorkerReply::Failed(Role::Own, _)));
+        assert!(matches!(refused, WorkerReply::Failed(Role::Own, 7, _)));
     }
 }

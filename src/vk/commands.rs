@@ -157,14 +157,19 @@ pub struct Recorder<'a> {
     raw: vk::CommandBuffer,
     device: &'a ash::Device,
     events: &'a EventLog,
-    part: Option<([u32; 2], Range<u32>)>,
+    part: Option<([u32; 2], [Range<u32>; 2])>,
 }
 
 impl Recorder<'_> {
     /// The same recording, whose rendering is limited to a picture of `size` in the corner of its attachments, and of that
     /// to `rows`; nothing else is cleared.
     pub fn within(&self, size: [u32; 2], rows: Range<u32>) -> Self {
-        Self { part: Some((size, rows)), ..*self }
+        self.tile(size, [0..size[0], rows])
+    }
+
+    /// As [`Recorder::within`], limited to columns and rows.
+    pub fn tile(&self, size: [u32; 2], tile: [Range<u32>; 2]) -> Self {
+        Self { part: Some((size, tile)), ..*self }
     }
 
     /// The command buffer.
@@ -330,8 +335,8 @@ impl Recorder<'_> {
         draw: impl FnOnce(&Self),
     ) {
         let Some(size) = colors.first().map(|c| c.0).or(depth.map(|d| d.0)).map(Image::size) else { return };
-        let (size, rows) = self.part.clone().unwrap_or((size, 0..size[1]));
-        let drawn = Part { layer: [0; 2], from: [0, rows.start], to: [size[0], rows.end] };
+        let (size, [columns, rows]) = self.part.clone().unwrap_or((size, size.map(|n| 0..n)));
+        let drawn = Part { layer: [0; 2], from: [columns.start, rows.start], to: [columns.end, rows.end] };
         for (image, ..) in colors {
             self.note_use(image.resource(), Access::ColorAttachment, Some(drawn));
         }
@@ -356,8 +361,8 @@ impl Recorder<'_> {
         let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: FAR, stencil: 0 } };
         let depth = depth.map(|(image, load)| attachment(image, Access::DepthAttachment, load, far));
         let area = vk::Rect2D {
-            offset: vk::Offset2D { x: 0, y: rows.start as i32 },
-            extent: vk::Extent2D { width: size[0], height: rows.end - rows.start },
+            offset: vk::Offset2D { x: columns.start as i32, y: rows.start as i32 },
+            extent: vk::Extent2D { width: columns.end - columns.start, height: rows.end - rows.start },
         };
         let mut info =
             vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&attachments);

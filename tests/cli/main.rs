@@ -31,3 +31,4 @@ mod viewer;
 mod viewer_hand;
 mod viewer_losses;
 mod viewer_panel;
+mod viewer_start;

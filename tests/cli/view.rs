@@ -71,12 +71,7 @@ fn the_window_shows_and_saves_what_render_draws_through_drags_keys_drops_and_siz
         wait_for(what, || display.look(window).filter(|shown| same(shown, expected)));
     };
     // At first, what `render` draws without a word about camera and lights.
-    let plain = [
-        &["render", "sphere", "--samples", "1", "-o", "plain.png"][..],
-        &SMALL,
-        &QUICK,
-    ]
-    .concat();
+    let plain = [&["render", "sphere", "--samples", "1", "-o", "plain.png"][..], &SMALL, &QUICK].concat();
     sandbox.run(plain).done();
     let plain = image::open(sandbox.path("plain.png")).unwrap().to_rgb8();
     shows(&plain, "the picture of render");

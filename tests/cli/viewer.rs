@@ -28,15 +28,20 @@ impl Viewer {
     /// The viewer with `arguments`, when it has drawn its picture.
     pub fn open(arguments: &[&str]) -> Self {
         let viewer = Self::start(arguments, &[]);
-        viewer.says("still: everything");
+        viewer.says("full quality");
         viewer
     }
 
     /// The viewer with `arguments` and environment variables.
     pub fn start(arguments: &[&str], variables: &[(&str, &str)]) -> Self {
         let (sandbox, display) = (Sandbox::with_small_surface(), Display::new());
-        let small = if arguments.contains(&"--coherence") { &SMALL[..6] } else { &SMALL[..] };
-        let mut command = sandbox.command([&["view"], arguments, small, &QUICK].concat());
+        let small = match arguments {
+            _ if arguments.contains(&"--surface") => &[],
+            _ if arguments.contains(&"--coherence") => &SMALL[..6],
+            _ => &SMALL[..],
+        };
+        let quick: &[&str] = if arguments.contains(&"--tolerance") { &[] } else { &QUICK };
+        let mut command = sandbox.command([&["view"], arguments, small, quick].concat());
         command.env("DISPLAY", &display.name).env("DIFFRACT_VALIDATION", "1");
         command.env("DIFFRACT_WORDS", sandbox.path("words"));
         command.envs(variables.iter().copied());

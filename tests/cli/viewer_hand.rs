@@ -6,10 +6,11 @@ use crate::viewer::Viewer;
 const SHIFT: u32 = 0xffe1;
 const CONTROL: u32 = 0xffe3;
 const F1: u32 = 0xffbe;
-const SIZE: [&str; 2] = ["--size", "700x500"];
+/// Wide enough for the scene's own view beside the panel.
+const SIZE: [&str; 2] = ["--size", "900x400"];
 /// On the sphere, left of the panel.
-const FROM: [i16; 2] = [170, 230];
-const TO: [i16; 2] = [215, 260];
+const FROM: [i16; 2] = [270, 180];
+const TO: [i16; 2] = [315, 210];
 
 /// The numbers of `option` in `command`, if they are there.
 fn triple(command: &str, option: &str) -> Option<[f64; 3]> {
@@ -105,5 +106,53 @@ fn a_window_at_rest_uses_no_processor_and_a_continuous_one_does() {
     wait_for("frames", || (viewer.ticks() > before + 60).then_some(()));
     viewer.display.key(' '.into(), &[]);
     wait_for("rest again", || (rest() <= 10).then_some(()));
+    viewer.close();
+}
+
+/// Milliseconds from the press of F1 until the list of keys comes or goes on the screen. The press itself takes 50.
+fn answer(viewer: &Viewer) -> u128 {
+    let middle = || -> Vec<u8> {
+        let shown = viewer.display.look(viewer.window).unwrap();
+        let pixels = (430..470).flat_map(|x| (180..220).map(move |y| (x, y)));
+        pixels.flat_map(|(x, y)| shown.get_pixel(x, y).0).collect()
+    };
+    let before = middle();
+    let start = std::time::Instant::now();
+    viewer.display.key(F1, &[]);
+    wait_for("an answer", || {
+        let changed = middle().iter().zip(&before).filter(|(now, before)| now != before).count();
+        (2 * changed > before.len()).then_some(())
+    });
+    start.elapsed().as_millis()
+}
+
+#[test]
+fn no_key_is_lost_while_a_slow_picture_is_drawn() {
+    let slow = ["--windows", "1x1", "--terms", "12", "--wavelengths", "120"];
+    let viewer = Viewer::open(&[&["sphere"][..], &SIZE, &slow].concat());
+    viewer.display.key(' '.into(), &[]);
+    let mut times: Vec<u128> = (0..12).map(|_| answer(&viewer)).collect();
+    times.sort_unstable();
+    // How long it takes depends on the machine: the times are for whoever reads them.
+    eprintln!("from F1 to the screen: {times:?} ms");
+    viewer.close();
+}
+
+#[test]
+fn the_mesh_appears_before_its_colours_and_the_title_says_so() {
+    let slow_to_prepare = ["--surface", "elaphe", "--tolerance", "1e-2"];
+    let viewer = Viewer::start(&[&["snake"][..], &SIZE, &slow_to_prepare].concat(), &[]);
+    viewer.says("preparing");
+    let title = || viewer.display.title(viewer.window);
+    assert!(title().contains("preparing"), "{}", title());
+    wait_for("the mesh on its background", || {
+        let shown = viewer.display.look(viewer.window)?;
+        let mut colors: Vec<[u8; 3]> = (0..500).map(|x| shown.get_pixel(x, 250).0).collect();
+        colors.sort_unstable();
+        colors.dedup();
+        (title().contains("preparing") && colors.len() > 3).then_some(())
+    });
+    viewer.says("full quality");
+    assert!(!title().contains("preparing"), "{}", title());
     viewer.close();
 }

@@ -21,7 +21,7 @@ fn a_lost_device_ends_the_program_and_the_scene_is_not_lost() {
         // Continuous frames come to any number of submissions.
         let mut pressed = false;
         while viewer.program.try_wait().unwrap().is_none() {
-            if !pressed && viewer.words().iter().any(|word| word.text == "still: everything") {
+            if !pressed && viewer.words().iter().any(|word| word.text == "full quality") {
                 viewer.display.key(space, &[]);
                 pressed = true;
             }
@@ -42,7 +42,7 @@ fn a_lost_surface_is_made_anew() {
     for lost_at in ["acquisition=1", "acquisition=4"] {
         let arguments = ["sphere", "--size", "700x500"];
         let viewer = Viewer::start(&arguments, &[("DIFFRACT_DEVICE_MASK", lost_at)]);
-        viewer.says("still: everything");
+        viewer.says("full quality");
         let (first, _, _) = viewer.save(&[]);
         viewer.display.drag(1, [170, 230], [215, 260]);
         let (moved, command) = viewer.shows("--illuminant d65");

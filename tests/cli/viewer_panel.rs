@@ -27,9 +27,9 @@ fn windows_method_and_what_else_the_optics_has_act_on_the_picture() {
     viewer.shows("--basis taylor");
     viewer.choose("tolerance", "5 %");
     viewer.shows("--tolerance 5e-2");
-    // Two rows have these words: terms, then wavelengths.
+    // Two rows have this word: terms, then wavelengths.
     let mut free = viewer.words();
-    free.retain(|word| word.text == "from the tolerance");
+    free.retain(|word| word.text == "automatic");
     free.sort_by_key(|word| word.at[1]);
     viewer.display.click(1, free[1].at, 1);
     viewer.shows("--wavelengths 32");
@@ -47,7 +47,7 @@ fn windows_method_and_what_else_the_optics_has_act_on_the_picture() {
 #[test]
 fn words_can_be_read_also_those_of_letters_that_were_not_there_at_first() {
     let viewer = Viewer::open(&[&["sphere"][..], &LARGE].concat());
-    ["tolerance", "still: everything"].into_iter().for_each(|text| viewer.reads(text));
+    ["tolerance", "full quality"].into_iter().for_each(|text| viewer.reads(text));
     for name in ["ЖЩЮЯЖЩЮЯ.obj", "ψξθφψξθφ.obj"] {
         viewer.sandbox.write(name, "v -1 -1 0\nv 1 -1 0\nv 1 1 0.5\nv -1 1 0\nf 1 2 3 4\n");
         viewer.display.drop_file(viewer.window, &viewer.sandbox.path(name));
@@ -63,7 +63,7 @@ fn coherence_is_a_window_or_repeats() {
     viewer.press("repeats");
     let (repeats, command) = viewer.shows("--coherence grating:3x3");
     assert!(repeats != through_a_window, "{command}");
-    viewer.says("where the orders are");
+    viewer.says("those of the grating's orders");
     // The hemisphere is of the repeats, too: orders on black, where a window leaves no black.
     let shown = viewer.display.look(viewer.window).unwrap();
     let inside = (30..140).flat_map(|x| (30..140).map(move |y| (x, y)));
@@ -74,13 +74,13 @@ fn coherence_is_a_window_or_repeats() {
     let (more, _) = viewer.shows(&format!("--coherence grating:3x{along_y}"));
     assert!(more != repeats);
     // What only the shading depends on.
-    let index = viewer.drag("index", 0, 30);
+    let index = viewer.drag("refractive index", 0, 30);
     let (reflecting, _) = viewer.shows_number("--ior", &index);
     assert!(reflecting != more);
     // Beside it, another setting through the same repeats.
     viewer.press("split");
     viewer.says("optimal, 1 %");
-    viewer.press("alone");
+    viewer.press("off");
     // The rows below move up.
     let rows = || viewer.words().iter().filter(|word| word.text == "basis").count();
     wait_for("one setting", || (rows() == 1).then_some(()));

@@ -1,4 +1,4 @@
-//! What the viewer adds to the frame: strips, smaller pictures in the same images, errors in false colour.
+//! What the viewer adds to the frame: tiles, smaller pictures in the same images, errors in false colour.
 
 use crate::device::with_device;
 use crate::evaluation::{grating, layers, patch, shading, window};
@@ -67,7 +67,7 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
             painter.shade_by(&then, shading).unwrap();
             assert!(device.memory_in_use().abs_diff(memory) < layers.bytes() as u64 / 2);
             assert!(painter.paint(&view, 0.0, DVec3::ZERO).unwrap() == expected);
-            // In strips, too, each of which is a submission of its own.
+            // In tiles, too, each of which is a submission of its own.
             painter.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), SIZE, &mut || true).unwrap();
             assert!(painter.picture().unwrap() == expected);
         }
@@ -137,7 +137,7 @@ fn what_is_left_out_first_while_moving_costs_the_least_error() {
 }
 
 #[test]
-fn strips_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_display() {
+fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_display() {
     let scene = Scene::open("sphere").unwrap();
     let view = view(&scene, 2.0);
     let background = DVec3::splat(0.2);
@@ -153,13 +153,13 @@ fn strips_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displ
         assert!(
             painter.draw_while(&view, Shown::plain(1.0, background), SIZE, &mut count).unwrap().is_some()
         );
-        assert!(asked >= 2, "the picture has more than one strip at first");
+        assert!(asked >= 2, "the picture has more than one tile at first");
         assert!(painter.picture().unwrap() == expected);
-        // Another light, given up after the first strip.
-        let mut strips = 0;
+        // Another light, given up after the first tile.
+        let mut tiles = 0;
         let mut once = || {
-            strips += 1;
-            strips < 2
+            tiles += 1;
+            tiles < 2
         };
         let other = View {
             lights: vec![Light { theta: 70.0, phi: 100.0, intensity: 1.0, size: 0.0 }],

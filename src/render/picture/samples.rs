@@ -55,7 +55,7 @@ impl Painter {
     }
 
     /// Adds the next sample of `view`, with `size` pixels in the corner of the pictures, to those that were drawn of the same view, sampling
-    /// and size; where there are none, the first. The display shows the mean so far. Shades in strips as [`Self::draw_while`] does;
+    /// and size; where there are none, the first. The display shows the mean so far. Shades in tiles as [`Self::draw_while`] does;
     /// `None` where `go_on` said no: then the sample is not added, and the next call draws it anew. Once all samples are there, nothing
     /// is drawn but the display.
     ///
@@ -83,7 +83,7 @@ impl Painter {
             self.forget();
         }
         self.write(view, size, &sampling.sample(before))?;
-        let Some(times) = self.submit_strips(size, Finish::Add(before), shown, go_on)? else {
+        let Some(times) = self.submit_tiles(size, Finish::Add(before), shown, go_on)? else {
             return Ok(None);
         };
         let samples = before + 1;

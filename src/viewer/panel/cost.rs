@@ -1,7 +1,8 @@
 //! The cost of the settings, and the foot of the panel.
 
 use super::optics::percent;
-use super::{heading, number, row, rows, value};
+use super::rows::{self, number, value};
+use super::section;
 use crate::render::source::Extent;
 use crate::viewer::error_probe::ProbeStatus;
 use crate::viewer::model::{Model, SaveAs};
@@ -10,50 +11,53 @@ use egui::{Align, Layout, RichText, Ui};
 
 /// Shows the graph of frame times and the numbers below it.
 pub fn show(ui: &mut Ui, model: &mut Model) {
-    heading(ui, "What it costs");
-    graph::show(ui, &model.pacing.history, model.pacing.quality.budget());
-    let mib = |bytes: f64| format!("{:.0} MiB", bytes / f64::from(1 << 20));
-    rows(ui, "cost", |ui| {
-        let frame = model.pacing.history.summary().map_or("none yet".to_owned(), |s| {
-            let fps = 1e3 / s.p50.max(1e-3);
-            format!("{} p50, {} p95, {fps:.1} fps", time(s.p50), time(s.p95))
-        });
-        value(ui, "frame", frame);
-        if let Some(own) = &model.sources.own {
-            let Extent { layers, size: [width, height], bytes } = own.shaded_from.extent();
-            let text = format!("{layers} of {width} × {height} texels, {}", mib(bytes as f64));
-            value(ui, "layers", text);
-        }
-        let cost = model.frame.as_ref().and_then(|e| e.cost);
-        let terms = model.sources.own.as_ref().and_then(|own| own.shaded_from.terms());
-        let counted = cost.map_or("not counted yet".to_owned(), |c| match terms {
-            Some(terms) => format!("{:.0} a pixel, {terms} terms, {:.0} λ", c.samples, c.wavelengths),
-            None => format!("{:.0} a pixel, of a colour table", c.samples),
-        });
-        value(ui, "samples", counted);
-        value(ui, "memory", format!("{} on the device", mib(model.device.memory as f64)));
-        if let Some(own) = &model.sources.own {
-            let shading = &own.shading;
-            value(ui, "error bound", bound(&shading.terms, &shading.wavelengths, shading.tolerance));
-        }
-        row(ui, "measured", |ui| match model.probe {
-            Some(ProbeStatus::Done(e)) => {
-                let [error, interval] = [e.relative_l2, e.relative_l2_interval].map(|x| x * 1e2);
-                ui.label(format!("{error:.3} ± {interval:.3} % over {} pixels", e.pixels));
-            }
-            Some(ProbeStatus::Running(part)) => {
-                ui.label(format!("against the f64 reference, {:.0} %", part * 1e2));
-            }
-            None => {
-                model.actions.measure |= ui.small_button("against the f64 reference  [E]").clicked();
-            }
-        });
-        row(ui, "budget", |ui| {
-            ui.add(
-                number(&mut model.pacing.fps).speed(0.2).range(1.0..=240.0).max_decimals(1).suffix(" fps"),
-            );
+    section(ui, "What it costs", |ui| {
+        graph::show(ui, &model.pacing.history, model.pacing.quality.budget());
+        times_and_sizes(ui, model);
+        errors(ui, model);
+        rows::show(ui, &rows::FPS, |ui| {
+            let fps = number(&mut model.pacing.fps).speed(0.2).range(1.0..=240.0).max_decimals(1);
+            ui.add(fps.suffix(" fps"));
             ui.checkbox(&mut model.pacing.continuous, "continuous");
         });
+    });
+}
+
+fn times_and_sizes(ui: &mut Ui, model: &Model) {
+    let mib = |bytes: f64| format!("{:.0} MiB", bytes / f64::from(1 << 20));
+    let frame = model.pacing.history.summary().map_or("none yet".to_owned(), |s| {
+        let fps = 1e3 / s.p50.max(1e-3);
+        format!("{} p50, {} p95, {fps:.1} fps", time(s.p50), time(s.p95))
+    });
+    value(ui, &rows::FRAME, frame);
+    if let Some(own) = &model.sources.own {
+        let Extent { layers, size: [width, height], bytes } = own.shaded_from.extent();
+        value(ui, &rows::TEXTURE, format!("{layers} of {width} × {height} texels, {}", mib(bytes as f64)));
+    }
+    let cost = model.frame.as_ref().and_then(|e| e.cost);
+    let terms = model.sources.own.as_ref().and_then(|own| own.shaded_from.terms());
+    let counted = cost.map_or("not counted yet".to_owned(), |c| match terms {
+        Some(terms) => format!("{:.0} a pixel, {terms} terms, {:.0} λ", c.samples, c.wavelengths),
+        None => format!("{:.0} a pixel, of a colour table", c.samples),
+    });
+    value(ui, &rows::READS, counted);
+    value(ui, &rows::MEMORY, format!("{} on the device", mib(model.device.memory as f64)));
+}
+
+fn errors(ui: &mut Ui, model: &mut Model) {
+    if let Some(own) = &model.sources.own {
+        let shading = &own.shading;
+        value(ui, &rows::BOUND, bound(&shading.terms, &shading.wavelengths, shading.tolerance));
+    }
+    rows::show(ui, &rows::MEASURED, |ui| match model.probe {
+        Some(ProbeStatus::Done(e)) => {
+            let [error, interval] = [e.relative_l2, e.relative_l2_interval].map(|x| x * 1e2);
+            ui.label(format!("{error:.3} ± {interval:.3} % over {} pixels", e.pixels));
+        }
+        Some(ProbeStatus::Running(part)) => {
+            ui.label(format!("against the f64 reference, {:.0} %", part * 1e2));
+        }
+        None => model.actions.measure |= ui.small_button("measure  [E]").clicked(),
     });
 }
 
@@ -79,14 +83,19 @@ fn bound(terms: &Option<usize>, wavelengths: &Option<usize>, tolerance: f64) -> 
 pub fn foot(ui: &mut Ui, model: &mut Model) {
     ui.add_space(3.0);
     let device = format!("{}; {} presentation", model.device.name, model.device.present_mode);
-    ui.add(egui::Label::new(RichText::new(device).small().color(style::FAINT)).truncate());
+    let device = egui::Label::new(RichText::new(device).small().color(style::FAINT)).truncate();
+    ui.add(device).on_hover_text(rows::DEVICE.help());
     ui.horizontal(|ui| {
-        if ui.button("Save  [S]").clicked() {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let save = ui.button("Save  [S]");
+        if save.on_hover_text("Save the picture as PNG; with Shift + S as EXR, too.").clicked() {
             model.actions.save = Some(SaveAs::Png);
         }
-        model.actions.reset |= ui.button("Reset  [R]").clicked();
+        let reset = ui.button("Reset  [R]");
+        model.actions.reset |= reset.on_hover_text("Return to the settings at the start.").clicked();
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            model.visible.help |= ui.button("Keys  [F1]").clicked();
+            let keys = ui.button("Keys  [F1]").on_hover_text("List all keys and gestures.");
+            model.visible.help |= keys.clicked();
         });
     });
     ui.add_space(2.0);

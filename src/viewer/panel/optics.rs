@@ -1,20 +1,20 @@
 //! The rows of the optics.
 
-use super::{choice, heading, number, row, rows};
+use super::rows::{self, Row, number};
+use super::section;
 use crate::expansion::Basis;
 use crate::optics::coherence::{Coherence, Windows};
 use crate::setup::Method;
 use crate::viewer::model::Model;
 use crate::viewer::settings::OpticsSettings;
 use crate::viewer::style;
-use egui::{RichText, Ui};
+use egui::{ComboBox, RichText, Ui};
 
 /// Shows the user's own setting and the spectrum of the light.
 pub fn show(ui: &mut Ui, model: &mut Model) {
-    heading(ui, "Optics");
-    rows(ui, "optics", |ui| {
+    section(ui, "Optics", |ui| {
         setting(ui, "own", &mut model.settings.optics, model.settings.coherence);
-        row(ui, "illuminant", |ui| {
+        rows::show(ui, &rows::ILLUMINANT, |ui| {
             for name in ["d65", "a", "e"] {
                 let chosen = model.settings.illuminant == name;
                 if ui.selectable_label(chosen, name.to_uppercase()).clicked() {
@@ -29,57 +29,64 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 pub fn setting(ui: &mut Ui, id: &str, optics: &mut OpticsSettings, coherence: Coherence) {
     let finite = matches!(coherence, Coherence::Repeats(_));
     if !finite {
-        row(ui, "windows", |ui| {
+        rows::show(ui, &rows::WINDOWS, |ui| {
             ui.selectable_value(&mut optics.windows, Windows::All, "mean");
             ui.selectable_value(&mut optics.windows, Windows::ONE, "one");
         });
     }
     if !finite && optics.windows == Windows::All {
-        row(ui, "method", |ui| {
+        rows::show(ui, &rows::METHOD, |ui| {
             for method in [Method::Table, Method::Spectral] {
                 ui.selectable_value(&mut optics.method, method, method.name());
             }
         });
     } else {
-        row(ui, "basis", |ui| {
+        rows::show(ui, &rows::BASIS, |ui| {
             let all = Basis::ALL.map(|b| (b, b.name()));
             let shown = optics.basis.name();
             choice(ui, &format!("{id} basis"), &mut optics.basis, &all, shown);
         });
     }
-    row(ui, "tolerance", |ui| {
+    rows::show(ui, &rows::TOLERANCE, |ui| {
         let all = [1e-1, 5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 1e-4].map(|t| (t, percent(t)));
         let all: Vec<(f64, &str)> = all.iter().map(|(t, name)| (*t, name.as_str())).collect();
         let shown = percent(optics.tolerance);
         choice(ui, &format!("{id} tolerance"), &mut optics.tolerance, &all, &shown);
     });
     if finite || optics.windows != Windows::All {
-        named(ui, "terms", &mut optics.terms, 10, 1..=64);
+        count(ui, &rows::TERMS, &mut optics.terms, 10, 1..=64);
     }
     match coherence {
-        Coherence::Gaussian { .. } => named(ui, "wavelengths", &mut optics.wavelengths, 32, 4..=512),
-        Coherence::Repeats(_) => row(ui, "wavelengths", |ui| {
-            ui.label(RichText::new("where the orders are").color(style::FAINT));
+        Coherence::Gaussian { .. } => count(ui, &rows::WAVELENGTHS, &mut optics.wavelengths, 32, 4..=512),
+        Coherence::Repeats(_) => rows::show(ui, &rows::WAVELENGTHS, |ui| {
+            ui.label(RichText::new("those of the grating's orders").color(style::FAINT));
         }),
     }
 }
 
+fn choice<T: PartialEq + Copy>(ui: &mut Ui, id: &str, now: &mut T, all: &[(T, &str)], shown: &str) {
+    let list = ComboBox::from_id_salt(id).selected_text(shown).width(ui.available_width());
+    list.show_ui(ui, |ui| {
+        for (item, name) in all {
+            ui.selectable_value(now, *item, *name);
+        }
+    });
+}
+
 /// A number that follows from the tolerance unless the user sets it; `first` is the value to start with.
-fn named(
+fn count(
     ui: &mut Ui,
-    label: &str,
-    named: &mut Option<usize>,
+    row: &Row,
+    number_set: &mut Option<usize>,
     first: usize,
     range: std::ops::RangeInclusive<usize>,
 ) {
-    row(ui, label, |ui| {
-        let mut own = named.is_some();
-        let text =
-            if own { RichText::default() } else { RichText::new("from the tolerance").color(style::FAINT) };
-        if ui.checkbox(&mut own, text).changed() {
-            *named = own.then_some(first);
+    rows::show(ui, row, |ui| {
+        let mut automatic = number_set.is_none();
+        if ui.checkbox(&mut automatic, "automatic").changed() {
+            *number_set = (!automatic).then_some(first);
         }
-        if let Some(n) = named {
+        if let Some(n) = number_set {
             ui.add(number(n).speed(0.2).range(range));
         }
     });

@@ -1,6 +1,7 @@
 //! The rows of the height field.
 
-use super::{LABEL, WIDTH, heading, number, row, rows, short};
+use super::rows::{self, number};
+use super::{section, short};
 use crate::optics::coherence::Coherence;
 use crate::optics::reflectance::Reflectance;
 use crate::surface::synth::Kind;
@@ -12,34 +13,18 @@ use egui::{ComboBox, RichText, Ui};
 
 /// Shows the rows of height field, coherence and refractive index.
 pub fn show(ui: &mut Ui, model: &mut Model) {
-    heading(ui, "Surface");
-    rows(ui, "surface", |ui| {
+    section(ui, "Surface", |ui| {
+        rows::show(ui, &rows::SURFACE, |ui| name(ui, &mut model.settings.surface, &model.files));
         let source = &mut model.settings.surface;
         let kind = source.kind();
-        row(ui, "height field", |ui| {
-            let mut chosen = None;
-            ComboBox::from_id_salt("surface name")
-                .selected_text(short(&source.name.to_string_lossy()))
-                .width(WIDTH - LABEL - 64.0)
-                .show_ui(ui, |ui| {
-                    for other in Kind::ALL {
-                        if ui.selectable_label(kind == Some(other), other.name()).clicked() {
-                            chosen = Some(other);
-                        }
-                    }
-                });
-            if let Some(kind) = chosen.filter(|k| Some(*k) != kind) {
-                *source = Source::built_in(kind);
-            }
-        });
         if kind.is_none() {
             units(ui, source);
         } else if kind.is_some_and(Kind::is_random) {
-            row(ui, "seed", |ui| {
+            rows::show(ui, &rows::SEED, |ui| {
                 ui.add(number(&mut source.seed).range(0..=9999));
             });
         }
-        row(ui, "level", |ui| {
+        rows::show(ui, &rows::LEVEL, |ui| {
             for level in [Level::None, Level::Mean, Level::Plane] {
                 if ui.selectable_label(source.level() == level, level.to_string()).clicked() {
                     source.set_level(level);
@@ -47,7 +32,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
             }
         });
         coherence(ui, &mut model.settings, &mut model.last_coherence);
-        row(ui, "index", |ui| match &mut model.settings.reflectance {
+        rows::show(ui, &rows::INDEX, |ui| match &mut model.settings.reflectance {
             Reflectance::Schlick(ior) => {
                 ui.add(number(ior).speed(0.01).range(1.0..=4.0).fixed_decimals(2));
             }
@@ -55,17 +40,35 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
                 ui.label(material.to_string());
             }
         });
+        let hint = "Drop a height image, a scene or an OBJ mesh on the window.";
+        ui.label(RichText::new(hint).small().color(style::FAINT));
     });
-    ui.label(
-        RichText::new("Drop a height image, a scene or an OBJ mesh on the window.")
-            .small()
-            .color(style::FAINT),
-    );
+}
+
+/// Shows the list of surfaces: those of the files that were opened, then the generated ones.
+fn name(ui: &mut Ui, source: &mut Source, files: &[Source]) {
+    let text = source.name.to_string_lossy().into_owned();
+    let kind = source.kind();
+    let list = ComboBox::from_id_salt("surface name").selected_text(short(&text)).truncate();
+    list.width(ui.available_width()).show_ui(ui, |ui| {
+        for file in files {
+            let path = file.name.to_string_lossy();
+            let chosen = file.name == source.name;
+            if ui.selectable_label(chosen, short(&path)).on_hover_text(&*path).clicked() && !chosen {
+                source.clone_from(file);
+            }
+        }
+        for other in Kind::ALL {
+            if ui.selectable_label(kind == Some(other), other.name()).clicked() && kind != Some(other) {
+                *source = Source::built_in(other);
+            }
+        }
+    });
 }
 
 /// Shows the coherence: a Gaussian window of some length, or a number of copies. `last` remembers both.
 fn coherence(ui: &mut Ui, settings: &mut ViewSettings, last: &mut LastCoherence) {
-    row(ui, "coherence", |ui| {
+    rows::show(ui, &rows::COHERENCE, |ui| {
         for (of, name) in [
             (Coherence::Gaussian { length: last.length }, "gaussian"),
             (Coherence::Repeats(last.copies), "repeats"),
@@ -78,13 +81,13 @@ fn coherence(ui: &mut Ui, settings: &mut ViewSettings, last: &mut LastCoherence)
     });
     match &mut settings.coherence {
         Coherence::Gaussian { length } => {
-            row(ui, "length", |ui| {
+            rows::show(ui, &rows::LENGTH, |ui| {
                 ui.add(number(length).speed(0.5).range(1.0..=200.0).fixed_decimals(1).suffix(" µm"));
             });
             last.length = *length;
         }
         Coherence::Repeats(copies) => {
-            row(ui, "copies", |ui| {
+            rows::show(ui, &rows::COPIES, |ui| {
                 ui.add(number(&mut copies[0]).speed(0.1).range(1..=1000).suffix(" in x"));
                 ui.add(number(&mut copies[1]).speed(0.1).range(1..=1000).suffix(" in y"));
             });
@@ -95,7 +98,7 @@ fn coherence(ui: &mut Ui, settings: &mut ViewSettings, last: &mut LastCoherence)
 
 /// Shows the units of a height image, which has none of its own.
 fn units(ui: &mut Ui, source: &mut Source) {
-    row(ui, "sample", |ui| {
+    rows::show(ui, &rows::SPACING, |ui| {
         let mut nm = source.pixel_size.unwrap_or([0.1; 2]).map(|um| um * 1e3);
         let mut changed = false;
         for n in &mut nm {
@@ -106,7 +109,7 @@ fn units(ui: &mut Ui, source: &mut Source) {
             source.pixel_size = Some(nm.map(|nm| nm * 1e-3));
         }
     });
-    row(ui, "full height", |ui| {
+    rows::show(ui, &rows::HEIGHT, |ui| {
         let mut nm = source.height.unwrap_or(0.5) * 1e3;
         if ui.add(number(&mut nm).speed(1.0).range(0.1..=100_000.0).max_decimals(4).suffix(" nm")).changed() {
             source.height = Some(nm * 1e-3);

@@ -1,15 +1,15 @@
 //! Replies of the background threads.
 
-use super::{PendingSave, ViewerWindow};
-use crate::error::Result;
+use super::{PendingSave, PreparationRequest, ViewerWindow};
+use crate::error::{Error, Result};
 use crate::picture_file::{self, Format, Notes};
 use crate::render::picture::Picture;
 use crate::viewer::controls::in_controls;
 use crate::viewer::error_probe::{ErrorProbe, Probe};
-use crate::viewer::event::Event;
+use crate::viewer::event::{Event, OpenedScene};
 use crate::viewer::frame::RenderedFrame;
 use crate::viewer::job_queue::RenderReply;
-use crate::viewer::model::Progress;
+use crate::viewer::model::{Concern, Preview, Progress};
 use crate::viewer::prepared::{Prepared, Role};
 use crate::viewer::settings::ViewSettings;
 use crate::viewer::worker::WorkerReply;
@@ -22,20 +22,16 @@ impl ViewerWindow {
     /// When the device is lost.
     pub fn handle(&mut self, event: Event) -> Result<()> {
         match event {
+            Event::Worker(WorkerReply::Failed(_, _, e)) if self.device.is_lost() => return Err(e),
             Event::Worker(reply) => self.handle_preparation(reply),
             Event::Render(reply) => self.handle_rendering(reply)?,
             Event::Probe(Ok(status)) => {
-                self.model.message = None;
+                self.model.notice = None;
+                self.model.succeed(Concern::Picture);
                 self.model.probe = Some(status);
             }
-            Event::Probe(Err(e)) => self.model.report(&e),
-            Event::Scene(name, loaded) => match *loaded {
-                Ok(loaded) => self.show_scene(name, loaded),
-                Err(e) => {
-                    self.model.settings.scene.clone_from(&self.model.applied.scene);
-                    self.model.report(&e);
-                }
-            },
+            Event::Probe(Err(e)) => self.model.report(Concern::Picture, &e),
+            Event::Scene(opened) => self.show_scene(*opened),
         }
         self.window.request_redraw();
         Ok(())
@@ -57,19 +53,69 @@ impl ViewerWindow {
                     model.say(in_controls(&note));
                 }
                 match role {
+                    Role::Preview => self.preview(prepared),
                     Role::Own => self.apply(prepared),
                     Role::Other => model.comparison.prepared = Some(prepared),
                     Role::Coarse => model.sources.coarse = Some(prepared),
                     Role::FewerWavelengths => model.sources.fewer_wavelengths = Some(prepared),
                 }
             }
-            WorkerReply::Failed(role, error) => {
-                model.sources.progress[role as usize] = None;
-                // Without lighter spectra moving pictures reduce their resolution.
-                if matches!(role, Role::Own | Role::Other) {
-                    model.report(&error);
+            WorkerReply::Failed(role, number, error) => self.refuse(role, number, &error),
+        }
+    }
+
+    /// Handles the failure of request `number` for `role`. The user's own settings return to those of the picture.
+    pub(super) fn refuse(&mut self, role: Role, number: u64, error: &Error) {
+        let newest = self.requested.preparations[role as usize].as_ref().map(|r| r.number);
+        if newest != Some(number) {
+            return;
+        }
+        let model = &mut self.model;
+        model.sources.progress[role as usize] = None;
+        // Without lighter spectra moving pictures reduce their resolution.
+        if matches!(role, Role::Own | Role::Other) {
+            model.report(Concern::Setting, error);
+        }
+        if role == Role::Own {
+            model.sources.preview = None;
+        }
+        if role == Role::Own
+            && let Some(own) = &model.sources.own
+        {
+            let number = own.number;
+            model.revert();
+            let settings = model.settings.clone();
+            self.requested.preparations[role as usize] = Some(PreparationRequest { number, settings });
+            self.set_title();
+        }
+    }
+
+    /// Shows a scene that was opened, or what it failed of.
+    fn show_scene(&mut self, opened: OpenedScene) {
+        match opened.loaded {
+            Ok(loaded) => {
+                self.model.show_scene(opened.name, loaded);
+                if opened.resets {
+                    self.model.return_to_start();
                 }
             }
+            Err(e) => {
+                self.model.settings.scene.clone_from(&self.model.applied.scene);
+                self.model.report(Concern::Setting, &e);
+            }
+        }
+        self.set_title();
+    }
+
+    /// Shows the first colours of the user's own setting, unless that is ready.
+    fn preview(&mut self, prepared: Arc<Prepared>) {
+        let model = &mut self.model;
+        let is_ready = model.sources.own.as_ref().is_some_and(|own| own.number > prepared.number);
+        if let Some(own) = self.requested.preparations[Role::Own as usize].as_ref().filter(|_| !is_ready) {
+            let scene = model.applied.scene.clone();
+            let settings = ViewSettings { scene, ..own.settings.clone() };
+            model.sources.preview = Some(Preview { prepared, settings });
+            self.set_title();
         }
     }
 
@@ -81,12 +127,16 @@ impl ViewerWindow {
             model.applied = ViewSettings { scene, ..request.settings.clone() };
         }
         model.sources.own = Some(prepared);
+        model.sources.preview = None;
+        model.sources.progress[Role::Preview as usize] = None;
         (model.sources.coarse, model.sources.fewer_wavelengths) = (None, None);
         for role in [Role::Coarse, Role::FewerWavelengths] {
             self.requested.preparations[role as usize] = None;
         }
         model.pacing.quality.invalidate();
-        model.message = model.message.take().filter(|m| !m.is_error);
+        model.succeed(Concern::Setting);
+        model.remember_surface();
+        self.set_title();
     }
 
     fn handle_rendering(&mut self, reply: RenderReply) -> Result<()> {
@@ -100,7 +150,7 @@ impl ViewerWindow {
             RenderReply::Picture(picture, scalar_theory) => self.save(&picture, scalar_theory),
             RenderReply::Samples(probe) => self.measure(*probe)?,
             RenderReply::Failed(e) if self.device.is_lost() => return Err(e),
-            RenderReply::Failed(e) => self.model.report(&e),
+            RenderReply::Failed(e) => self.model.report(Concern::Picture, &e),
         }
         Ok(())
     }
@@ -110,7 +160,9 @@ impl ViewerWindow {
             self.model.expose(stops);
         }
         // A change of the display alone takes no time on the device and says nothing about frame times.
-        if frame.gpu_ms > 0.0 {
+        // Neither does what stands in for the user's own setting.
+        let own = self.model.sources.own.as_ref().is_some_and(|own| own.number == frame.number);
+        if frame.gpu_ms > 0.0 && own {
             self.model.pacing.history.push(frame.wall_ms);
             self.model.pacing.quality.record(frame.quality, frame.wall_ms, frame.first);
         }
@@ -151,9 +203,10 @@ impl ViewerWindow {
             Ok(()) => {
                 let more = if with_exr { " and .exr" } else { "" };
                 let path = std::path::absolute(&as_png).unwrap_or(as_png);
+                self.model.succeed(Concern::Picture);
                 self.model.say(format!("saved {}{more}", path.display()));
             }
-            Err(e) => self.model.report(&e),
+            Err(e) => self.model.report(Concern::Picture, &e),
         }
     }
 }

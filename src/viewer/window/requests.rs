@@ -1,11 +1,12 @@
 //! Requests to the background threads.
 
 use super::{PreparationRequest, ViewerWindow};
+use crate::optics::coherence::Windows;
 use crate::render::frame::{Shown, View};
 use crate::setup::{self, Method};
 use crate::viewer::compare::{self, Compare};
 use crate::viewer::frame::FrameRequest;
-use crate::viewer::model::Progress;
+use crate::viewer::model::{Progress, Stage};
 use crate::viewer::prepared::Role;
 use crate::viewer::quality::Quality;
 use crate::viewer::settings::{Needs, ViewSettings};
@@ -15,6 +16,7 @@ impl ViewerWindow {
     /// Requests every setting that is needed and not requested yet.
     pub(super) fn request_preparations(&mut self) {
         let own = self.model.settings.clone();
+        self.request_preview(&own);
         self.request_preparation(Role::Own, &own);
         if self.model.comparison.mode != Compare::Alone {
             let optics = self.model.comparison.optics.clone();
@@ -34,18 +36,35 @@ impl ViewerWindow {
         }
     }
 
-    /// Requests `settings` for `role`, unless the last request for it asked for the same.
-    fn request_preparation(&mut self, role: Role, settings: &ViewSettings) {
-        let last = &mut self.requested.preparations[role as usize];
-        if last.as_ref().is_some_and(|last| {
+    /// Requests the first colours of `own`, if that is not requested yet.
+    fn request_preview(&mut self, own: &ViewSettings) {
+        let of_mean = own.windows(&own.optics) == Windows::All;
+        if self.is_requested(Role::Own, own) {
+            return;
+        }
+        self.requested.preparations[Role::Preview as usize] = None;
+        if let Some(optics) = compare::preview(&own.optics, of_mean) {
+            self.request_preparation(Role::Preview, &ViewSettings { optics, ..own.clone() });
+        }
+    }
+
+    /// Whether the last request for `role` asked for `settings`.
+    fn is_requested(&self, role: Role, settings: &ViewSettings) -> bool {
+        self.requested.preparations[role as usize].as_ref().is_some_and(|last| {
             let with_its_scene = ViewSettings { scene: last.settings.scene.clone(), ..settings.clone() };
             with_its_scene.needs(&last.settings) < Needs::Layers
-        }) {
+        })
+    }
+
+    /// Requests `settings` for `role`, unless the last request for it asked for the same.
+    fn request_preparation(&mut self, role: Role, settings: &ViewSettings) {
+        if self.is_requested(role, settings) {
             return;
         }
         self.requested.number += 1;
         let number = self.requested.number;
-        *last = Some(PreparationRequest { number, settings: settings.clone() });
+        let request = PreparationRequest { number, settings: settings.clone() };
+        self.requested.preparations[role as usize] = Some(request);
         match settings.shading(&settings.optics) {
             Ok(mut shading) => {
                 if role == Role::FewerWavelengths {
@@ -60,13 +79,14 @@ impl ViewerWindow {
                 self.model.sources.progress[role as usize] = Some(Progress { done: 0, of: 1 });
                 self.window.request_redraw();
             }
-            Err(e) => self.model.report(&e),
+            Err(e) => self.refuse(role, number, &e),
         }
         // What was prepared for the former request shows another setting.
         match role {
             Role::Other => self.model.comparison.prepared = None,
             Role::Coarse => self.model.sources.coarse = None,
             Role::FewerWavelengths => self.model.sources.fewer_wavelengths = None,
+            Role::Preview => {}
             Role::Own => self.set_title(),
         }
     }
@@ -94,24 +114,30 @@ impl ViewerWindow {
     /// The whole frame as it should look now; `None` before anything is ready to be drawn.
     pub(super) fn whole_frame(&self) -> Option<FrameRequest> {
         let model = &self.model;
-        let own = model.sources.own.clone().filter(|_| !model.size.contains(&0))?;
+        let (own, stage) = model.sources.shown().filter(|_| !model.size.contains(&0))?;
+        let is_own = stage == Stage::Own;
         let (shown, scene) = (model.shown(), &model.loaded.scene);
         let view = self.view();
         Some(FrameRequest {
             loaded: model.loaded.clone(),
-            own,
-            other: model.comparison.prepared.clone(),
+            own: own.clone(),
+            other: model.comparison.prepared.clone().filter(|_| is_own),
             lighter: None,
             quality: Quality::WHOLE,
             moving: false,
             again: false,
             view,
             shown: Shown { exposure: shown.exposure, tone: shown.tone, background: scene.background },
-            measured: model.measures_exposure,
+            measured: model.measures_exposure && is_own,
             size: model.size,
-            compare: model.comparison.mode,
-            inset: model.visible.inset,
+            compare: if is_own { model.comparison.mode } else { Compare::Alone },
+            inset: model.visible.inset && stage != Stage::Pigment,
         })
+    }
+
+    /// The whole frame of the user's own settings, once they are what is shown.
+    pub(super) fn own_frame(&self) -> Option<FrameRequest> {
+        self.whole_frame().filter(|_| self.model.sources.stage() == Stage::Own)
     }
 
     /// Requests a frame if it would differ from the last one requested, or in any case if `again`.

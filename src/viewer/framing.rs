@@ -1,0 +1,89 @@
+//! Cameras that show the whole mesh, whatever the shape of the picture.
+
+use crate::scene::{Camera, Mesh};
+use glam::Vec3;
+
+/// Width over height of the pictures that scenes are composed for.
+const USUAL: [u32; 2] = [4, 3];
+/// Part of the picture that a framed mesh fills.
+const FILLED: f32 = 0.95;
+
+/// `camera` from the same side, aimed at the middle of `mesh` and so far away that a picture of `size` pixels shows all of it.
+pub fn whole(camera: Camera, mesh: &Mesh, size: [u32; 2]) -> Camera {
+    let aimed = Camera { target: mesh.bounds().centre, ..camera };
+    Camera { distance: distance(&aimed, mesh, size, FILLED), ..aimed }
+}
+
+/// A scene's own `camera`, moved back if a picture of `size` pixels would cut off a mesh that usual pictures show whole. Scenes that
+/// show a part of their mesh are meant so.
+pub fn of_scene(camera: Camera, mesh: &Mesh, size: [u32; 2]) -> Camera {
+    let shows_all = |size| distance(&camera, mesh, size, 1.0) <= camera.distance;
+    if shows_all(size) || !shows_all(USUAL) {
+        return camera;
+    }
+    Camera { distance: distance(&camera, mesh, size, FILLED), ..camera }
+}
+
+/// Least distance from the target at which `camera` sees `mesh` within the part `filled` of a picture of `size`.
+fn distance(camera: &Camera, mesh: &Mesh, size: [u32; 2], filled: f32) -> f32 {
+    let [width, height] = size.map(|n| n.max(1) as f32);
+    let tangent = (camera.field_of_view / 2.0).tan() * filled;
+    let forward = (camera.target - camera.eye()).normalize_or(Vec3::Y);
+    let right = forward.cross(Vec3::Z).normalize_or(Vec3::X);
+    let up = right.cross(forward);
+    let least = |vertex: &crate::scene::Vertex| {
+        let offset = Vec3::from(vertex.position) - camera.target;
+        let across = (offset.dot(right).abs() * height / width).max(offset.dot(up).abs());
+        across / tangent - offset.dot(forward)
+    };
+    mesh.vertices().iter().map(least).fold(f32::MIN_POSITIVE, f32::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use crate::scene::scene_file::BUILT_IN;
+
+    /// The largest of |x| and |y| of the mesh in clip space: 1 at the edge of the picture.
+    fn reach(camera: &Camera, mesh: &Mesh, size: [u32; 2]) -> f32 {
+        let bounds = mesh.bounds();
+        let clip = camera.clip_from_world(size, bounds.centre, bounds.radius);
+        let place = |v: &crate::scene::Vertex| clip.project_point3(v.position.into()).truncate().abs();
+        mesh.vertices().iter().map(place).fold(0.0, |most, p| most.max(p.max_element()))
+    }
+
+    #[test]
+    fn a_framed_mesh_fills_pictures_of_every_shape_from_every_side() {
+        for name in ["snake", "disc", "plate"] {
+            let scene = Scene::open(name).unwrap();
+            for size in [[640, 480], [300, 900], [900, 200]] {
+                for (theta, phi) in [(0.3, 0.0), (1.2, 2.0), (2.6, 4.0)] {
+                    let away = Camera { target: Vec3::splat(7.0), distance: 0.1, theta, phi, ..scene.camera };
+                    let framed = whole(away, &scene.mesh, size);
+                    let reach = reach(&framed, &scene.mesh, size);
+                    assert!((0.6..=FILLED + 1e-3).contains(&reach), "{name} {size:?}: {reach}");
+                    assert_eq!((framed.theta, framed.phi), (theta, phi));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_scene_s_own_view_changes_only_where_it_would_be_cut_off() {
+        for (name, _) in BUILT_IN {
+            let scene = Scene::open(name).unwrap();
+            let of_size = |size| of_scene(scene.camera, &scene.mesh, size);
+            assert_eq!(of_size(USUAL), scene.camera, "{name}");
+            let composed = reach(&scene.camera, &scene.mesh, USUAL) <= 1.0;
+            let narrow = of_size([300, 900]);
+            if composed {
+                let reach = reach(&narrow, &scene.mesh, [300, 900]);
+                assert!(reach <= FILLED + 1e-3, "{name}: {reach}");
+            } else {
+                assert_eq!(narrow, scene.camera, "{name} shows a part");
+            }
+            eprintln!("{name}: composed {composed}");
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! For tests: drives the panel without a window or a device, as a hand does.
+
+use super::frame::LoadedScene;
+use super::model::Model;
+use super::settings::tests::settings;
+use super::{layout, style, text_dump};
+use egui::{Context, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, RawInput, Rect, Vec2, vec2};
+use std::collections::HashSet;
+use std::sync::Arc;
+
+/// Points of a turn of the wheel, and turns from the top of the longest list to its bottom.
+const TURN: f32 = 90.0;
+const MOST_TURNS: usize = 14;
+
+/// A text on the window.
+#[derive(Clone, Debug)]
+pub struct Text {
+    pub text: String,
+    pub rect: Rect,
+    // What of `rect` is not cut off.
+    pub seen: Rect,
+}
+
+impl Text {
+    fn is_whole(&self) -> bool {
+        self.seen.expand(1.0).contains_rect(self.rect)
+    }
+}
+
+/// A window of the viewer that shows a plate, and a hand on it.
+pub struct Hand {
+    pub model: Model,
+    pub picture: Rect,
+    context: Context,
+    size: Vec2,
+    scale: f32,
+    time: f64,
+    texts: Vec<Text>,
+}
+
+impl Hand {
+    /// In a window of `size` points at `scale` pixels a point.
+    pub fn new(size: [f32; 2], scale: f32) -> Self {
+        let (settings, scene) = settings();
+        let loaded = Arc::new(LoadedScene::of(scene).unwrap());
+        let context = Context::default();
+        style::apply(&context);
+        let mut hand = Self {
+            model: Model::new(settings, loaded, 15.0, "a device".to_owned()),
+            picture: Rect::NOTHING,
+            context,
+            size: size.into(),
+            scale,
+            time: 0.0,
+            texts: Vec::new(),
+        };
+        hand.rest();
+        hand
+    }
+
+    pub fn context(&self) -> &Context {
+        &self.context
+    }
+
+    /// Lets the window answer `events`.
+    pub fn pass(&mut self, events: Vec<Event>) {
+        self.time += 0.05;
+        let mut input = RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, self.size)),
+            time: Some(self.time),
+            events,
+            ..RawInput::default()
+        };
+        input.viewports.entry(input.viewport_id).or_default().native_pixels_per_point = Some(self.scale);
+        let (model, picture) = (&mut self.model, &mut self.picture);
+        let output = self.context.run_ui(input, |ui| *picture = layout::show(ui, model));
+        assert_eq!(output.pixels_per_point, self.scale);
+        let window = Rect::from_min_size(Pos2::ZERO, self.size);
+        self.texts.clear();
+        for shape in output.shapes.iter().rev() {
+            text_dump::collect(&shape.shape, &mut |text, rect| {
+                let seen = rect.intersect(shape.clip_rect).intersect(window);
+                self.texts.push(Text { text: text.to_owned(), rect, seen });
+            });
+        }
+        output.drop_without_applying_deltas();
+    }
+
+    /// Lets the window come to rest.
+    pub fn rest(&mut self) {
+        (0..6).for_each(|_| self.pass(Vec::new()));
+    }
+
+    /// The texts called `text` of which something can be seen.
+    pub fn all(&self, text: &str) -> Vec<Text> {
+        let is = |t: &&Text| t.text == text && t.seen.is_positive();
+        self.texts.iter().filter(is).cloned().collect()
+    }
+
+    /// Whether `text` can be read, all of it.
+    pub fn reads(&self, text: &str) -> bool {
+        self.all(text).iter().any(Text::is_whole)
+    }
+
+    /// Whether a text contains `part`.
+    pub fn says(&self, part: &str) -> bool {
+        self.texts.iter().any(|t| t.text.contains(part) && t.seen.is_positive())
+    }
+
+    /// Where `text` stands.
+    #[track_caller]
+    pub fn find(&self, text: &str) -> Pos2 {
+        let found = self.all(text);
+        found.first().unwrap_or_else(|| panic!("no `{text}` in {:#?}", self.texts)).rect.center()
+    }
+
+    /// Moves the pointer and waits until a tip would be shown.
+    pub fn point(&mut self, at: Pos2) {
+        self.pass(vec![Event::PointerMoved(at)]);
+        self.rest();
+        self.time += 2.0;
+        self.rest();
+    }
+
+    /// Presses and releases the left button.
+    pub fn click(&mut self, at: Pos2) {
+        self.drag(at, at);
+    }
+
+    /// Drags with the left button.
+    pub fn drag(&mut self, from: Pos2, to: Pos2) {
+        let button = |pos, pressed| Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        self.pass(vec![Event::PointerMoved(from)]);
+        self.pass(vec![button(from, true)]);
+        for step in [0.5, 1.0] {
+            self.pass(vec![Event::PointerMoved(from.lerp(to, step))]);
+        }
+        self.pass(vec![button(to, false)]);
+        self.rest();
+    }
+
+    /// Presses what is called `text`.
+    #[track_caller]
+    pub fn press(&mut self, text: &str) {
+        let at = self.find(text);
+        self.click(at);
+    }
+
+    /// Presses a key.
+    pub fn key(&mut self, key: Key) {
+        let event = |pressed| Event::Key {
+            key,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        };
+        self.pass(vec![event(true)]);
+        self.pass(vec![event(false)]);
+        self.rest();
+    }
+
+    /// Turns the wheel at a point by `points`, downward positive.
+    pub fn wheel(&mut self, at: Pos2, points: f32) {
+        let turn = Event::MouseWheel {
+            unit: MouseWheelUnit::Point,
+            delta: vec2(0.0, -points),
+            phase: egui::TouchPhase::Move,
+            modifiers: Modifiers::NONE,
+        };
+        self.pass(vec![Event::PointerMoved(at), turn]);
+        self.rest();
+    }
+
+    /// The texts that can be read, all of each, while the wheel is turned at a point from the top to the bottom.
+    pub fn sweep(&mut self, at: Pos2) -> HashSet<String> {
+        self.wheel(at, -1e4);
+        let mut seen = HashSet::new();
+        for _ in 0..MOST_TURNS {
+            let whole = self.texts.iter().filter(|text| text.is_whole());
+            seen.extend(whole.map(|text| text.text.clone()));
+            self.wheel(at, TURN);
+        }
+        seen
+    }
+
+    /// Turns the wheel at a point until `text` can be read.
+    #[track_caller]
+    pub fn scroll_to(&mut self, text: &str, at: Pos2) {
+        self.wheel(at, -1e4);
+        for _ in 0..MOST_TURNS {
+            if self.reads(text) {
+                return;
+            }
+            self.wheel(at, TURN);
+        }
+        panic!("no `{text}`");
+    }
+}

@@ -1,0 +1,263 @@
+//! Where things stand in the window: the panel, its handle, and the picture with what lies over it.
+
+use super::model::Model;
+use super::{input, overlay, panel, style};
+use egui::{Color32, Margin, Rect, Sense, Stroke, Ui, pos2, vec2};
+
+/// Largest part of the window's width that the panel takes.
+const WIDEST: f32 = 0.6;
+
+/// Part of the picture that belongs to the panel's edge [points].
+const EDGE: f32 = 4.0;
+
+/// Shows the panel and what lies over the picture; the picture's rectangle.
+pub fn show(ui: &mut Ui, model: &mut Model) -> Rect {
+    input::keys(ui, model);
+    let frame =
+        egui::Frame::new().fill(style::PANEL).inner_margin(Margin { left: 12, right: 6, top: 4, bottom: 4 });
+    let widest = (ui.available_width() * WIDEST).max(panel::LEAST_WIDTH);
+    let mut open = model.visible.panel;
+    egui::Panel::right("panel")
+        .default_size(panel::WIDTH.min(widest))
+        .size_range(panel::LEAST_WIDTH..=widest)
+        .frame(frame)
+        .show_collapsible(ui, &mut open, |ui| panel::show(ui, model));
+    model.visible.panel = open;
+    let mut picture = ui.available_rect_before_wrap();
+    picture.min = egui::Pos2::ZERO;
+    // The panel's edge can be grabbed from both sides.
+    let mut touched = picture;
+    touched.max.x -= if model.visible.panel { EDGE } else { 0.0 };
+    input::pointer(ui, touched, picture, model);
+    overlay::show(ui, picture, model);
+    handle(ui, picture, model);
+    model.visible.typing = ui.ctx().text_edit_focused();
+    picture
+}
+
+/// The handle beside the panel that hides and shows it.
+fn handle(ui: &mut Ui, picture: Rect, model: &mut Model) {
+    let size = vec2(overlay::HANDLE, 44.0);
+    let rect = Rect::from_min_size(picture.right_bottom() - size - vec2(0.0, 12.0), size);
+    let handle = ui.interact(rect, ui.id().with("panel handle"), Sense::click());
+    let color = if handle.hovered() { style::ACCENT } else { style::TEXT };
+    ui.painter().rect_filled(rect, 4.0, style::GLASS);
+    let (x, y) = (rect.center().x, rect.center().y);
+    let tip = if model.visible.panel { 3.0 } else { -3.0 };
+    let arrow = vec![pos2(x + tip, y), pos2(x - tip, y - 6.0), pos2(x - tip, y + 6.0)];
+    ui.painter().add(egui::Shape::convex_polygon(arrow, color, Stroke::new(0.0, Color32::TRANSPARENT)));
+    if handle.on_hover_text("Hide or show the panel.  [P]\nDrag its edge to make it narrower.").clicked() {
+        model.visible.panel ^= true;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::optics::coherence::{Coherence, Windows};
+    use crate::setup::Method;
+    use crate::viewer::hand::Hand;
+    use crate::viewer::input::KEYS;
+    use crate::viewer::panel::LEAST_WIDTH;
+    use crate::viewer::panel::rows::{ALL, Row};
+    use egui::{Key, Pos2, pos2, vec2};
+
+    const LARGE: [f32; 2] = [900.0, 1400.0];
+
+    /// The middle of the panel.
+    fn panel(hand: &Hand, size: [f32; 2]) -> Pos2 {
+        pos2(0.5 * (hand.picture.right() + size[0]), 0.4 * size[1])
+    }
+
+    /// The rows that are there under the settings of `number`; together they are all.
+    fn set(hand: &mut Hand, number: usize) {
+        let settings = &mut hand.model.settings;
+        match number {
+            0 => settings.optics.windows = Windows::ONE,
+            1 => {
+                settings.optics.windows = Windows::All;
+                settings.optics.method = Method::Table;
+                settings.surface.name = "scan.png".into();
+            }
+            _ => {
+                settings.coherence = Coherence::Repeats([3, 3]);
+                settings.surface = crate::surface::Source::built_in(crate::surface::synth::Kind::Elaphe);
+            }
+        }
+        hand.rest();
+    }
+
+    /// Rows that need a device.
+    fn needs_a_device(row: &Row) -> bool {
+        ["texture", "error bound"].contains(&row.label)
+    }
+
+    #[test]
+    fn escape_closes_what_is_innermost_and_only_then_the_window() {
+        let mut hand = Hand::new(LARGE, 1.0);
+        hand.press("taylor");
+        assert!(hand.reads("optimal"), "the list is open");
+        hand.key(Key::Escape);
+        assert!(!hand.reads("optimal") && !hand.model.actions.close);
+
+        let beside = hand.find("base colour") + vec2(75.0, 0.0);
+        hand.click(beside);
+        assert!(egui::Popup::is_any_open(hand.context()), "the colours are open");
+        hand.key(Key::Escape);
+        assert!(!egui::Popup::is_any_open(hand.context()) && !hand.model.actions.close);
+
+        let exposure = hand.model.settings.exposure;
+        let beside = hand.find("exposure") + vec2(95.0, 0.0);
+        hand.click(beside);
+        assert!(hand.model.visible.typing);
+        hand.key(Key::Num9);
+        hand.key(Key::Escape);
+        assert!(!hand.model.visible.typing && !hand.model.actions.close);
+        assert_eq!(hand.model.settings.exposure, exposure);
+
+        hand.key(Key::F1);
+        assert!(hand.reads("left drag"));
+        hand.key(Key::Escape);
+        assert!(!hand.reads("left drag") && !hand.model.actions.close);
+        hand.key(Key::Escape);
+        assert!(hand.model.actions.close);
+    }
+
+    #[test]
+    fn everything_can_be_reached_in_small_windows() {
+        for (size, scale) in
+            [([640.0, 480.0], 1.0), ([640.0, 480.0], 2.0), ([500.0, 400.0], 1.0), ([500.0, 400.0], 2.0)]
+        {
+            let mut seen: Vec<&str> = Vec::new();
+            let mut hand = Hand::new(size, scale);
+            assert!(hand.picture.width() > 0.35 * size[0] && hand.picture.height() == size[1]);
+            for number in 0..3 {
+                set(&mut hand, number);
+                let reached = hand.sweep(panel(&hand, size));
+                for row in ALL {
+                    let label = if row.label == "light" { "light 1" } else { row.label };
+                    if reached.contains(label) {
+                        seen.push(row.label);
+                    }
+                }
+                for heading in ["Scene", "Optics", "Compare", "Surface", "Lights", "What it costs"] {
+                    assert!(reached.contains(heading), "{heading} in {size:?}");
+                }
+            }
+            let missing: Vec<&str> =
+                ALL.iter().filter(|row| !needs_a_device(row)).map(|row| row.label).collect();
+            let missing: Vec<&&str> = missing.iter().filter(|label| !seen.contains(label)).collect();
+            assert!(missing.is_empty(), "{missing:?} in {size:?} at {scale}");
+            for button in ["Save  [S]", "Reset  [R]", "Keys  [F1]"] {
+                assert!(hand.reads(button), "{button} in {size:?}");
+            }
+            hand.key(Key::F1);
+            let reached = hand.sweep(pos2(0.5 * size[0], 0.5 * size[1]));
+            for (key, what) in KEYS {
+                assert!(reached.contains(key) && reached.contains(what), "{key}: {what} in {size:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn sections_close_and_open_again() {
+        for size in [LARGE, [640.0, 480.0]] {
+            let mut hand = Hand::new(size, 1.0);
+            for (heading, row) in
+                [("Scene", "exposure"), ("What it costs", "frame time"), ("Lights", "light 1")]
+            {
+                let at = panel(&hand, size);
+                assert!(hand.sweep(at).contains(row));
+                hand.scroll_to(heading, at);
+                hand.press(heading);
+                assert!(!hand.sweep(at).contains(row), "{row} is closed");
+                hand.scroll_to(heading, at);
+                hand.press(heading);
+                assert!(hand.sweep(at).contains(row), "{row} is open");
+            }
+        }
+    }
+
+    #[test]
+    fn the_panel_is_hidden_by_its_handle_and_narrowed_by_its_edge() {
+        let mut hand = Hand::new([640.0, 480.0], 1.0);
+        let width = hand.picture.width();
+        let handle = |hand: &Hand| hand.picture.right_bottom() - vec2(8.0, 30.0);
+        hand.click(handle(&hand));
+        assert!(!hand.model.visible.panel && hand.picture.width() == 640.0);
+        hand.click(handle(&hand));
+        assert!(hand.model.visible.panel && hand.picture.width() == width);
+        let edge = pos2(hand.picture.right(), 100.0);
+        hand.drag(edge, edge + vec2(60.0, 0.0));
+        assert!((hand.picture.width() - width - 60.0).abs() < 4.0, "{} {width}", hand.picture.width());
+        assert!(640.0 - hand.picture.width() >= LEAST_WIDTH);
+    }
+
+    #[test]
+    fn every_row_and_button_has_a_tip() {
+        let mut seen: Vec<&str> = Vec::new();
+        let mut hand = Hand::new(LARGE, 1.0);
+        for number in 0..3 {
+            set(&mut hand, number);
+            for row in ALL {
+                let label = if row.label == "light" { "light 1" } else { row.label };
+                let Some(text) = hand.all(label).first().cloned() else { continue };
+                // Beside the label stands what sets it.
+                for at in [text.rect.center(), pos2(text.rect.left() + 112.0, text.rect.center().y)] {
+                    hand.point(at);
+                    assert!(hand.says(row.tip), "{label} at {at}");
+                    assert!(row.option.is_none_or(|option| hand.says(option)), "{label}");
+                    hand.point(pos2(20.0, 300.0));
+                }
+                seen.push(row.label);
+            }
+        }
+        for row in ALL.iter().filter(|row| !needs_a_device(row)) {
+            assert!(seen.contains(&row.label), "{}", row.label);
+        }
+        for (button, tip) in
+            [("Save  [S]", "PNG"), ("Reset  [R]", "at the start"), ("Keys  [F1]", "gestures")]
+        {
+            hand.point(hand.find(button));
+            assert!(hand.says(tip), "{button}");
+        }
+    }
+
+    #[test]
+    fn what_is_automatic_is_ticked() {
+        let mut hand = Hand::new(LARGE, 1.0);
+        assert_eq!(hand.model.settings.optics.terms, None);
+        let ticks = hand.all("automatic");
+        assert_eq!(ticks.len(), 2, "terms and wavelengths");
+        let terms = ticks.iter().map(|t| t.rect.center()).min_by(|a, b| a.y.total_cmp(&b.y)).unwrap();
+        hand.click(terms);
+        assert_eq!(hand.model.settings.optics.terms, Some(10));
+        hand.click(terms);
+        assert_eq!(hand.model.settings.optics.terms, None);
+    }
+
+    #[test]
+    fn surfaces_of_files_are_in_the_list_with_their_units() {
+        let mut hand = Hand::new(LARGE, 1.0);
+        let file = crate::surface::Source {
+            name: "scans/skin.png".into(),
+            pixel_size: Some([0.25; 2]),
+            ..hand.model.settings.surface.clone()
+        };
+        hand.model.settings.surface = file.clone();
+        hand.model.remember_surface();
+        hand.rest();
+        hand.press("skin.png");
+        hand.press("sinusoid");
+        assert_eq!(hand.model.settings.surface.name, "sinusoid");
+        hand.press("sinusoid");
+        hand.press("skin.png");
+        assert_eq!(hand.model.settings.surface, file);
+    }
+
+    #[test]
+    fn f_frames_the_mesh() {
+        let mut hand = Hand::new([640.0, 480.0], 1.0);
+        hand.key(Key::F);
+        assert!(hand.model.actions.frame);
+    }
+}

@@ -1,0 +1,99 @@
+//! The rows of scene, lights and comparison.
+
+use super::rows::{self, number};
+use super::{optics, section, short};
+use crate::optics::color::Tone;
+use crate::scene::scene_file::BUILT_IN;
+use crate::scene::{Light, MAX_LIGHTS};
+use crate::viewer::compare::Compare;
+use crate::viewer::model::Model;
+use crate::viewer::settings::ViewSettings;
+use egui::{ComboBox, Ui};
+
+/// Shows scene, exposure, tone mapping and pigment.
+pub fn show(ui: &mut Ui, model: &mut Model) {
+    section(ui, "Scene", |ui| {
+        rows::show(ui, &rows::SCENE, |ui| {
+            let shown = &model.settings.scene;
+            let list = ComboBox::from_id_salt("scene name").selected_text(short(shown)).truncate();
+            list.width(ui.available_width()).show_ui(ui, |ui| {
+                for (name, _) in BUILT_IN {
+                    if ui.selectable_label(shown == name, name).clicked() {
+                        model.actions.open = Some(name.to_owned());
+                    }
+                }
+            });
+        });
+        rows::show(ui, &rows::EXPOSURE, |ui| {
+            let exposure = &mut model.settings.exposure;
+            ui.add(number(exposure).speed(0.05).range(-20.0..=20.0).fixed_decimals(1).suffix(" EV"));
+        });
+        rows::show(ui, &rows::TONE, |ui| {
+            for other in Tone::ALL {
+                ui.selectable_value(&mut model.settings.tone, other, other.name());
+            }
+        });
+        base_color(ui, &mut model.settings);
+    });
+}
+
+fn base_color(ui: &mut Ui, settings: &mut ViewSettings) {
+    rows::show(ui, &rows::BASE_COLOR, |ui| {
+        let mut rgb = settings.base_color.to_array();
+        if ui.color_edit_button_rgb(&mut rgb).changed() {
+            // Rounded to four digits, which is finer than a display and short on a command line.
+            settings.base_color = rgb.map(|c| (c * 1e4).round() / 1e4).into();
+        }
+    });
+}
+
+/// Shows the lights.
+pub fn lights(ui: &mut Ui, model: &mut Model) {
+    section(ui, "Lights", |ui| {
+        let lights = &mut model.settings.lights;
+        let several = lights.len() > 1;
+        let mut removed = None;
+        for (index, light) in lights.iter_mut().enumerate() {
+            rows::numbered(ui, &rows::LIGHT, &format!("light {}", index + 1), |ui| {
+                ui.spacing_mut().item_spacing.x = 4.0;
+                angles(ui, light);
+                if several && ui.small_button("remove").clicked() {
+                    removed = Some(index);
+                }
+            });
+        }
+        if let Some(index) = removed {
+            lights.remove(index);
+        }
+        let add = |ui: &mut Ui| {
+            ui.small_button(rows::ADD_LIGHT.label).on_hover_text(rows::ADD_LIGHT.help()).clicked()
+        };
+        if lights.len() < MAX_LIGHTS && add(ui) {
+            let phi = lights.last().map_or(0.0, |l| (l.phi + 90.0) % 360.0);
+            lights.push(Light { theta: 40.0, phi, intensity: 1.0, size: 0.0 });
+        }
+    });
+}
+
+fn angles(ui: &mut Ui, light: &mut Light) {
+    let theta = number(&mut light.theta).speed(0.3).range(0.0..=90.0).fixed_decimals(1);
+    ui.add(theta.prefix("θ ").suffix("°"));
+    let phi = number(&mut light.phi).speed(0.5).range(-360.0..=360.0).fixed_decimals(1);
+    ui.add(phi.prefix("φ ").suffix("°"));
+    let intensity = number(&mut light.intensity).speed(0.02).range(0.01..=1000.0).fixed_decimals(2);
+    ui.add(intensity.prefix("× "));
+}
+
+/// Shows what the picture is compared with.
+pub fn compare(ui: &mut Ui, model: &mut Model) {
+    section(ui, "Compare", |ui| {
+        rows::show(ui, &rows::COMPARE, |ui| {
+            for compare in Compare::ALL {
+                ui.selectable_value(&mut model.comparison.mode, compare, compare.name());
+            }
+        });
+        if model.comparison.mode != Compare::Alone {
+            optics::setting(ui, "other", &mut model.comparison.optics, model.settings.coherence);
+        }
+    });
+}
