@@ -140,8 +140,9 @@ mod tests {
             command.get_arguments().filter_map(|a| a.get_long().map(|long| format!("--{long}"))).collect();
         for row in viewer::ROWS {
             let Some(option) = row.option.filter(|option| option.starts_with("--")) else { continue };
-            let name = option.split(' ').next().unwrap_or_default();
-            assert!(options.iter().any(|known| known == name), "{}: {option}", row.label);
+            for name in option.split([' ', ',']).filter(|word| word.starts_with("--")) {
+                assert!(options.iter().any(|known| known == name), "{}: {option}", row.label);
+            }
         }
     }
 }

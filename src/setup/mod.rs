@@ -323,15 +323,17 @@ impl Settings {
         if octave >= 0.0 { coherence * octave.exp2() } else { 0.0 }
     }
 
-    /// How much more reading between texels may err in a picture than in single directions, relative L2: pixels average it. On the snake, whose
-    /// footprints are long beside the coherence of the light, it is 0.006 times the squared ratio of spacing and blur, of 0.046 at single points. On a
-    /// plate that shows the few orders of a sinusoid and has short footprints, 3.9 times the error of directions was 1.35 times the tolerance.
+    /// How much more reading between texels may err in a picture than in single directions, relative L2: pixels average it along footprints that are
+    /// long beside what a single reading is blurred by. On the snake, whose footprints are, it is 0.006 times the squared ratio of spacing and
+    /// blur, of 0.046 at single points. On a plate that shows the few orders of a sinusoid and has short footprints, 3.9 times the error of
+    /// directions was 1.35 times the tolerance; on a sphere whose footprints are wide along both axes, four times the tolerance.
     fn over_footprints(&self) -> f64 {
         const LONG: f64 = 2.0;
         const AVERAGED_BY_LONG: f64 = 3.9;
         const AVERAGED_BY_SHORT: f64 = 2.5;
+        let FootprintSizes { shorter, longer } = self.footprints;
         let is_long =
-            self.coherence_spread().is_some_and(|coherence| self.footprints.longer > LONG * coherence);
+            self.coherence_spread().is_some_and(|coherence| longer > LONG * coherence.hypot(shorter));
         match self.shading.purpose {
             Purpose::Directions => 1.0,
             Purpose::Picture if is_long => AVERAGED_BY_LONG,

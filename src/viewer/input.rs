@@ -3,7 +3,7 @@
 use super::compare::Compare;
 use super::model::{Model, SaveAs};
 use super::orbit::{self, Drag};
-use egui::{Key, Modifiers, PointerButton, Rect, Sense, Ui};
+use egui::{Key, Modifiers, MouseWheelUnit, PointerButton, Rect, Sense, Ui};
 use glam::Vec2;
 
 /// Every key and gesture with its meaning, as F1 lists them.
@@ -89,17 +89,33 @@ pub fn pointer(ui: &mut Ui, touched: Rect, rect: Rect, model: &mut Model) {
         }
     }
     if picture.hovered() {
-        /// Points per step of the wheel.
-        const STEP: f32 = 40.0;
-        let wheel = ui.input(|i| i.smooth_scroll_delta().y);
-        if wheel != 0.0 {
+        let steps = ui.input(wheel_steps);
+        if steps != 0.0 {
             let radius = model.loaded.scene.mesh.bounds().radius;
-            model.settings.camera = orbit::zoomed(model.settings.camera, wheel / STEP, radius);
+            model.settings.camera = orbit::zoomed(model.settings.camera, steps, radius);
         }
     }
     if model.comparison.mode != Compare::Alone {
         split(ui, rect, model);
     }
+}
+
+/// Steps that the wheel has turned since the last pass. The toolkit's smoothed scrolling would go on after the hand has stopped, so that a
+/// picture saved then is not the one that is shown at last.
+fn wheel_steps(input: &egui::InputState) -> f32 {
+    /// Points of a touchpad per step of a wheel, as the toolkit counts them.
+    const STEP: f32 = 40.0;
+    /// Steps of a page.
+    const PAGE: f32 = 10.0;
+    let steps = input.events.iter().map(|event| match event {
+        egui::Event::MouseWheel { unit, delta, .. } => match unit {
+            MouseWheelUnit::Point => delta.y / STEP,
+            MouseWheelUnit::Line => delta.y,
+            MouseWheelUnit::Page => PAGE * delta.y,
+        },
+        _ => 0.0,
+    });
+    steps.sum()
 }
 
 /// The kind of a drag over the picture.

@@ -86,6 +86,15 @@ mod tests {
         hand.rest();
     }
 
+    /// What the panel shows for `row`.
+    fn label(hand: &Hand, row: &Row) -> String {
+        match row.label {
+            "light" => "light 1".to_owned(),
+            "device" => hand.model.device.line(),
+            other => other.to_owned(),
+        }
+    }
+
     /// Rows that need a device.
     fn needs_a_device(row: &Row) -> bool {
         ["texture", "error bound"].contains(&row.label)
@@ -134,8 +143,7 @@ mod tests {
                 set(&mut hand, number);
                 let reached = hand.sweep(panel(&hand, size));
                 for row in ALL {
-                    let label = if row.label == "light" { "light 1" } else { row.label };
-                    if reached.contains(label) {
+                    if reached.contains(&label(&hand, row)) {
                         seen.push(row.label);
                     }
                 }
@@ -199,10 +207,12 @@ mod tests {
         for number in 0..3 {
             set(&mut hand, number);
             for row in ALL {
-                let label = if row.label == "light" { "light 1" } else { row.label };
-                let Some(text) = hand.all(label).first().cloned() else { continue };
-                // Beside the label stands what sets it.
-                for at in [text.rect.center(), pos2(text.rect.left() + 112.0, text.rect.center().y)] {
+                let label = label(&hand, row);
+                let Some(text) = hand.all(&label).first().cloned() else { continue };
+                // Beside the label stands what sets it, but for a button and a line of text.
+                let alone = ["add a light", "device"].contains(&row.label);
+                let beside = pos2(text.rect.left() + 112.0, text.rect.center().y);
+                for at in [text.rect.center(), beside].into_iter().take(if alone { 1 } else { 2 }) {
                     hand.point(at);
                     assert!(hand.says(row.tip), "{label} at {at}");
                     assert!(row.option.is_none_or(|option| hand.says(option)), "{label}");

@@ -207,6 +207,13 @@ pub struct DeviceStatus {
     pub present_mode: &'static str,
 }
 
+impl DeviceStatus {
+    /// Name and presentation mode, in a line.
+    pub fn line(&self) -> String {
+        format!("{}; {} presentation", self.name, self.present_mode)
+    }
+}
+
 /// The settings of each coherence that was chosen last, to return to.
 pub struct LastCoherence {
     /// Coherence length \[µm\].

@@ -75,7 +75,7 @@ fn a_round_trip_through_every_format_changes_no_height() {
     let spacing = info(&sandbox, &["blaze"])["spacing_m"][0].as_f64().unwrap() * 1e9;
     let read = ["a.npy".to_owned(), "--pixel-size".to_owned(), format!("{spacing}nm")];
     let read: Vec<&str> = read.iter().map(String::as_str).collect();
-    for exact in ["a.x3p", "a.txt"] {
+    for exact in ["a.gwy", "a.x3p", "a.txt"] {
         convert(&read, exact);
         convert(&[exact], "back.npy");
         assert_eq!(sandbox.read("a.npy"), sandbox.read("back.npy"), "{exact}");
@@ -107,6 +107,8 @@ fn a_gap_stays_a_gap() {
         assert_eq!(sandbox.run(["surface", "convert", "scan.txt", "-o", name]).code, Some(0));
         assert_eq!(info(&sandbox, &[name])["invalid"], 1, "{name}");
     }
+    let refused = sandbox.run(["surface", "convert", "scan.txt", "-o", "a.gwy"]).refused(1);
+    assert!(refused.contains("1 of 6 samples were not measured") && refused.contains(".gsf"), "{refused}");
 }
 
 #[cfg(unix)]
@@ -140,7 +142,7 @@ fn python(sandbox: &Sandbox, modules: &str, script: &str) {
 fn other_programs_open_what_is_written() {
     let sandbox = Sandbox::new();
     sandbox.write("scan.txt", TEXT.replace("nan", "5"));
-    for name in ["a.npy", "a.tif", "a.gsf", "a.x3p"] {
+    for name in ["a.npy", "a.tif", "a.gsf", "a.gwy", "a.x3p"] {
         sandbox.run(["surface", "convert", "scan.txt", "-o", name]).done();
     }
     let expected = "import numpy\nwant = numpy.array([[1, 2, 3], [4, 5, 6]]) * 1e-9\n";
@@ -150,6 +152,9 @@ fn other_programs_open_what_is_written() {
                n, d = page.tags['XResolution'].value\nassert page.tags['ResolutionUnit'].value == 3\n\
                assert abs(d / n * 0.01 / 10e-9 - 1) < 1e-9\nassert got.dtype == numpy.float32\n";
     python(&sandbox, "tifffile, numpy", &format!("{expected}{tif}{check}"));
+    let gwy = "import gwyfile\nfields = gwyfile.util.get_datafields(gwyfile.load('a.gwy'))\nfield = fields['Height']\n\
+               got = field.data\nassert abs(field.xreal - 30e-9) < 1e-20 and field.si_unit_z.unitstr == 'm'\n";
+    python(&sandbox, "gwyfile, numpy", &format!("{expected}{gwy}{check}"));
     // The header of a Gwyddion simple field, by its specification.
     let gsf = "b = open('a.gsf', 'rb').read()\nend = b.index(0)\nh = dict(l.split(' = ') for l in b[:end].decode().splitlines()[1:])\n\
                start = (end // 4 + 1) * 4\ngot = numpy.frombuffer(b[start:], '<f4').reshape(int(h['YRes']), int(h['XRes']))\n\

@@ -9,6 +9,7 @@ use diffract::optics::color::{Tone, xyz_to_linear_srgb};
 use diffract::optics::footprint::{Covariance, FootprintSizes};
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::spectrum::{Illuminant, SHORTEST};
+use diffract::render::footprints;
 use diffract::render::frame::{Shown, View};
 use diffract::render::picture::{Directions, Painter};
 use diffract::render::pigment::Pigment;
@@ -149,27 +150,38 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
     let shading = shading(16.0, 1.5);
     let scene = Scene::open("sphere").unwrap();
     let lamp = Light { theta: 45.0, phi: -40.0, intensity: 1.0, size: 0.0 };
-    let mut view = View::of(&scene, vec![lamp]);
-    view.environment = Some(Environment::open("studio").unwrap());
-    // What is measured over footprints as wide as these; see the tests of pictures.
-    const ALLOWED: [(Method, f64); 2] = [(Method::Table, 0.04), (Method::Spectral, 0.08)];
+    let mut in_studio = View::of(&scene, vec![lamp]);
+    in_studio.environment = Some(Environment::open("studio").unwrap());
+    let mut without_lamp = in_studio.clone();
+    without_lamp.lights.clear();
+    // What is measured, and a fifth more. One sample of the studio is averaged over a sixth of all directions. A single sample of power spectra errs by
+    // 0.2 in the highlight of the lamp.
+    let cases = [
+        (Method::Table, &in_studio, 0.04, 0.1),
+        (Method::Table, &without_lamp, 0.12, 0.4),
+        (Method::Spectral, &without_lamp, 0.1, 0.4),
+    ];
     with_device(|device| {
-        for (method, allowed) in ALLOWED {
-            let source = source(device, &field, &shading, method, FootprintSizes::default());
-            let (mesh, white) = (&scene.mesh, Pigment::white());
-            let mut painter = Painter::new(device, &source, &shading, mesh, &white, SIZE, 2).unwrap();
-            let found = painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
+        let (mesh, white) = (&scene.mesh, Pigment::white());
+        for (method, view, allowed, least_unmirrored) in cases {
+            let (views, lights) = (std::slice::from_ref(view), view.light_count());
+            let sizes = footprints::sizes(device, mesh, views, SIZE, &Sampling::ONE.sample(0)).unwrap();
+            let source = source(device, &field, &shading, method, sizes);
+            let mut painter = Painter::new(device, &source, &shading, mesh, &white, SIZE, lights).unwrap();
+            let found = painter.paint(view, 0.0, DVec3::ZERO).unwrap().radiance;
             let seen: Vec<Directions> =
-                (0..2).map(|light| painter.directions(&view, light).unwrap()).collect();
-            assert!(seen[0].mirrored.is_empty() && seen[1].mirrored.len() == seen[1].view.len());
-            let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
+                (0..lights).map(|light| painter.directions(view, light).unwrap()).collect();
+            let mirrored = seen.iter().filter(|s| s.mirrored.len() == s.view.len()).count();
+            assert_eq!(mirrored, 1, "the surroundings alone are mirrored");
+            let exact = reference_picture(&field, &shading, view, &seen, &|_, _| Ok(())).unwrap();
             let error = apart(&found, &exact);
             let dark: Vec<Directions> =
                 seen.iter().map(|s| Directions { mirrored: Vec::new(), ..s.clone() }).collect();
-            let without = reference_picture(&field, &shading, &view, &dark, &|_, _| Ok(())).unwrap();
+            let without = reference_picture(&field, &shading, view, &dark, &|_, _| Ok(())).unwrap();
             let other = apart(&without, &exact);
-            eprintln!("a sphere by {}: {error:.4}; unmirrored {other:.4}", method.name());
-            assert!(error < allowed && other > 0.1, "{}: {error}, {other}", method.name());
+            let name = method.name();
+            eprintln!("a sphere by {name}, {lights} lights: {error:.4}; unmirrored {other:.4}");
+            assert!(error < allowed && other > least_unmirrored, "{name}: {error}, {other}");
         }
     });
 }

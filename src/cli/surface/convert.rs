@@ -19,7 +19,7 @@ Samples that were not measured stay so (NaN). .gsf and .tif hold 32-bit floats, 
 pub struct Convert {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,
-    /// Where it goes: .gsf, .npy, .tif, .txt or .x3p
+    /// Where it goes: .gsf, .gwy, .npy, .tif, .txt or .x3p
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]

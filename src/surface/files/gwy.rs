@@ -6,9 +6,10 @@
 
 use super::bytes::{Cursor, Number, Order, damaged, decode_text};
 use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
-use super::units;
+use super::{Topography, units};
 use crate::error::{Error, Result};
 use std::collections::BTreeMap;
+use std::io::{self, Write};
 
 /// How a file of Gwyddion 2 begins.
 pub const MAGIC: &[u8] = b"GWYP";
@@ -173,6 +174,49 @@ fn string<'a>(cursor: &mut Cursor<'a>) -> Result<&'a [u8]> {
     let text = cursor.take(end)?;
     cursor.take(1)?;
     Ok(text)
+}
+
+/// Writes `scan` as the only data field, with heights in metres.
+///
+/// # Errors
+/// The file cannot be written to; more samples than the format counts.
+pub fn write(scan: &Topography, file: &mut impl Write) -> io::Result<()> {
+    const KEY: &[u8] = b"/0/data\0o";
+    let [columns, rows] = scan.size();
+    let [dx, dy] = scan.spacing();
+    let count = |n: usize| u32::try_from(n).map_err(io::Error::other);
+    let metre = object_of("GwySIUnit", count(METRE.len())?, METRE);
+    let field = [
+        component("xres", b'i', &count(columns)?.to_le_bytes()),
+        component("yres", b'i', &count(rows)?.to_le_bytes()),
+        component("xreal", b'd', &(dx * columns as f64).to_le_bytes()),
+        component("yreal", b'd', &(dy * rows as f64).to_le_bytes()),
+        component("si_unit_xy", b'o', &metre),
+        component("si_unit_z", b'o', &metre),
+        // The numbers follow.
+        component("data", b'D', &count(columns * rows)?.to_le_bytes()),
+    ]
+    .concat();
+    let numbers = columns * rows * size_of::<f64>();
+    let field = object_of("GwyDataField", count(field.len() + numbers)?, &field);
+    let title = component("/0/data/title", b's', b"Height\0");
+    let container = [&title, KEY, &field].concat();
+    file.write_all(MAGIC)?;
+    file.write_all(&object_of("GwyContainer", count(container.len() + numbers)?, &container))?;
+    scan.metres().try_for_each(|h| file.write_all(&h.to_le_bytes()))
+}
+
+/// The components of a `GwySIUnit` that is the metre.
+const METRE: &[u8] = b"unitstr\0sm\0";
+
+/// A component, or its beginning.
+fn component(key: &str, kind: u8, value: &[u8]) -> Vec<u8> {
+    [key.as_bytes(), &[0, kind], value].concat()
+}
+
+/// An object whose components take `length` bytes and begin with `body`.
+fn object_of(name: &str, length: u32, body: &[u8]) -> Vec<u8> {
+    [name.as_bytes(), &[0], &length.to_le_bytes()[..], body].concat()
 }
 
 #[cfg(test)]

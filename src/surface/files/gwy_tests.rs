@@ -1,16 +1,12 @@
 use super::super::testing::{BOTTOM, TOP, assert_robust, assert_rows, only, whole};
 use super::*;
 
-fn component(key: &str, kind: u8, value: &[u8]) -> Vec<u8> {
-    [key.as_bytes(), &[0, kind], value].concat()
-}
-
-fn object_of(name: &str, body: &[u8]) -> Vec<u8> {
-    [name.as_bytes(), &[0], &(body.len() as u32).to_le_bytes()[..], body].concat()
+fn whole_object(name: &str, body: &[u8]) -> Vec<u8> {
+    object_of(name, body.len() as u32, body)
 }
 
 fn unit(text: &str) -> Vec<u8> {
-    object_of("GwySIUnit", &component("unitstr", b's', &[text.as_bytes(), &[0]].concat()))
+    whole_object("GwySIUnit", &component("unitstr", b's', &[text.as_bytes(), &[0]].concat()))
 }
 
 fn data_field(lateral: &str, height: &str) -> Vec<u8> {
@@ -25,11 +21,11 @@ fn data_field(lateral: &str, height: &str) -> Vec<u8> {
         component("data", b'D', &[&6_u32.to_le_bytes()[..], &rows].concat()),
     ]
     .concat();
-    object_of("GwyDataField", &body)
+    whole_object("GwyDataField", &body)
 }
 
 fn file(components: &[Vec<u8>]) -> Vec<u8> {
-    [MAGIC, &object_of("GwyContainer", &components.concat())].concat()
+    [MAGIC, &whole_object("GwyContainer", &components.concat())].concat()
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Writes heights to a file of the format that its name asks for.
 
-use super::{Topography, gsf, npy, text, tiff, x3p};
+use super::{Topography, gsf, gwy, npy, text, tiff, x3p};
 use crate::error::{Error, Result};
 use crate::output;
 use std::path::Path;
@@ -10,6 +10,8 @@ use std::path::Path;
 pub enum Format {
     /// Gwyddion simple field: 32-bit floats with units.
     Gsf,
+    /// Gwyddion's own: float64 in metres. It has no place for samples that were not measured.
+    Gwyddion,
     /// NumPy array of float64 in metres, without a lateral scale.
     Npy,
     /// TIFF of 32-bit floats in metres, with resolution tags.
@@ -28,13 +30,14 @@ impl Format {
     pub fn of(path: &Path) -> Result<Self> {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("gsf") => Ok(Self::Gsf),
+            Some("gwy") => Ok(Self::Gwyddion),
             Some("npy") => Ok(Self::Npy),
             Some("tif" | "tiff") => Ok(Self::Tiff),
             Some("txt") => Ok(Self::Text),
             Some("x3p") => Ok(Self::X3p),
             _ => Err(Error::usage(
                 format!("{}: the format of the surface is not clear", path.display()),
-                "name it .gsf, .npy, .tif, .txt or .x3p",
+                "name it .gsf, .gwy, .npy, .tif, .txt or .x3p",
             )),
         }
     }
@@ -56,12 +59,23 @@ impl Format {
 /// Heights that the format cannot hold; a place that cannot be written to.
 pub fn write(path: &Path, format: Format, scan: &Topography) -> Result<()> {
     if format.is_single() && scan.metres().any(|h| h.abs() > f64::from(f32::MAX)) {
-        return Err(Error::failed("a height is too large for 32-bit floats", "write .npy, .txt or .x3p"));
+        return Err(Error::failed(
+            "a height is too large for 32-bit floats",
+            "write .gwy, .npy, .txt or .x3p",
+        ));
+    }
+    let (missing, [columns, rows]) = (scan.missing(), scan.size());
+    if format == Format::Gwyddion && missing > 0 {
+        return Err(Error::failed(
+            format!("{missing} of {} samples were not measured, for which .gwy has no mark", columns * rows),
+            "write .gsf, .npy, .tif, .txt or .x3p",
+        ));
     }
     output::write_atomically(path, |file| {
         let failed = |e: std::io::Error| output::write_failed(path, &e);
         match format {
             Format::Gsf => gsf::write(scan, file).map_err(failed),
+            Format::Gwyddion => gwy::write(scan, file).map_err(failed),
             Format::Npy => npy::write(scan, file).map_err(failed),
             Format::Tiff => tiff::write(scan, file).map_err(|e| e.at(path.display())),
             Format::Text => text::write(scan, file).map_err(failed),

@@ -82,8 +82,7 @@ fn bound(terms: &Option<usize>, wavelengths: &Option<usize>, tolerance: f64) -> 
 /// Shows the device and the buttons.
 pub fn foot(ui: &mut Ui, model: &mut Model) {
     ui.add_space(3.0);
-    let device = format!("{}; {} presentation", model.device.name, model.device.present_mode);
-    let device = egui::Label::new(RichText::new(device).small().color(style::FAINT)).truncate();
+    let device = egui::Label::new(RichText::new(model.device.line()).small().color(style::FAINT)).truncate();
     ui.add(device).on_hover_text(rows::DEVICE.help());
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;

@@ -50,6 +50,7 @@ fn base_color(ui: &mut Ui, settings: &mut ViewSettings) {
 /// Shows the lights.
 pub fn lights(ui: &mut Ui, model: &mut Model) {
     section(ui, "Lights", |ui| {
+        let most = MAX_LIGHTS - usize::from(model.loaded.scene.environment.is_some());
         let lights = &mut model.settings.lights;
         let several = lights.len() > 1;
         let mut removed = None;
@@ -68,7 +69,7 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
         let add = |ui: &mut Ui| {
             ui.small_button(rows::ADD_LIGHT.label).on_hover_text(rows::ADD_LIGHT.help()).clicked()
         };
-        if lights.len() < MAX_LIGHTS && add(ui) {
+        if lights.len() < most && add(ui) {
             let phi = lights.last().map_or(0.0, |l| (l.phi + 90.0) % 360.0);
             lights.push(Light { theta: 40.0, phi, intensity: 1.0, size: 0.0 });
         }
