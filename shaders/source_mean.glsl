@@ -107,6 +107,14 @@ float mean_power(Pair pair, vec2 toward, float q, float level) {
     return held(f) ? q * q * z * z * source.unit * fluctuation(f, z, level) : 0.0;
 }
 
+// The same averaged over a blur of `ratio` times the finest level's variance: a mixture of the two levels beside it, of the same variance.
+float averaged_power(Pair pair, vec2 toward, float q, float ratio) {
+    float level = min(level_of_ratio(ratio), source.last_level);
+    float power = mean_power(pair, toward, q, level);
+    float coarser = level < source.last_level ? (ratio * exp2(-2.0 * level) - 1.0) / 3.0 : 0.0;
+    return coarser > 0.0 ? mix(power, mean_power(pair, toward, q, level + 1.0), coarser) : power;
+}
+
 // The comb of wavelengths for |(u, v)| in units of the blur.
 ivec2 comb_of(float uv) {
     return combs[min(int(uv * (0.5 * float(UV_BINS))), UV_BINS - 1)];
@@ -123,13 +131,11 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
     Ellipse ellipse = ellipse_of(c);
     float own = max(ellipse.shorter, least_own(ellipse, source.blur, TAP_SPACING_OF_SUMS));
-    // What the level of a wavelength in the middle averages over.
-    float middle = min(level_of_ratio(source.orders + source.middle * own / source.finest), source.last_level);
-    float read = clamp((exp2(2.0 * middle) - source.orders) * source.finest / source.middle, 0.0, own);
-    // Samples do not share taps: each node of a tap reads one side of the longer axis alone.
+    // What the levels of a wavelength in the middle average over.
+    float coarsest = (exp2(2.0 * source.last_level) - source.orders) * source.finest / source.middle;
+    float read = clamp(coarsest, 0.0, own);
+    // Samples do not share taps: the wavelengths of several are not the same.
     Row row = row_of(spaced_taps(ellipse, own, read, source.blur, TAP_SPACING_OF_SUMS), 0);
-    // What the level of a wavelength lacks of the shorter axis is made up for by reading on both sides of the longer one in turn.
-    vec2 across = vec2(-ellipse.axis.y, ellipse.axis.x);
     float rays = rays_of(own);
     vec3 sum = vec3(0.0);
     float norm = 0.0;
@@ -142,16 +148,13 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
             vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
             float q = node.w;
             float ratio = source.orders + q * q * own / source.finest;
-            float level = min(level_of_ratio(ratio), source.last_level);
-            float rest = sqrt(max(ratio - exp2(2.0 * level), 0.0) * source.finest) / q;
-            colour += node.rgb * reflectance_at(pair, q) * mean_power(pair, toward + rest * across, q, level);
-            across = -across;
+            float power = averaged_power(pair, toward, q, ratio);
+            colour += node.rgb * reflectance_at(pair, q) * power;
         }
         float weight = exp(-row.fall * n * n);
         sum += weight * colour;
         norm += weight;
         n += 1.0;
-        across = (comb.y & 1) == 0 ? -across : across; // so that a wavelength has both sides
     } while (n < row.last);
     return sum * (pair.factor / (4.0 * PI) / norm);
 }

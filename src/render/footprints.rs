@@ -98,7 +98,7 @@ pub fn sizes(
 
 /// How large the footprints of shaded pixels in `directions` (one entry per light) are.
 pub fn sizes_of(directions: &[Directions]) -> FootprintSizes {
-    const BELOW_SHORTER: f64 = 0.1;
+    const BELOW_SHORTER: f64 = 0.02;
     const BELOW_LONGER: f64 = 0.25;
     let all = Distribution::of(directions);
     // One sample has one filter, whatever the light.

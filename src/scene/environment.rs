@@ -118,6 +118,8 @@ struct Picture {
     rows: Vec<f64>,
     /// The same for the pixels of each row.
     columns: Vec<f64>,
+    /// Sum of all pixels' brightness times the [`sine`] of their row.
+    total: f64,
 }
 
 impl Environment {
@@ -159,9 +161,9 @@ impl Environment {
         let (row, down) = drawn(&picture.rows, point[1]);
         let of_row = &picture.columns[row * picture.width..][..picture.width];
         let (column, across) = drawn(of_row, point[0]);
-        let before = |parts: &[f64], i: usize| if i == 0 { 0.0 } else { parts[i - 1] };
-        let chance =
-            (picture.rows[row] - before(&picture.rows, row)) * (of_row[column] - before(of_row, column));
+        let radiance = picture.radiance[row * picture.width + column].as_dvec3();
+        // Not from the differences of sums, which rounding leaves nothing of where a pixel is dark beside others.
+        let chance = brightness(radiance) * sine(row, picture.height) / picture.total;
         let [top, bottom] = [row, row + 1].map(|i| (PI * i as f64 / picture.height as f64).cos());
         let solid_angle = TAU / picture.width as f64 * (top - bottom);
         // Even within a pixel.
@@ -174,7 +176,7 @@ impl Environment {
         let share = WIDER * part / f64::from(count.max(1));
         Incident {
             direction: DVec3::new(flat * cos, flat * sin, z),
-            irradiance: picture.radiance[row * picture.width + column] * scale as f32,
+            irradiance: (radiance * scale).as_vec3(),
             variance: variance_of(share),
         }
     }
@@ -211,6 +213,16 @@ impl Environment {
         let flat = (1.0 - z * z).max(0.0).sqrt();
         DVec3::new(flat * azimuth.cos(), flat * azimuth.sin(), z)
     }
+}
+
+/// How likely light of this radiance is drawn, in relation to other light.
+fn brightness(radiance: DVec3) -> f64 {
+    LUMINANCE.dot(radiance).max(0.0)
+}
+
+/// Sine of the angle from up to the middle of `row` of `height`, to which the solid angle of its pixels is nearly proportional.
+fn sine(row: usize, height: usize) -> f64 {
+    (PI * (row as f64 + 0.5) / height as f64).sin()
 }
 
 /// Variance of the directions within a cap of this solid angle \[sr\], along each axis across its centre.
@@ -260,13 +272,12 @@ impl Picture {
         let mut columns = Vec::with_capacity(radiance.len());
         let mut totals = Vec::with_capacity(height);
         for (row, pixels) in radiance.chunks_exact(width).enumerate() {
-            let sine = (PI * (row as f64 + 0.5) / height as f64).sin();
-            let (parts, sum) = parts(pixels.iter().map(|c| LUMINANCE.dot(c.as_dvec3()).max(0.0)));
+            let (parts, sum) = parts(pixels.iter().map(|c| brightness(c.as_dvec3())));
             columns.extend(parts);
-            totals.push(sum * sine);
+            totals.push(sum * sine(row, height));
         }
-        let (rows, _) = parts(totals.into_iter());
-        Self { width, height, radiance, rows, columns }
+        let (rows, total) = parts(totals.into_iter());
+        Self { width, height, radiance, rows, columns, total }
     }
 
     fn read(path: &Path) -> Result<Self> {
