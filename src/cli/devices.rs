@@ -10,6 +10,9 @@ use clap::Args;
 
 /// Arguments of `devices`.
 #[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  diffract devices
+  diffract devices --device cpu")]
 pub struct Arguments {
     #[command(flatten)]
     device: DeviceOptions,

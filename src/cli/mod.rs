@@ -9,6 +9,7 @@ mod devices;
 mod eval;
 mod evaluation;
 mod finished;
+mod manual;
 mod options;
 mod peaks;
 mod prepare;
@@ -84,6 +85,12 @@ enum Command {
     Cache(cache::Arguments),
     /// What Vulkan offers here and why one device is chosen
     Devices(devices::Arguments),
+    /// The help of a command
+    Help(manual::HelpArguments),
+    /// What a shell needs to complete commands and options
+    Completions(manual::CompletionArguments),
+    /// Pages for `man`, one for each command
+    Manual(manual::ManualArguments),
 }
 
 /// Runs the program on the process's own arguments.
@@ -112,6 +119,9 @@ fn run(arguments: Arguments) -> Result<()> {
         Command::Surface(command) => surface::run(&command),
         Command::Cache(arguments) => cache::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
+        Command::Help(arguments) => manual::help(&arguments),
+        Command::Completions(arguments) => manual::completions(&arguments),
+        Command::Manual(arguments) => manual::manual(&arguments),
     }
 }
 

@@ -19,7 +19,7 @@ const MICROMETRES_PER_METRE: f64 = 1e6;
 /// Where the device is lost.
 pub fn tell(painter: &mut Painter, view: &View, scene: &Scene, coherence: Coherence) -> Result<()> {
     let Coherence::Gaussian { length } = coherence else { return Ok(()) };
-    if quiet() || view.lights.is_empty() {
+    if quiet() || view.light_count() == 0 {
         return Ok(());
     }
     let Some(area) = median_pixel_area(painter, view)? else { return Ok(()) };
@@ -28,7 +28,8 @@ pub fn tell(painter: &mut Painter, view: &View, scene: &Scene, coherence: Cohere
     detail(&format_args!(
         "a pixel shows {:.3} mm2 of the surface (median), {areas:.3} coherence areas of ({length} um)2; a unit of the scene is {} m",
         area * (scene.unit * 1e3).powi(2),
-        scene.unit
+        // To a nanometre: no unit is known better.
+        (scene.unit * 1e9).round() / 1e9
     ));
     if areas < FEWEST {
         say(&format_args!(

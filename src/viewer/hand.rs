@@ -153,15 +153,14 @@ impl Hand {
 
     /// Presses a key.
     pub fn key(&mut self, key: Key) {
-        let event = |pressed| Event::Key {
-            key,
-            physical_key: None,
-            pressed,
-            repeat: false,
-            modifiers: Modifiers::NONE,
-        };
-        self.pass(vec![event(true)]);
-        self.pass(vec![event(false)]);
+        self.key_held(key, Modifiers::NONE);
+    }
+
+    /// Presses a key while `modifiers` are held.
+    pub fn key_held(&mut self, key: Key, modifiers: Modifiers) {
+        let event = |pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
+        self.pass(vec![Event::ModifiersChanged(modifiers), event(true)]);
+        self.pass(vec![event(false), Event::ModifiersChanged(Modifiers::NONE)]);
         self.rest();
     }
 

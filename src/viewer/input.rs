@@ -1,5 +1,6 @@
 //! Keys, and the pointer over the picture.
 
+use super::changes::Step;
 use super::compare::Compare;
 use super::model::{Model, SaveAs};
 use super::orbit::{self, Drag};
@@ -7,13 +8,15 @@ use egui::{Key, Modifiers, MouseWheelUnit, PointerButton, Rect, Sense, Ui};
 use glam::Vec2;
 
 /// Every key and gesture with its meaning, as F1 lists them.
-pub const KEYS: [(&str, &str); 17] = [
+pub const KEYS: [(&str, &str); 19] = [
     ("left drag", "orbit"),
     ("wheel", "zoom"),
     ("middle or Shift + left drag", "pan"),
     ("right or Ctrl + left drag", "move the first light over the hemisphere"),
     ("double click", "look at the point under the pointer"),
     ("F", "show the whole mesh"),
+    ("Ctrl + Z", "undo the last change"),
+    ("Ctrl + Y", "redo it"),
     ("R", "reset all settings"),
     ("S", "save the picture as PNG; Shift + S: as EXR too"),
     ("C", "compare: off, split, error in false colour"),
@@ -33,6 +36,7 @@ pub fn keys(ui: &Ui, model: &mut Model) {
         return;
     }
     let list_is_open = egui::Popup::is_any_open(ui.ctx());
+    let mut step = None;
     ui.input(|i| {
         // Repeats of a held key are ignored: none of these actions should be repeated.
         let pressed = |wanted: Key| {
@@ -40,6 +44,12 @@ pub fn keys(ui: &Ui, model: &mut Model) {
                 |e| matches!(e, egui::Event::Key { key, pressed: true, repeat: false, .. } if *key == wanted),
             )
         };
+        if i.modifiers.command && pressed(Key::Z) {
+            step = Some(if i.modifiers.shift { Step::Forward } else { Step::Back });
+        }
+        if i.modifiers.command && pressed(Key::Y) {
+            step = Some(Step::Forward);
+        }
         model.actions.reset |= pressed(Key::R);
         model.actions.frame |= pressed(Key::F);
         if pressed(Key::S) {
@@ -64,6 +74,9 @@ pub fn keys(ui: &Ui, model: &mut Model) {
             }
         }
     });
+    if let Some(settings) = step.and_then(|step| model.changes.step(step)) {
+        model.settings = settings;
+    }
 }
 
 /// Applies the pointer over the picture in `rect` to `model`, where it is within `touched`.

@@ -12,6 +12,7 @@ const EDGE: f32 = 4.0;
 
 /// Shows the panel and what lies over the picture; the picture's rectangle.
 pub fn show(ui: &mut Ui, model: &mut Model) -> Rect {
+    model.changes.begin(&model.settings);
     input::keys(ui, model);
     let frame =
         egui::Frame::new().fill(style::PANEL).inner_margin(Margin { left: 12, right: 6, top: 4, bottom: 4 });
@@ -32,6 +33,8 @@ pub fn show(ui: &mut Ui, model: &mut Model) -> Rect {
     overlay::show(ui, picture, model);
     handle(ui, picture, model);
     model.visible.typing = ui.ctx().text_edit_focused();
+    let finished = !model.visible.typing && !ui.input(|i| i.pointer.any_down());
+    model.changes.end(&model.settings, finished);
     picture
 }
 
@@ -59,7 +62,7 @@ mod tests {
     use crate::viewer::input::KEYS;
     use crate::viewer::panel::LEAST_WIDTH;
     use crate::viewer::panel::rows::{ALL, Row};
-    use egui::{Key, Pos2, pos2, vec2};
+    use egui::{Key, Modifiers, Pos2, pos2, vec2};
 
     const LARGE: [f32; 2] = [900.0, 1400.0];
 
@@ -262,6 +265,24 @@ mod tests {
         hand.press("sinusoid");
         hand.press("skin.png");
         assert_eq!(hand.model.settings.surface, file);
+    }
+
+    #[test]
+    fn settings_and_drags_are_undone_and_redone() {
+        let mut hand = Hand::new(LARGE, 1.0);
+        let start = hand.model.settings.clone();
+        hand.press("neutral");
+        let toned = hand.model.settings.clone();
+        hand.drag(pos2(100.0, 300.0), pos2(200.0, 340.0));
+        let turned = hand.model.settings.clone();
+        assert!(start != toned && toned.camera != turned.camera);
+        hand.key_held(Key::Z, Modifiers::COMMAND);
+        assert!(hand.model.settings == toned, "a drag is one change");
+        hand.key_held(Key::Z, Modifiers::COMMAND);
+        assert!(hand.model.settings == start);
+        hand.key_held(Key::Y, Modifiers::COMMAND);
+        hand.key_held(Key::Z, Modifiers::COMMAND | Modifiers::SHIFT);
+        assert!(hand.model.settings == turned);
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 mod app;
 pub mod atlas;
+mod changes;
 mod compare;
 mod controls;
 pub mod error_probe;

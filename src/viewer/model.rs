@@ -1,5 +1,6 @@
 //! The state that panel, input and background threads share: what the user has set, and what there is to show.
 
+use super::changes::Changes;
 use super::compare::{self, Compare};
 use super::controls::in_controls;
 use super::error_probe::ProbeStatus;
@@ -242,6 +243,8 @@ pub struct DefaultView {
 pub struct Model {
     /// What the user has set.
     pub settings: ViewSettings,
+    /// The changes of them that can be undone.
+    pub changes: Changes,
     /// The settings at the start.
     pub original: ViewSettings,
     /// The settings of the picture that is shown; those of the user may still be in preparation.
@@ -288,6 +291,7 @@ impl Model {
     /// The state at the start, to keep `fps` frames a second on `device`.
     pub fn new(settings: ViewSettings, loaded: Arc<LoadedScene>, fps: f64, device: String) -> Self {
         let mut model = Self {
+            changes: Changes::new(settings.clone()),
             original: settings.clone(),
             applied: settings.clone(),
             comparison: Comparison {

@@ -219,6 +219,8 @@ fn sound(command: &[&str]) -> Vec<&'static str> {
         ["surface", "info"] => SURFACE.to_vec(),
         ["surface", "convert"] => [&SURFACE[..], &["--output", "out.gsf"]].concat(),
         ["surface", "synth"] => vec!["blaze", "--output", "out.png"],
+        ["completions"] => vec!["bash"],
+        ["manual"] => vec!["folder.png"],
         _ => vec![],
     }
 }

@@ -3,7 +3,7 @@
 use crate::sandbox::Sandbox;
 
 /// Every command and what its help has to mention.
-pub const COMMANDS: [(&[&str], &str); 14] = [
+pub const COMMANDS: [(&[&str], &str); 17] = [
     (&["view"], "--fps"),
     (&["render"], "--exposure"),
     (&["eval"], "--queries"),
@@ -18,6 +18,9 @@ pub const COMMANDS: [(&[&str], &str); 14] = [
     (&["cache"], "clear"),
     (&["cache", "clear"], "Remove"),
     (&["devices"], "--device"),
+    (&["help"], "COMMAND"),
+    (&["completions"], "bash"),
+    (&["manual"], "FOLDER"),
 ];
 
 #[test]
@@ -30,8 +33,32 @@ fn help_of_every_command_goes_to_stdout_with_exit_code_0() {
         for flag in ["--help", "-h"] {
             let help = sandbox.run2(command, &[flag]).done();
             assert!(help.contains(mentioned) && help.contains("Usage: diffract"), "{command:?}: {help}");
+            assert!(
+                help.contains("Example") || [&["surface"][..], &["cache", "clear"]].contains(&command),
+                "{command:?} has no example"
+            );
         }
     }
+}
+
+#[test]
+fn help_completions_and_pages_for_man_come_from_the_program() {
+    let sandbox = Sandbox::new();
+    for command in [&[][..], &["render"], &["surface", "info"]] {
+        assert_eq!(sandbox.run2(&["help"], command).done(), sandbox.run2(command, &["--help"]).done());
+    }
+    assert!(sandbox.run(["help", "rendr"]).refused(2).contains("no command `rendr`"));
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = sandbox.run(["completions", shell]).done();
+        assert!(script.contains("render") && script.contains("tolerance"), "{shell}");
+    }
+    sandbox.run(["manual", "."]).done();
+    let page = |name: &str| String::from_utf8(sandbox.read(name)).unwrap();
+    assert!(
+        page("diffract.1").contains("diffract-render(1)") && page("diffract-render.1").contains("exposure")
+    );
+    assert!(page("diffract-surface-info.1").starts_with(".ie"), "a page for man");
+    assert!(sandbox.run(["manual", "nowhere"]).refused(2).contains("no such folder"));
 }
 
 #[test]

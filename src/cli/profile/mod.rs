@@ -15,6 +15,10 @@ use std::path::PathBuf;
 
 /// Arguments of `profile`.
 #[derive(Args, Clone, Debug)]
+#[command(after_help = "Examples:
+  diffract profile
+  diffract profile disc --method spectral --tolerance 5e-2 --size 640x480 --error 2000
+  diffract profile --fps 15 --json profile.json")]
 pub struct Arguments {
     #[command(flatten)]
     pub benchmark: BenchmarkOptions,

@@ -17,6 +17,7 @@ const TYPICAL_HEIGHT: f64 = 0.5;
 
 impl ViewerWindow {
     pub(super) fn carry_out(&mut self, actions: Actions) {
+        self.model.changes.begin(&self.model.settings);
         if actions.frame {
             self.model.frame_view();
         }
@@ -29,6 +30,7 @@ impl ViewerWindow {
         if let Some(at) = actions.focus {
             self.focus(at.into());
         }
+        self.model.changes.act(&self.model.settings);
         if let Some(format) = actions.save {
             self.request_save(format);
         }

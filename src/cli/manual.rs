@@ -1,0 +1,84 @@
+//! `diffract help`, `completions` and `manual`: the command line told to people, shells and `man`, all from its one description.
+
+use super::{Arguments, write};
+use crate::error::{Error, Result};
+use crate::output;
+use clap::{Args, Command, CommandFactory};
+use clap_complete::Shell;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `help`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  diffract help render
+  diffract help surface info")]
+pub struct HelpArguments {
+    /// The command, as in `surface info`; without one, all of them
+    #[arg(value_name = "COMMAND")]
+    command: Vec<String>,
+}
+
+/// Arguments of `completions`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  diffract completions bash > ~/.local/share/bash-completion/completions/diffract
+  diffract completions zsh > ~/.zfunc/_diffract
+  diffract completions fish > ~/.config/fish/completions/diffract.fish")]
+pub struct CompletionArguments {
+    /// The shell that completes words
+    #[arg(value_name = "SHELL")]
+    shell: Shell,
+}
+
+/// Arguments of `manual`.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:
+  diffract manual ~/.local/share/man/man1 && man diffract-render")]
+pub struct ManualArguments {
+    /// The folder that they go to, which is there already
+    #[arg(value_name = "FOLDER")]
+    folder: PathBuf,
+}
+
+/// Prints the help of a command.
+pub fn help(arguments: &HelpArguments) -> Result<()> {
+    let mut all = described();
+    let mut command = &mut all;
+    for word in &arguments.command {
+        command = command.find_subcommand_mut(word).ok_or_else(|| {
+            Error::usage(format!("there is no command `{word}`"), "see `diffract help` for all of them")
+        })?;
+    }
+    write::stdout(&command.render_long_help().to_string())
+}
+
+/// Prints what a shell reads to complete the program's words.
+pub fn completions(arguments: &CompletionArguments) -> Result<()> {
+    let mut script = Vec::new();
+    clap_complete::generate(arguments.shell, &mut Arguments::command(), "diffract", &mut script);
+    write::stdout(&String::from_utf8_lossy(&script))
+}
+
+/// Writes a page for each command.
+pub fn manual(arguments: &ManualArguments) -> Result<()> {
+    if !arguments.folder.is_dir() {
+        let what = format!("{}: there is no such folder", arguments.folder.display());
+        return Err(Error::usage(what, "make it, or name another"));
+    }
+    pages(&described(), &arguments.folder)
+}
+
+/// The description, with the full name of each command.
+fn described() -> Command {
+    let mut command = Arguments::command();
+    command.build();
+    command
+}
+
+/// Writes the page of `command` and those of the commands below it.
+fn pages(command: &Command, folder: &Path) -> Result<()> {
+    let page = clap_mangen::Man::new(command.clone());
+    let path = folder.join(page.get_filename());
+    output::write_atomically(&path, |file| page.render(file).map_err(|e| output::write_failed(&path, &e)))?;
+    command.get_subcommands().try_for_each(|below| pages(below, folder))
+}

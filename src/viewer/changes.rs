@@ -1,0 +1,141 @@
+//! Undo and redo of what the user sets.
+
+use super::settings::ViewSettings;
+
+/// The settings before and after the present ones. A drag is one change.
+pub struct Changes {
+    present: ViewSettings,
+    // The newest last.
+    earlier: Vec<ViewSettings>,
+    later: Vec<ViewSettings>,
+    // Whether the user is in the middle of a change.
+    unfinished: bool,
+}
+
+/// A direction in the list of changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Undo.
+    Back,
+    /// Redo.
+    Forward,
+}
+
+impl Changes {
+    /// Settings that are kept to return to.
+    const MOST: usize = 100;
+
+    /// None yet.
+    pub fn new(present: ViewSettings) -> Self {
+        Self { present, earlier: Vec::new(), later: Vec::new(), unfinished: false }
+    }
+
+    /// Takes over `settings` as they are before the user acts: what the window itself has changed, such as a view that is fitted to another size, is no
+    /// change to undo. There is no way back to another scene.
+    pub fn begin(&mut self, settings: &ViewSettings) {
+        if self.unfinished || *settings == self.present {
+            return;
+        }
+        if settings.scene != self.present.scene {
+            self.earlier.clear();
+            self.later.clear();
+        }
+        self.present.clone_from(settings);
+    }
+
+    /// Takes note of what the user has changed in `settings`, once it is `finished`.
+    pub fn end(&mut self, settings: &ViewSettings, finished: bool) {
+        self.unfinished = *settings != self.present && !finished;
+        if !finished || *settings == self.present {
+            return;
+        }
+        self.earlier.push(std::mem::replace(&mut self.present, settings.clone()));
+        self.later.clear();
+        if self.earlier.len() > Self::MOST {
+            self.earlier.remove(0);
+        }
+    }
+
+    /// Takes note of what an action of the user has changed between two passes of the panel.
+    pub fn act(&mut self, settings: &ViewSettings) {
+        if !self.unfinished {
+            self.end(settings, true);
+        }
+    }
+
+    /// The settings a step away; `None` where there are none, or in the middle of a change.
+    pub fn step(&mut self, step: Step) -> Option<ViewSettings> {
+        if self.unfinished {
+            return None;
+        }
+        let (from, to) = match step {
+            Step::Back => (&mut self.earlier, &mut self.later),
+            Step::Forward => (&mut self.later, &mut self.earlier),
+        };
+        // A change that was refused has left the same settings twice.
+        while from.last() == Some(&self.present) {
+            from.pop();
+        }
+        let next = from.pop()?;
+        to.push(std::mem::replace(&mut self.present, next.clone()));
+        Some(next)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::settings::tests::settings;
+    use super::*;
+
+    fn exposed(exposure: f64) -> ViewSettings {
+        ViewSettings { exposure, ..settings().0 }
+    }
+
+    /// A change from the present settings to `exposure`.
+    fn change(changes: &mut Changes, exposure: f64) {
+        let before = changes.present.clone();
+        changes.begin(&before);
+        changes.end(&exposed(exposure), true);
+    }
+
+    #[test]
+    fn changes_are_undone_in_turn_and_redone_until_another_one_is_made() {
+        let mut changes = Changes::new(exposed(0.0));
+        assert!(changes.step(Step::Back).is_none() && changes.step(Step::Forward).is_none());
+        [1.0, 2.0, 3.0].into_iter().for_each(|exposure| change(&mut changes, exposure));
+        let mut step = |step| changes.step(step).map(|settings| settings.exposure);
+        assert_eq!([step(Step::Back), step(Step::Back)], [Some(2.0), Some(1.0)]);
+        assert_eq!([step(Step::Forward), step(Step::Back)], [Some(2.0), Some(1.0)]);
+        change(&mut changes, 7.0);
+        assert!(changes.step(Step::Forward).is_none());
+        assert_eq!(changes.step(Step::Back).map(|s| s.exposure), Some(1.0));
+    }
+
+    #[test]
+    fn a_drag_is_one_change_and_what_the_window_changes_is_none() {
+        let mut changes = Changes::new(exposed(0.0));
+        for exposure in [0.1, 0.2, 0.3] {
+            changes.begin(&exposed(exposure));
+            changes.end(&exposed(exposure + 0.05), false);
+            assert!(changes.step(Step::Back).is_none(), "in the middle of a drag");
+        }
+        changes.end(&exposed(0.4), true);
+        changes.begin(&exposed(0.9));
+        assert_eq!(changes.step(Step::Back).map(|s| s.exposure), Some(0.0));
+        assert_eq!(changes.step(Step::Forward).map(|s| s.exposure), Some(0.9));
+    }
+
+    #[test]
+    fn refused_settings_take_no_step_and_another_scene_begins_anew() {
+        let mut changes = Changes::new(exposed(0.0));
+        change(&mut changes, 1.0);
+        change(&mut changes, 2.0);
+        changes.begin(&exposed(1.0)); // the window returns to what is shown
+        assert_eq!(changes.step(Step::Back).map(|s| s.exposure), Some(0.0));
+        change(&mut changes, 3.0);
+        changes.begin(&ViewSettings { scene: "disc".to_owned(), ..exposed(3.0) });
+        assert!(changes.step(Step::Back).is_none());
+        (0..300).for_each(|i| change(&mut changes, f64::from(i)));
+        assert_eq!(changes.earlier.len(), Changes::MOST);
+    }
+}
