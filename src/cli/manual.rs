@@ -1,10 +1,11 @@
 //! `diffract help`, `completions` and `manual`: the command line told to people, shells and `man`, all from its one description.
 
-use super::{Arguments, write};
+use super::{Arguments, usage, write};
 use crate::error::{Error, Result};
 use crate::output;
 use clap::{Args, Command, CommandFactory};
 use clap_complete::Shell;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `help`.
@@ -40,16 +41,11 @@ pub struct ManualArguments {
     folder: PathBuf,
 }
 
-/// Prints the help of a command.
+/// Prints the help of a command, as its own `--help` does.
 pub fn help(arguments: &HelpArguments) -> Result<()> {
-    let mut all = described();
-    let mut command = &mut all;
-    for word in &arguments.command {
-        command = command.find_subcommand_mut(word).ok_or_else(|| {
-            Error::usage(format!("there is no command `{word}`"), "see `diffract help` for all of them")
-        })?;
-    }
-    write::stdout(&command.render_long_help().to_string())
+    let words =
+        ["diffract"].into_iter().chain(arguments.command.iter().map(String::as_str)).chain(["--help"]);
+    usage::parse(words.map(OsString::from)).map(drop)
 }
 
 /// Prints what a shell reads to complete the program's words.
@@ -65,14 +61,9 @@ pub fn manual(arguments: &ManualArguments) -> Result<()> {
         let what = format!("{}: there is no such folder", arguments.folder.display());
         return Err(Error::usage(what, "make it, or name another"));
     }
-    pages(&described(), &arguments.folder)
-}
-
-/// The description, with the full name of each command.
-fn described() -> Command {
-    let mut command = Arguments::command();
-    command.build();
-    command
+    let mut all = Arguments::command();
+    all.build(); // the full name of each command
+    pages(&all, &arguments.folder)
 }
 
 /// Writes the page of `command` and those of the commands below it.

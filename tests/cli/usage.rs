@@ -47,7 +47,7 @@ fn help_completions_and_pages_for_man_come_from_the_program() {
     for command in [&[][..], &["render"], &["surface", "info"]] {
         assert_eq!(sandbox.run2(&["help"], command).done(), sandbox.run2(command, &["--help"]).done());
     }
-    assert!(sandbox.run(["help", "rendr"]).refused(2).contains("no command `rendr`"));
+    assert!(sandbox.run(["help", "rendr"]).refused(2).contains("do you mean render?"));
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let script = sandbox.run(["completions", shell]).done();
         assert!(script.contains("render") && script.contains("tolerance"), "{shell}");
@@ -107,7 +107,7 @@ fn wrong_use_is_one_line_with_exit_code_2_that_names_where_the_help_is() {
         (&["surface"], &["no command", "`diffract surface --help`"]),
         (&["rendr"], &["'rendr'", "render?", "`diffract --help`"]),
         (&[""], &["''"]),
-        (&["help"], &["'help'", "`diffract --help`"]),
+        (&["help", "now"], &["'now'", "`diffract --help`"]),
         (&["--hepl"], &["--hepl", "`diffract --help`"]),
         (&["render"], &["--output", "`diffract render --help`"]),
         (&["render", "-o"], &["--output", "`diffract render --help`"]),
