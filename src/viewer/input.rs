@@ -8,15 +8,14 @@ use egui::{Key, Modifiers, MouseWheelUnit, PointerButton, Rect, Sense, Ui};
 use glam::Vec2;
 
 /// Every key and gesture with its meaning, as F1 lists them.
-pub const KEYS: [(&str, &str); 19] = [
+pub const KEYS: [(&str, &str); 18] = [
     ("left drag", "orbit"),
     ("wheel", "zoom"),
     ("middle or Shift + left drag", "pan"),
     ("right or Ctrl + left drag", "move the first light over the hemisphere"),
     ("double click", "look at the point under the pointer"),
     ("F", "show the whole mesh"),
-    ("Ctrl + Z", "undo the last change"),
-    ("Ctrl + Y", "redo it"),
+    ("Ctrl + Z, Ctrl + Y", "undo and redo the last change"),
     ("R", "reset all settings"),
     ("S", "save the picture as PNG; Shift + S: as EXR too"),
     ("C", "compare: off, split, error in false colour"),
