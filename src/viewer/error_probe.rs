@@ -32,7 +32,7 @@ pub fn directions(painter: &mut Painter, view: &View) -> Result<Vec<Directions>>
     (0..view.light_count()).map(|light| painter.directions(view, light)).collect()
 }
 
-/// About [`COUNTED`] of `pixels`, evenly spaced.
+/// Some of `pixels`, evenly spaced: enough to count the cost of a picture.
 pub fn thinned(directions: &[Directions], pixels: usize) -> Vec<Directions> {
     // With an odd stride the samples of a picture of even width are not confined to a few columns.
     let stride = (pixels / COUNTED).max(1) | 1;
