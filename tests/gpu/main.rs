@@ -22,4 +22,5 @@ mod picture;
 mod promise;
 mod repeats;
 mod thesis;
+#[cfg(feature = "viewer")]
 mod viewer;
