@@ -13,6 +13,7 @@ use crate::render::shading::Shading;
 use crate::render::tables::Combs;
 use crate::render::upload;
 use crate::spectra::power::chebyshev::polynomials;
+use crate::spectra::power::read::level_of_ratio;
 use crate::spectra::power::{Blur, PowerSpectra};
 use crate::vk::buffer::Buffer;
 use crate::vk::device::Device;
@@ -206,7 +207,6 @@ impl Mean {
         let per_wavelength = header.terms.div_ceil(4) * header.grid.kernel.samples().pow(2) as usize;
         let mean = |v: [f64; 2]| 0.5 * (v[0] + v[1]);
         let (finest, orders) = (mean(header.grid.blur.variance), mean(header.orders_blur.variance));
-        let last_level = (header.grid.levels - 1) as f64;
         let mut cost = Cost::default();
         for (index, seen) in directions.iter().enumerate() {
             for i in (0..seen.view.len()).filter(|&i| seen.view[i][3] != 0.0) {
@@ -215,7 +215,7 @@ impl Mean {
                 let [_, shorter] = around.axes();
                 let coherence = BLUE * BLUE * finest;
                 let own = shorter.max(Taps::least_own(&around, coherence, SPACING_OF_SUMS));
-                let coarsest = MIDDLE.powi(2) * (finest * 4f64.powf(last_level) - orders);
+                let coarsest = MIDDLE.powi(2) * (finest * 4f64.powi(header.grid.levels as i32 - 1) - orders);
                 let read = coarsest.clamp(0.0, own);
                 let taps = Taps::spaced(&around, [own, read], coherence, SPACING_OF_SUMS).one_row();
                 let direction = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
@@ -225,7 +225,8 @@ impl Mean {
                     let nodes = combs.nodes_at((toward + place).length() * rays);
                     let levels = |node: &[f32; 4]| {
                         let ratio = (orders + f64::from(node[3]).powi(2) * own) / finest;
-                        levels_read(ratio, last_level)
+                        // Two, unless the blur is that of a level.
+                        if level_of_ratio(ratio, header.grid.levels).fract() > 0.0 { 2 } else { 1 }
                     };
                     cost.wavelengths += nodes.len();
                     cost.samples += nodes.iter().map(levels).sum::<usize>() * per_wavelength;
@@ -234,10 +235,4 @@ impl Mean {
         }
         cost
     }
-}
-
-/// How many levels are read for a blur of `ratio` times the finest level's variance: two, unless it is that of a level.
-fn levels_read(ratio: f64, last_level: f64) -> usize {
-    let level = (0.5 * ratio.max(1.0).log2()).floor().min(last_level);
-    if level < last_level && ratio > 4f64.powf(level) { 2 } else { 1 }
 }
