@@ -1,6 +1,8 @@
 //! Reading files that anybody may have written: only regular files, only as large as they can sensibly be.
 
 use crate::error::{Error, Result};
+use exr::math::Vec2;
+use exr::meta::{BlockDescription, MetaData};
 use image::{DynamicImage, ImageFormat, ImageReader};
 use std::fmt;
 use std::fs::File;
@@ -97,11 +99,39 @@ impl PictureFile {
     /// Where it has another format or a larger side, or is damaged.
     pub fn decode(&self, bytes: &[u8]) -> Result<DynamicImage> {
         let mut reader = self.reader(bytes)?;
+        if reader.format() == Some(ImageFormat::OpenExr) {
+            self.check_stored(bytes)?;
+        }
         let mut limits = image::Limits::default();
         limits.max_image_width = Some(self.side);
         limits.max_image_height = Some(self.side);
         reader.limits(limits);
         reader.decode().map_err(|e| self.refuse(&e))
+    }
+
+    /// Fails where an EXR file stores far more than the picture that it shows, or in blocks that are larger than the picture: its decoder
+    /// takes their memory unasked.
+    fn check_stored(&self, bytes: &[u8]) -> Result<()> {
+        /// Pixels that are stored around those that are shown may be so many times as many.
+        const OVERSCAN: u64 = 4;
+        /// Pixels of the largest tile that a smaller picture may be stored in.
+        const TILE: u64 = 1 << 20;
+        let meta = MetaData::read_from_buffered(bytes, false).map_err(|e| self.refuse(&e))?;
+        let area = |size: Vec2<usize>| (size.0 as u64).saturating_mul(size.1 as u64);
+        for header in &meta.headers {
+            let (shown, stored) =
+                (area(header.shared_attributes.display_window.size), area(header.layer_size));
+            let block = match header.blocks {
+                BlockDescription::Tiles(tiles) => area(tiles.tile_size),
+                BlockDescription::ScanLines => stored,
+            };
+            if stored > shown.saturating_mul(OVERSCAN) || block > stored.max(TILE) {
+                let cause =
+                    format!("it shows {shown} pixels and stores {stored}, in blocks of up to {block}");
+                return Err(self.refuse(&cause));
+            }
+        }
+        Ok(())
     }
 
     fn reader<'a>(&self, bytes: &'a [u8]) -> Result<ImageReader<Cursor<&'a [u8]>>> {

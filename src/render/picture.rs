@@ -10,22 +10,23 @@ use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
 use super::source::{BoundSource, Source};
 use super::target::{self, Geometry, GeometrySettings, Target};
-use crate::error::{Error, Result};
-use crate::optics::footprint::{Covariance, Share};
+use crate::error::Result;
 use crate::scene::{MAX_LIGHTS, Mesh};
 use crate::vk::access::Access;
-use crate::vk::commands::{Commands, FAR, Recorder};
+use crate::vk::commands::{Commands, Recorder};
 use crate::vk::device::Device;
-use crate::vk::image::Image;
 use crate::vk::queries::Timestamps;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
 
+mod directions;
 pub mod samples;
 mod tiles;
 pub mod timing;
 
+use directions::Part;
+pub use directions::{Directions, Pixel};
 use tiles::Tiles;
 
 /// Draws pictures of one mesh with one surface.
@@ -51,7 +52,18 @@ pub struct Painter {
     accumulation: Option<Accumulation>,
     // What the samples in its sum are of.
     summed: Option<samples::Summed>,
+    // What the `Frame` block is of, and what the geometry images hold.
+    written: Option<Written>,
+    found: Option<Written>,
     device: Arc<Device>,
+}
+
+/// What is asked of the geometry pass.
+#[derive(Clone, PartialEq)]
+struct Written {
+    view: View,
+    sample: Sample,
+    size: [u32; 2],
 }
 
 /// What can be displayed and read back.
@@ -86,50 +98,6 @@ pub struct Picture {
     pub radiance: Vec<[f32; 4]>,
     /// What is displayed, sRGB-encoded and opaque RGBA: the mesh over the background.
     pub display: Vec<[u8; 4]>,
-}
-
-/// The directions that a frame shades.
-#[derive(Clone, Debug, Default)]
-pub struct Directions {
-    /// ω_i per pixel (w: covered).
-    pub light: Vec<[f32; 4]>,
-    /// ω_r per pixel (w: covered).
-    pub view: Vec<[f32; 4]>,
-    /// du/dx, dv/dx, du/dy, dv/dy per pixel, as [`Geometry::footprints`] has them; zero where nothing is covered. Empty where the
-    /// painter was not asked for footprints.
-    pub footprints: Vec<[f32; 4]>,
-    /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
-    pub filter: f64,
-    /// Which of the samples of each pixel they are.
-    pub share: Share,
-    /// Irradiance over π of a surface that faces the light, linear sRGB.
-    pub irradiance: DVec3,
-    /// Radiance of the surroundings in the mirrored direction of each pixel, linear sRGB; zero where nothing is covered. Where it is not
-    /// empty, the light is drawn from the surroundings, and their specular order is this.
-    pub mirrored: Vec<[f32; 3]>,
-}
-
-impl Directions {
-    /// Those of the pixels number `chosen` alone.
-    pub fn of_pixels(&self, chosen: &[usize]) -> Self {
-        fn some<T: Copy>(all: &[T], chosen: &[usize]) -> Vec<T> {
-            chosen.iter().filter_map(|&i| all.get(i)).copied().collect()
-        }
-        Self {
-            light: some(&self.light, chosen),
-            view: some(&self.view, chosen),
-            footprints: some(&self.footprints, chosen),
-            mirrored: some(&self.mirrored, chosen),
-            ..*self
-        }
-    }
-
-    /// What shading averages over at pixel number `i`; nothing where the painter was not asked for footprints.
-    pub fn covariance(&self, i: usize) -> Covariance {
-        let Some(&footprint) = self.footprints.get(i) else { return Covariance::default() };
-        let [a, b, c, d] = footprint.map(f64::from);
-        Covariance::of_footprint(DVec2::new(a, b), DVec2::new(c, d), self.filter)
-    }
 }
 
 impl Painter {
@@ -177,6 +145,8 @@ impl Painter {
             shows: Content::Nothing,
             accumulation: None,
             summed: None,
+            written: None,
+            found: None,
             device: device.clone(),
         })
     }
@@ -186,10 +156,10 @@ impl Painter {
     /// # Errors
     /// Where the device has no room.
     pub fn resize(&mut self, size: [u32; 2], lights: usize) -> Result<()> {
-        self.forget();
         let old = self.geometry.settings;
         let settings = GeometrySettings { lights: lights.min(MAX_LIGHTS), ..old };
         if settings != old || size != self.target.size() {
+            self.forget();
             self.find_anew(size, settings)?;
         }
         if size != self.target.size() {
@@ -217,6 +187,7 @@ impl Painter {
         }
         self.frame.read_from(&geometry);
         self.geometry = geometry;
+        self.found = None;
         Ok(())
     }
 
@@ -281,6 +252,7 @@ impl Painter {
     fn forget(&mut self) {
         self.shows = Content::Nothing;
         self.summed = None;
+        self.found = None;
     }
 
     /// Shades by `shading` from now on, from `source`, whose data the painter has: what depends on the index, the illuminant or the number
@@ -398,6 +370,9 @@ impl Painter {
         if self.shows == Content::Sample {
             self.shows = Content::Nothing;
         }
+        if first {
+            self.found = None;
+        }
         self.commands.run(|record| {
             let (all, some) = (record.within(size, 0..size[1]), record.tile(size, tile));
             record.reset(&self.timestamps);
@@ -424,6 +399,9 @@ impl Painter {
             record.timestamp(&self.timestamps, 2);
             Ok(())
         })?;
+        if first {
+            self.found = self.written.clone();
+        }
         if last {
             self.shows = if matches!(finish, Finish::Add(_)) { Content::Mean } else { Content::Sample };
         } else if self.shows != Content::Mean {
@@ -498,7 +476,7 @@ impl Painter {
         let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
         let radiance = match sum.filter(|_| self.shows == Content::Mean) {
             Some((accumulation, summed)) => {
-                let mut sum = self.read(&accumulation.sum)?;
+                let mut sum = self.read(&accumulation.sum, Part::All)?;
                 let samples = summed.samples as f32;
                 sum.iter_mut().flatten().for_each(|x| *x /= samples);
                 sum
@@ -508,111 +486,14 @@ impl Painter {
                 vec![[0.0; 4]; width as usize * height as usize]
             }
             None => {
-                let mut radiance = self.read(&self.target.radiance)?;
-                let uncovered = self.covered()?.into_iter().map(|covered| !covered);
+                let mut radiance = self.read(&self.target.radiance, Part::All)?;
+                let uncovered = self.covered(Part::All)?.into_iter().map(|covered| !covered);
                 radiance.iter_mut().zip(uncovered).filter(|(_, u)| *u).for_each(|(p, _)| *p = [0.0; 4]);
                 radiance
             }
         };
         let display = target::read_back(&self.device, &self.target.display, Access::ShaderRead)?;
         Ok(Picture { size: self.target.size(), radiance, display: bytemuck::pod_collect_to_vec(&display) })
-    }
-
-    /// The texels of an image of four floats that shaders may read.
-    fn read(&self, image: &Image) -> Result<Vec<[f32; 4]>> {
-        let bytes = target::read_back(&self.device, image, Access::ShaderRead)?;
-        Ok(bytemuck::pod_collect_to_vec(&bytes))
-    }
-
-    /// The directions of light number `light` in one sample of `view` at the centres of pixels, as the shading has them.
-    ///
-    /// # Errors
-    /// Where the device is lost, and where the pictures have no such light.
-    pub fn directions(&mut self, view: &View, light: usize) -> Result<Directions> {
-        self.directions_of(view, light, &Sampling::ONE.sample(0))
-    }
-
-    /// The directions of light number `light` in `sample` of `view`, as the shading has them.
-    ///
-    /// # Errors
-    /// As [`Self::directions`].
-    pub fn directions_of(&mut self, view: &View, light: usize, sample: &Sample) -> Result<Directions> {
-        if light >= self.geometry.settings.lights {
-            return Err(Error::failed(
-                format!("there is no light {light}"),
-                "report this as a bug of diffract",
-            ));
-        }
-        self.draw_geometry(view, sample)?;
-        let first = self.read(&self.geometry.directions)?;
-        let lights = match light.checked_sub(1) {
-            None => first.iter().map(|&[.., x, y]| [x, y]).collect(),
-            Some(more) => {
-                let image = self.read(&self.geometry.more_lights[more / 2])?;
-                image
-                    .iter()
-                    .map(|&[a, b, c, d]| if more % 2 == 0 { [a, b] } else { [c, d] })
-                    .collect::<Vec<_>>()
-            }
-        };
-        let covered = self.covered()?;
-        let of = |(s, covered): ([f32; 2], &bool)| if *covered { unprojected(s) } else { [0.0; 4] };
-        let footprints = match self.geometry.footprints.get(light) {
-            Some(image) => self.read(image)?,
-            None => Vec::new(),
-        };
-        let kept = |(f, covered): ([f32; 4], &bool)| if *covered { f } else { [0.0; 4] };
-        let surrounds = self.geometry.settings.mirrored && light == view.lights.len();
-        let mirrored = if surrounds { self.mirrored(&covered)? } else { Vec::new() };
-        Ok(Directions {
-            light: lights.into_iter().zip(&covered).map(of).collect(),
-            view: first.iter().map(|stored| [stored[0], stored[1]]).zip(&covered).map(of).collect(),
-            footprints: footprints.into_iter().zip(&covered).map(kept).collect(),
-            filter: sample.footprint,
-            share: sample.share(),
-            irradiance: view.incidents(sample).get(light).map_or(DVec3::ZERO, |i| i.irradiance.as_dvec3()),
-            mirrored,
-        })
-    }
-
-    /// Radiance of the surroundings in the mirrored direction of each `covered` pixel, as the geometry pass wrote it: behind the last light,
-    /// and beside the albedo.
-    fn mirrored(&self, covered: &[bool]) -> Result<Vec<[f32; 3]>> {
-        let Geometry { more_lights, albedo, settings, .. } = &self.geometry;
-        let place = settings.lights - 1;
-        let (Some(image), Some(albedo)) = (more_lights.get(place / 2), albedo) else {
-            return Ok(Vec::new());
-        };
-        let of = |((lights, albedo), covered): (([f32; 4], [f32; 4]), &bool)| {
-            let [a, b, c, d] = lights;
-            let [red, green] = if place % 2 == 0 { [a, b] } else { [c, d] };
-            if *covered { [red, green, albedo[3]] } else { [0.0; 3] }
-        };
-        Ok(self.read(image)?.into_iter().zip(self.read(albedo)?).zip(covered).map(of).collect())
-    }
-
-    /// Draws the geometry of a `sample` of `view` alone.
-    fn draw_geometry(&mut self, view: &View, sample: &Sample) -> Result<()> {
-        self.write(view, self.target.size(), sample)?;
-        // What is covered may be other pixels than those of the radiance that is there.
-        if self.shows == Content::Sample {
-            self.shows = Content::Nothing;
-        }
-        self.commands.run(|record| {
-            self.find.record(record, &self.geometry, &self.frame.descriptors, &self.mesh);
-            Ok(())
-        })
-    }
-
-    /// Depth of each pixel of what was found last; [`FAR`] where nothing is covered.
-    pub(super) fn depth(&self) -> Result<Vec<f32>> {
-        let depth = target::read_back(&self.device, &self.geometry.depth, Access::DepthAttachment)?;
-        Ok(bytemuck::pod_collect_to_vec(&depth))
-    }
-
-    /// Whether the mesh covers each pixel.
-    fn covered(&self) -> Result<Vec<bool>> {
-        Ok(self.depth()?.into_iter().map(|depth| depth < FAR).collect())
     }
 
     /// Writes the `Frame` block of `view` for a `sample` of pictures of `size`.
@@ -625,14 +506,10 @@ impl Painter {
             // There are no albedos to read.
             block.base_color[3] = 0.0;
         }
-        self.frame.write(&block)
+        self.frame.write(&block)?;
+        self.written = Some(Written { view: view.clone(), sample: *sample, size });
+        Ok(())
     }
-}
-
-/// The unit vector at `s` of the stereographic projection from −N that directions are stored by; w is 1.
-fn unprojected(s: [f32; 2]) -> [f32; 4] {
-    let k = 2.0 / (1.0 + s[0] * s[0] + s[1] * s[1]);
-    [k * s[0], k * s[1], k - 1.0, 1.0]
 }
 
 /// Records with `display` what draws into the display, which a window may be showing, and leaves it readable.

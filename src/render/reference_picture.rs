@@ -5,6 +5,7 @@ use super::picture::Directions;
 use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
 use crate::brdf::mean::{Mean, Orders, TabulatedMean};
+use crate::brdf::without_cosine;
 use crate::error::Result;
 use crate::optics::coherence::Windows;
 use crate::optics::color::{self, xyz_to_linear_srgb};
@@ -117,6 +118,34 @@ impl<'a> PixelReference<'a> {
         Ok(colors)
     }
 
+    /// f \[sr⁻¹\] of `pair` at each of `wavelengths` \[µm\], not averaged over a footprint; 0 below the horizon.
+    pub fn spectrum(&self, pair: &Pair, wavelengths: &[f64]) -> Vec<f64> {
+        let at = |&wavelength: &f64| match &self.by {
+            By::Mean(mean) => {
+                let weighted = mean.cosine_weighted(pair, wavelength, &Covariance::default());
+                without_cosine(pair, DVec3::splat(weighted)).x
+            }
+            By::Windows(reference) => reference.brdf(pair, wavelength),
+        };
+        wavelengths.iter().map(at).collect()
+    }
+
+    /// XYZ of f \[sr⁻¹\] of `pair`, not averaged over a footprint; 0 below the horizon.
+    ///
+    /// # Errors
+    /// Where the colour takes too many wavelengths.
+    pub fn xyz(&self, pair: &Pair) -> Result<DVec3> {
+        let illuminant = &self.shading.illuminant;
+        let weighted = match &self.by {
+            By::Mean(mean) => {
+                let asked = [(*pair, Covariance::default())];
+                mean.xyz(illuminant, &asked, Orders::All, &|_, _| Ok(()))?[0]
+            }
+            By::Windows(reference) => reference.cosine_weighted_xyz(pair, illuminant)?,
+        };
+        Ok(without_cosine(pair, weighted))
+    }
+
     /// XYZ of f cos θ_i \[sr⁻¹\] of the pairs of `seen` that are `asked` for.
     fn diffracted(
         &self,
@@ -206,6 +235,6 @@ pub fn reference_mean(
 }
 
 /// A direction of the frame, in f64 and of unit length to its last bit.
-fn unit([x, y, z, _]: [f32; 4]) -> DVec3 {
+pub fn unit([x, y, z, _]: [f32; 4]) -> DVec3 {
     DVec3::new(x.into(), y.into(), z.into()).normalize_or_zero()
 }

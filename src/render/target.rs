@@ -151,13 +151,26 @@ fn texel_size(format: vk::Format) -> Result<u64> {
 /// # Errors
 /// Where the device is lost or out of memory.
 pub fn read_back(device: &Arc<Device>, image: &Image, last: Access) -> Result<Vec<u8>> {
-    let [width, height] = image.size();
-    let bytes = u64::from(width) * u64::from(height) * texel_size(image.format())?;
+    read_back_part(device, image, last, [0; 2], image.size())
+}
+
+/// As [`read_back`], the rectangle of `size` texels at `corner` alone.
+///
+/// # Errors
+/// As [`read_back`].
+pub fn read_back_part(
+    device: &Arc<Device>,
+    image: &Image,
+    last: Access,
+    corner: [u32; 2],
+    size: [u32; 2],
+) -> Result<Vec<u8>> {
+    let bytes = u64::from(size[0]) * u64::from(size[1]) * texel_size(image.format())?;
     let usage = vk::BufferUsageFlags::TRANSFER_DST;
     let host = Buffer::new(device, "read back", bytes, usage, MemoryLocation::GpuToCpu)?;
     Commands::new(device, "read back")?.run(|record| {
         record.images(&[(image, last, Access::TransferRead)]);
-        record.copy_from_image(image, &host);
+        record.copy_from_image(image, corner, size, &host);
         record.images(&[(image, Access::TransferRead, last)]);
         record.memory(Access::TransferWrite, Access::HostRead);
         Ok(())

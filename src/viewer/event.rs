@@ -2,6 +2,7 @@
 
 use super::error_probe::ProbeStatus;
 use super::frame::LoadedScene;
+use super::inspector::reference::Answer;
 use super::job_queue::RenderReply;
 use super::worker::WorkerReply;
 use crate::error::Result;
@@ -24,6 +25,8 @@ pub enum Event {
     Render(RenderReply),
     /// From the error probe.
     Probe(Result<ProbeStatus>),
+    /// What the reference says of the reading of this number.
+    Inspector(u64, Result<Answer>),
     /// A scene was read.
     Scene(Box<OpenedScene>),
 }

@@ -7,7 +7,7 @@ use super::quality::Quality;
 use crate::error::Result;
 use crate::render::frame::{Shown, View};
 use crate::render::pigment::Pigment;
-use crate::scene::Scene;
+use crate::scene::{Light, Scene};
 use crate::vk::image::Image;
 use std::sync::Arc;
 
@@ -58,8 +58,8 @@ pub struct FrameRequest {
     pub size: [u32; 2],
     /// What is shown right of the split.
     pub compare: Compare,
-    /// Whether to compute the BRDF of the first light over the hemisphere.
-    pub inset: bool,
+    /// The light whose BRDF is computed over the hemisphere, if that is to be shown.
+    pub inset: Option<Light>,
 }
 
 impl FrameRequest {

@@ -8,7 +8,7 @@ use egui::{Key, Modifiers, MouseWheelUnit, PointerButton, Rect, Sense, Ui};
 use glam::Vec2;
 
 /// Every key and gesture with its meaning, as F1 lists them.
-pub const KEYS: [(&str, &str); 18] = [
+pub const KEYS: [(&str, &str); 19] = [
     ("left drag", "orbit"),
     ("wheel", "zoom"),
     ("middle or Shift + left drag", "pan"),
@@ -22,6 +22,7 @@ pub const KEYS: [(&str, &str); 18] = [
     ("drag the line", "move the split"),
     ("E", "measure the error against the f64 reference"),
     ("B", "show or hide the BRDF hemisphere"),
+    ("I", "inspect the pixel under the pointer; a click holds it"),
     ("space", "draw continuously, or only on changes"),
     ("+ and −", "exposure"),
     ("P", "show or hide the panel"),
@@ -59,13 +60,21 @@ pub fn keys(ui: &Ui, model: &mut Model) {
         }
         model.actions.measure |= pressed(Key::E);
         model.visible.inset ^= pressed(Key::B);
+        if pressed(Key::I) {
+            if model.inspector.open { model.inspector.close() } else { model.inspector.open = true }
+        }
         model.pacing.continuous ^= pressed(Key::Space);
         model.visible.panel ^= pressed(Key::P);
         model.visible.help ^= pressed(Key::F1);
         // Esc closes what is innermost. An open list and an edited text close themselves.
         if pressed(Key::Escape) && !list_is_open {
-            model.actions.close |= !model.visible.help;
-            model.visible.help = false;
+            if model.visible.help {
+                model.visible.help = false;
+            } else if model.inspector.open {
+                model.inspector.close();
+            } else {
+                model.actions.close = true;
+            }
         }
         for (key, step) in [(Key::Plus, 0.5), (Key::Equals, 0.5), (Key::Minus, -0.5)] {
             if i.key_pressed(key) {
@@ -87,6 +96,7 @@ pub fn pointer(ui: &mut Ui, touched: Rect, rect: Rect, model: &mut Model) {
         let at = (at - rect.min) * ui.ctx().pixels_per_point();
         model.actions.focus = Some([at.x, at.y]);
     }
+    inspect(ui, &picture, rect, model);
     let modifiers = ui.input(|i| i.modifiers);
     if let Some(drag) = drag(&picture, modifiers) {
         let delta = Vec2::new(picture.drag_delta().x, picture.drag_delta().y);
@@ -109,6 +119,22 @@ pub fn pointer(ui: &mut Ui, touched: Rect, rect: Rect, model: &mut Model) {
     }
     if model.comparison.mode != Compare::Alone {
         split(ui, rect, model);
+    }
+}
+
+/// Lets the inspector follow the pointer over the picture in `rect`, and a click hold its pixel.
+fn inspect(ui: &Ui, picture: &egui::Response, rect: Rect, model: &mut Model) {
+    /// A click so near a held pixel lets it go [points].
+    const REACH: f32 = 6.0;
+    let scale = ui.ctx().pixels_per_point();
+    let pixel = |at: egui::Pos2| {
+        let from_corner = (at - rect.min) * scale;
+        [from_corner.x as u32, from_corner.y as u32]
+    };
+    let inspector = &mut model.inspector;
+    inspector.follow(picture.hover_pos().map(pixel));
+    if let Some(at) = picture.interact_pointer_pos().filter(|_| inspector.open && picture.clicked()) {
+        inspector.click(pixel(at), (REACH * scale) as u32);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::error_probe::Probe;
 use super::frame::{FrameRequest, RenderedFrame};
+use super::inspector::reading::Reading;
 use super::quality::{Detail, Quality};
 use crate::error::Error;
 use crate::render::picture::Picture;
@@ -16,6 +17,16 @@ pub enum Job {
     Samples(FrameRequest),
 }
 
+/// A pixel to read back from a frame that is on the device.
+pub struct PixelRequest {
+    /// A number larger than that of any request before.
+    pub number: u64,
+    /// The frame.
+    pub frame: FrameRequest,
+    /// Column and row from the upper left.
+    pub at: [u32; 2],
+}
+
 /// What the render thread reports.
 pub enum RenderReply {
     /// A frame is on the device.
@@ -28,6 +39,8 @@ pub enum RenderReply {
     Picture(Box<Picture>, String),
     /// The pixels of [`Job::Samples`].
     Samples(Box<Probe>),
+    /// What a pixel shows; `None` where the mesh does not cover it.
+    Pixel(Option<Box<Reading>>),
     /// A request or a job failed.
     Failed(Error),
 }
@@ -37,6 +50,8 @@ pub enum RenderReply {
 pub struct Pending {
     /// The newest frame request.
     pub frame: Option<FrameRequest>,
+    /// The newest request for a pixel, which comes after the frame.
+    pub pixel: Option<PixelRequest>,
     /// Jobs, the oldest first.
     pub jobs: Vec<Job>,
     /// Whether the thread is to end.
@@ -52,6 +67,8 @@ const LONGEST_WAIT: Duration = Duration::from_millis(100);
 pub enum Task {
     /// Draw a frame.
     Frame(FrameRequest),
+    /// Read a pixel.
+    Pixel(PixelRequest),
     /// Do a job.
     Job(Job),
 }
@@ -107,6 +124,9 @@ impl JobQueue {
             }
             if let Some(request) = pending.frame.take() {
                 return Some(Task::Frame(request));
+            }
+            if let Some(request) = pending.pixel.take() {
+                return Some(Task::Pixel(request));
             }
             pending = self.changed.wait(pending).unwrap_or_else(PoisonError::into_inner);
         }

@@ -1,7 +1,8 @@
 //! The window: winit events, a panel of egui, and the frames that `render` draws.
 //!
-//! Three kinds of threads run beside the window's own: `worker` prepares layers and colour tables, `render_thread` draws the
-//! scene, `error_probe` measures errors. They reply by events; the window's thread never waits for them.
+//! Four kinds of threads run beside the window's own: `worker` prepares layers and colour tables, `render_thread` draws the
+//! scene, `error_probe` measures errors, `inspector` asks the reference about a pixel. They reply by events; the window's thread never
+//! waits for them.
 
 mod app;
 pub mod atlas;
@@ -17,6 +18,8 @@ mod graph;
 pub mod gui;
 mod input;
 mod inset;
+mod inspector;
+mod inspector_pane;
 mod job_queue;
 mod layout;
 mod model;

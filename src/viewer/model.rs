@@ -7,11 +7,12 @@ use super::error_probe::ProbeStatus;
 use super::frame::{LoadedScene, RenderedFrame};
 use super::framing;
 use super::graph::History;
+use super::inspector::Inspector;
 use super::prepared::{Prepared, ROLES, Role};
 use super::quality::{Detail, Quality, QualityControl};
 use super::settings::{OpticsSettings, SceneSettings, ViewSettings};
 use crate::error::Error;
-use crate::scene::Camera;
+use crate::scene::{Camera, Light};
 use crate::surface::Source;
 use std::sync::Arc;
 
@@ -267,6 +268,8 @@ pub struct Model {
     pub pacing: Pacing,
     /// The measured error of what is shown.
     pub probe: Option<ProbeStatus>,
+    /// What is inspected.
+    pub inspector: Inspector,
     /// What was done last, for the user.
     pub notice: Option<String>,
     /// What went wrong.
@@ -315,6 +318,7 @@ impl Model {
                 moving: false,
             },
             probe: None,
+            inspector: Inspector::default(),
             notice: None,
             failure: None,
             files: Vec::new(),
@@ -427,6 +431,15 @@ impl Model {
             camera: now.camera,
             ..done.clone()
         }
+    }
+
+    /// The light whose hemisphere is shown, if any: that of the inspected pixel in its tangent frame, else the first of the scene.
+    pub fn hemisphere_light(&self) -> Option<Light> {
+        let inspected = self.inspector.light().filter(|light| !light.is_dark()).map(|light| {
+            let [[theta, phi], _] = light.angles();
+            Light { theta, phi, intensity: 1.0, size: 0.0 }
+        });
+        inspected.or(self.settings.lights.first().copied()).filter(|_| self.visible.inset)
     }
 
     /// The quality of the next frame.

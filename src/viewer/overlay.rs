@@ -3,6 +3,7 @@
 use super::compare::Compare;
 use super::input::KEYS;
 use super::inset::{Inset, SIDE};
+use super::inspector_pane;
 use super::model::Model;
 use super::quality::Quality;
 use super::settings::OpticsSettings;
@@ -12,6 +13,7 @@ use crate::setup::Method;
 use egui::{
     Align2, Color32, FontId, Label, Mesh, Painter, Rect, RichText, ScrollArea, Sense, Stroke, Ui, pos2, vec2,
 };
+use glam::DVec3;
 
 /// Distance to the edge [points].
 const MARGIN: f32 = 12.0;
@@ -25,9 +27,12 @@ pub fn show(ui: &mut Ui, rect: Rect, model: &mut Model) {
         split(&painter, rect, model);
     }
     if let Some(inset) = model.frame.as_ref().and_then(|e| e.inset.as_ref()).filter(|_| model.visible.inset) {
-        hemisphere(&painter, rect, inset);
+        let seen = model.inspector.light().map(|light| light.pair.view);
+        hemisphere(&painter, rect, inset, seen);
     }
+    inspector_pane::mark(&painter, rect, ui.ctx().pixels_per_point(), model);
     state(ui, &painter, rect, model);
+    inspector_pane::show(ui, rect, model);
     if model.visible.help {
         help(ui, model);
     }
@@ -163,8 +168,9 @@ fn scale(painter: &Painter, rect: Rect) {
     }
 }
 
-/// The hemisphere as a mesh of coloured squares, which needs no texture upload when it changes.
-fn hemisphere(painter: &Painter, rect: Rect, inset: &Inset) {
+/// The hemisphere as a mesh of coloured squares, which needs no texture upload when it changes. The direction to the viewer of an inspected
+/// pixel is marked.
+fn hemisphere(painter: &Painter, rect: Rect, inset: &Inset, seen: Option<DVec3>) {
     const SIZE: f32 = 132.0;
     let ground = Rect::from_min_size(rect.min + vec2(MARGIN, MARGIN), vec2(SIZE + 16.0, SIZE + 36.0));
     painter.rect_filled(ground, 6.0, style::GLASS);
@@ -187,6 +193,11 @@ fn hemisphere(painter: &Painter, rect: Rect, inset: &Inset) {
     painter.circle_filled(light, 3.5, Color32::from_rgb(255, 236, 170));
     painter.circle_stroke(light, 4.5, Stroke::new(1.0, Color32::BLACK));
     painter.circle_stroke(specular, 4.0, Stroke::new(1.0, Color32::from_gray(200)));
+    if let Some(seen) = seen {
+        let at = centre + vec2(seen.x as f32, -seen.y as f32) * SIZE / 2.0;
+        painter.circle_stroke(at, 5.0, Stroke::new(3.0, style::GLASS));
+        painter.circle_stroke(at, 5.0, Stroke::new(1.5, style::ACCENT));
+    }
     let text = format!("BRDF, light θ {:.1}° φ {:.1}°", inset.light.theta, inset.light.phi);
     let at = pos2(ground.center().x, ground.bottom() - 6.0);
     painter.text(at, Align2::CENTER_BOTTOM, text, FontId::proportional(11.0), style::TEXT);

@@ -1,7 +1,7 @@
 //! The thread that draws the scene, with the same painters as `diffract render`.
 
 use super::frame::FrameRequest;
-use super::job_queue::{Job, JobQueue, RenderReply};
+use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply};
 use super::renderer::Renderer;
 use crate::error::{Error, Result};
 use crate::vk::device::Device;
@@ -37,6 +37,11 @@ impl RenderThread {
     /// Lets the window go before the next tile, or goes on with it.
     pub fn give_way(&self, window_first: bool) {
         self.queue.update(|pending| pending.window_first = window_first);
+    }
+
+    /// Requests a pixel of the frame that was drawn last; it replaces the request before it.
+    pub fn read_pixel(&self, request: PixelRequest) {
+        self.queue.update(|pending| pending.pixel = Some(request));
     }
 
     /// Adds a job.

@@ -4,7 +4,8 @@ use super::compare::Compare;
 use super::error_probe::{self, Probe};
 use super::frame::{FrameRequest, LoadedScene, PictureCost, RenderedFrame};
 use super::inset::{self, Inset};
-use super::job_queue::{Job, JobQueue, RenderReply, Task};
+use super::inspector::reading::Reading;
+use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply, Task};
 use super::prepared::Prepared;
 use super::quality::{Detail, Quality};
 use crate::error::{Error, Result};
@@ -14,6 +15,7 @@ use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::picture::Painter;
 use crate::render::source::Source;
+use crate::scene::Light;
 use crate::vk::device::Device;
 use crate::vk::image::Image;
 use std::sync::Arc;
@@ -112,6 +114,7 @@ impl Renderer {
                     }
                     drawn
                 }
+                Task::Pixel(request) => self.read_pixel(request),
                 Task::Job(job) => self.perform(&job, queue).map(Some),
             };
             match result {
@@ -168,7 +171,7 @@ impl Renderer {
         } else {
             self.other = None;
         }
-        let inset = if request.inset { self.hemisphere(request)? } else { None };
+        let inset = request.inset.map(|light| self.hemisphere(request, light)).transpose()?.flatten();
         // A newer request counts its own picture; a job draws nothing that would be counted.
         let whole = request.quality == Quality::WHOLE && !superseded();
         let cost = if whole { self.count(request)? } else { None };
@@ -210,9 +213,8 @@ impl Renderer {
         }
     }
 
-    /// The hemisphere of the first light, from a texture that is on the device already.
-    fn hemisphere(&mut self, request: &FrameRequest) -> Result<Option<Arc<Inset>>> {
-        let Some(light) = request.view.lights.first().copied() else { return Ok(None) };
+    /// The hemisphere of `light`, from a texture that is on the device already.
+    fn hemisphere(&mut self, request: &FrameRequest, light: Light) -> Result<Option<Arc<Inset>>> {
         let number = request.own.number;
         if let Some((inset, of)) = &self.inset
             && (inset.light, *of) == (light, number)
@@ -229,6 +231,19 @@ impl Renderer {
         let inset = Arc::new(inset::hemisphere(&mut slot.painter, light)?);
         self.inset = Some((inset.clone(), number));
         Ok(Some(inset))
+    }
+
+    /// Reads a pixel of a frame; `None` where the frame is not the one that is on the device.
+    fn read_pixel(&self, request: PixelRequest) -> Result<Option<RenderReply>> {
+        let PixelRequest { number, frame, at } = request;
+        let is_there = |slot: &&Slot| {
+            let shows = |shown: &Displayed| shown.view == frame.view && shown.size == frame.size;
+            slot.prepared.number == frame.own.number && slot.displayed.as_ref().is_some_and(shows)
+        };
+        let Some(slot) = self.own.as_ref().filter(is_there) else { return Ok(None) };
+        let pixel = slot.painter.pixel(&frame.view, at)?;
+        let reading = pixel.map(|pixel| Box::new(Reading::new(number, frame.own, frame.view, pixel)));
+        Ok(Some(RenderReply::Pixel(reading)))
     }
 
     /// Counts the cost of the whole picture, once per picture.

@@ -9,6 +9,7 @@ use super::error_probe::ErrorProbe;
 use super::event::Event;
 use super::frame::{FrameRequest, LoadedScene};
 use super::gui::PaintJobs;
+use super::inspector::reference::Reference;
 use super::model::{Model, Stage};
 use super::prepared::{Prepared, ROLES};
 use super::presenter::{Presenter, ShownPictures};
@@ -52,6 +53,8 @@ struct PendingSave {
 /// The background threads. The order of the fields is the order in which they end.
 struct Threads {
     probe: Option<ErrorProbe>,
+    // While the inspector is open.
+    inspector: Option<Reference>,
     render: RenderThread,
     worker: Worker,
 }
@@ -104,6 +107,8 @@ struct Requested {
     // By role.
     preparations: [Option<PreparationRequest>; ROLES],
     frame: Option<FrameRequest>,
+    // The pixel of the frame that is shown.
+    pixel: Option<[u32; 2]>,
 }
 
 /// How camera and lights moved lately.
@@ -312,6 +317,7 @@ impl ViewerWindow {
         let begins = self.model.pacing.continuous && !self.motion.continuous;
         self.motion.continuous = self.model.pacing.continuous;
         self.request_frame(begins);
+        self.inspect();
     }
 
     /// Decides whether camera or lights are moving.
@@ -348,7 +354,7 @@ impl Threads {
         })?;
         let send = proxy.clone();
         let render = RenderThread::new(device, move |r| drop(send.send_event(Event::Render(r))))?;
-        Ok(Self { probe: None, render, worker })
+        Ok(Self { probe: None, inspector: None, render, worker })
     }
 }
 

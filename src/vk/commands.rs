@@ -258,12 +258,14 @@ impl Recorder<'_> {
         unsafe { self.device.cmd_copy_buffer_to_image(self.raw, from.raw(), to.raw(), layout, &[region]) };
     }
 
-    /// Copies all texels of layer 0 of `from`, tightly packed, to the start of `to`.
-    pub fn copy_from_image(&self, from: &Image, to: &Buffer) {
+    /// Copies the rectangle of `size` texels at `corner` of layer 0 of `from`, tightly packed, to the start of `to`.
+    pub fn copy_from_image(&self, from: &Image, corner: [u32; 2], size: [u32; 2], to: &Buffer) {
         self.note_use(from.resource(), Access::TransferRead, None);
         self.note_use(to.resource(), Access::TransferWrite, None);
-        let regions = [region(from, 0, 0, from.size()[1])];
-        let layout = Access::TransferRead.row().2;
+        let mut region = region(from, 0, corner[1], size[1]);
+        region.image_offset.x = corner[0] as i32;
+        region.image_extent.width = size[0];
+        let (layout, regions) = (Access::TransferRead.row().2, [region]);
         // SAFETY: recording is open, the image is in the transfer layout, the buffer is large enough.
         unsafe { self.device.cmd_copy_image_to_buffer(self.raw, from.raw(), layout, to.raw(), &regions) };
     }

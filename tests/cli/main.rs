@@ -29,6 +29,7 @@ mod usage;
 mod view;
 mod viewer;
 mod viewer_hand;
+mod viewer_inspector;
 mod viewer_losses;
 mod viewer_panel;
 mod viewer_start;

@@ -105,6 +105,42 @@ fn pixels_that_are_compared_with_the_reference_keep_their_light_and_their_footpr
 }
 
 #[test]
+fn a_pixel_that_is_read_alone_is_that_of_the_whole_picture() {
+    let scene = Scene::open("sphere").unwrap();
+    let mut view = view(&scene, 2.0);
+    view.environment = Some(Environment::open("studio").unwrap());
+    let field = patch(Kind::Elaphe, 12.0);
+    let shading = Shading { windows: Windows::All, ..shading(16.0, 1e-1) }.for_pictures();
+    with_device(|device| {
+        let source = crate::mean::source(device, &field, &shading, Method::Table, FootprintSizes::default());
+        let mut painter =
+            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE, 2).unwrap();
+        assert!(painter.pixel(&view, [48, 36]).unwrap().is_none(), "nothing is drawn yet");
+        let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
+        let lights: Vec<_> = (0..2).map(|light| painter.directions(&view, light).unwrap()).collect();
+        let mut covered = 0;
+        for at in [[48, 36], [40, 20], [60, 50], [0, 0], [95, 71]] {
+            let i = (at[1] * SIZE[0] + at[0]) as usize;
+            let pixel = painter.pixel(&view, at).unwrap();
+            assert_eq!(pixel.is_some(), picture.radiance[i][3] > 0.0);
+            let Some(pixel) = pixel else { continue };
+            covered += 1;
+            let shown = pixel.radiance.as_vec3().extend(1.0).to_array();
+            assert_eq!((shown, pixel.directions.len()), (picture.radiance[i], 2));
+            for (alone, all) in pixel.directions.iter().zip(&lights) {
+                assert_eq!(format!("{alone:?}"), format!("{:?}", all.of_pixels(&[i])));
+            }
+        }
+        assert!(covered >= 3);
+        assert!(painter.pixel(&view, SIZE).unwrap().is_none(), "beyond the picture");
+        assert!(painter.picture().unwrap() == picture, "nothing was drawn again");
+        // The exposure of what is there can change without drawing it.
+        painter.resize(SIZE, 2).unwrap();
+        assert!(painter.display_again(SIZE, Shown::plain(1.0, DVec3::ZERO)).unwrap());
+    });
+}
+
+#[test]
 fn what_is_left_out_first_while_moving_costs_the_least_error() {
     let scene = Scene::open("sphere").unwrap();
     let view = view(&scene, 2.0);

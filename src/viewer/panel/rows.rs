@@ -77,6 +77,47 @@ rows! {
     FPS = Row::setting("frame rate", "--fps", "Frames a second to keep while something moves, by leaving work out. continuous: draw all the time.  [space]");
 }
 
+/// The rows of the inspector.
+pub mod inspected {
+    use super::Row;
+
+    pub const TO_LIGHT: Row =
+        Row::other("to the light", "θ from the surface's normal, φ from its tangent toward its bitangent.");
+    pub const TO_VIEWER: Row =
+        Row::other("to the viewer", "θ from the surface's normal, φ from its tangent toward its bitangent.");
+    pub const UVW: Row = Row::other("u, v, w", "(u, v, w) = −ω_i − ω_r, without unit.");
+    pub const FOOTPRINT: Row = Row::other(
+        "footprint",
+        "Standard deviations of (u, v) that the pixel averages over, along its axes.",
+    );
+    pub const PERIOD: Row = Row::other(
+        "period",
+        "Period of the surface whose first order of 450, 550 and 650 nm goes from this light to this viewer: λ/|(u, v)|. \
+         Order n comes from n times the period.",
+    );
+    pub const AZIMUTH: Row = Row::other(
+        "azimuth",
+        "Direction along which that period repeats, from the tangent toward the bitangent.",
+    );
+    pub const BRDF: Row = Row::other(
+        "BRDF",
+        "X, Y and Z [1/sr] for these directions by the f64 reference, not averaged over the footprint.",
+    );
+    pub const RADIANCE: Row =
+        Row::other("radiance", "Linear sRGB of the pixel, all lights and the pigment together.");
+    pub const REFERENCE: Row =
+        Row::other("reference", "The radiance by the f64 reference, averaged over the same footprint.");
+    pub const ERROR: Row = Row::other("error", "Relative difference of radiance and reference.");
+    pub const SPECTRUM: Row = Row::other(
+        "f [1/sr]",
+        "The BRDF over the wavelength by the f64 reference, not averaged over the footprint.",
+    );
+    pub const COPY: Row = Row::other(
+        "Copy for eval",
+        "Copies the directions as CSV. `diffract eval --queries` answers them with the BRDF that is shown here.",
+    );
+}
+
 /// Shows `row` with what `add` adds behind its label.
 pub fn show(ui: &mut Ui, row: &Row, add: impl FnOnce(&mut Ui)) {
     numbered(ui, row, row.label, add);

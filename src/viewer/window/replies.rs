@@ -8,6 +8,8 @@ use crate::viewer::controls::in_controls;
 use crate::viewer::error_probe::{ErrorProbe, Probe};
 use crate::viewer::event::{Event, OpenedScene};
 use crate::viewer::frame::RenderedFrame;
+use crate::viewer::inspector::reading::Reading;
+use crate::viewer::inspector::reference::Reference;
 use crate::viewer::job_queue::RenderReply;
 use crate::viewer::model::{Concern, Preview, Progress};
 use crate::viewer::prepared::{Prepared, Role};
@@ -31,6 +33,11 @@ impl ViewerWindow {
                 self.model.probe = Some(status);
             }
             Event::Probe(Err(e)) => self.model.report(Concern::Picture, &e),
+            Event::Inspector(number, answer) => {
+                if let Err(e) = self.model.inspector.take(number, answer) {
+                    self.model.report(Concern::Picture, &e);
+                }
+            }
             Event::Scene(opened) => self.show_scene(*opened),
         }
         self.window.request_redraw();
@@ -149,6 +156,7 @@ impl ViewerWindow {
             RenderReply::NoRoom(detail) => self.model.sources.forget(detail),
             RenderReply::Picture(picture, scalar_theory) => self.save(&picture, scalar_theory),
             RenderReply::Samples(probe) => self.measure(*probe)?,
+            RenderReply::Pixel(reading) => self.show_pixel(reading.map(|reading| *reading))?,
             RenderReply::Failed(e) if self.device.is_lost() => return Err(e),
             RenderReply::Failed(e) => self.model.report(Concern::Picture, &e),
         }
@@ -171,10 +179,35 @@ impl ViewerWindow {
             frame.cost = frame.cost.or(former.cost);
             frame.inset = frame.inset.or(former.inset);
         }
+        // Where it was drawn anew, it shows something else at the pixel that is inspected.
+        if frame.gpu_ms > 0.0 {
+            self.requested.pixel = None;
+        }
         self.model.frame = Some(frame);
         if self.model.pacing.continuous {
             self.request_frame(true);
         }
+    }
+
+    /// Shows the inspected pixel, and asks the reference about it.
+    fn show_pixel(&mut self, reading: Option<Reading>) -> Result<()> {
+        if !self.model.inspector.open {
+            return Ok(());
+        }
+        if let Some(reading) = &reading {
+            let reference = match self.threads.inspector.take() {
+                Some(reference) => reference,
+                None => {
+                    let send = self.proxy.clone();
+                    Reference::new(move |number, answer| {
+                        drop(send.send_event(Event::Inspector(number, answer)));
+                    })?
+                }
+            };
+            self.threads.inspector.insert(reference).ask(reading.clone());
+        }
+        self.model.inspector.show(reading);
+        Ok(())
     }
 
     /// Starts measuring the error of `probe`.

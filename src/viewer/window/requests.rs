@@ -6,6 +6,7 @@ use crate::render::frame::{Shown, View};
 use crate::setup::{self, Method};
 use crate::viewer::compare::{self, Compare};
 use crate::viewer::frame::FrameRequest;
+use crate::viewer::job_queue::PixelRequest;
 use crate::viewer::model::{Progress, Stage};
 use crate::viewer::prepared::Role;
 use crate::viewer::quality::Quality;
@@ -131,13 +132,33 @@ impl ViewerWindow {
             measured: model.measures_exposure && is_own,
             size: model.size,
             compare: if is_own { model.comparison.mode } else { Compare::Alone },
-            inset: model.visible.inset && stage != Stage::Pigment,
+            inset: model.hemisphere_light().filter(|_| stage != Stage::Pigment),
         })
     }
 
     /// The whole frame of the user's own settings, once they are what is shown.
     pub(super) fn own_frame(&self) -> Option<FrameRequest> {
         self.whole_frame().filter(|_| self.model.sources.stage() == Stage::Own)
+    }
+
+    /// Requests the pixel that is inspected, once the whole frame is shown.
+    pub(super) fn inspect(&mut self) {
+        let model = &self.model;
+        if !model.inspector.open {
+            self.threads.inspector = None;
+            self.requested.pixel = None;
+            return;
+        }
+        let is_whole = |own: &FrameRequest| {
+            let frame = model.frame.as_ref();
+            frame.is_some_and(|f| f.quality == Quality::WHOLE && f.number == own.own.number)
+        };
+        let at =
+            model.inspector.at.filter(|_| !model.pacing.moving && self.requested.pixel != model.inspector.at);
+        let Some((at, frame)) = at.zip(self.own_frame().filter(is_whole)) else { return };
+        self.requested.number += 1;
+        self.requested.pixel = Some(at);
+        self.threads.render.read_pixel(PixelRequest { number: self.requested.number, frame, at });
     }
 
     /// Requests a frame if it would differ from the last one requested, or in any case if `again`.

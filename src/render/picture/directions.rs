@@ -1,0 +1,220 @@
+//! What pixels see: the directions that a frame shades, read back from what the geometry pass wrote.
+
+use super::{Content, Painter};
+use crate::error::{Error, Result};
+use crate::optics::footprint::{Covariance, Share};
+use crate::render::frame::View;
+use crate::render::sampling::{Sample, Sampling};
+use crate::render::target::{self, Geometry};
+use crate::vk::access::Access;
+use crate::vk::commands::FAR;
+use crate::vk::image::Image;
+use glam::{DVec2, DVec3};
+
+/// Which pixels are read back.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Part {
+    /// All of them.
+    All,
+    /// The one in this column and row.
+    Pixel([u32; 2]),
+}
+
+/// What one pixel of a frame shows, and what it was shaded for.
+#[derive(Clone, Debug)]
+pub struct Pixel {
+    /// Linear sRGB radiance.
+    pub radiance: DVec3,
+    /// Its directions, one entry per light.
+    pub directions: Vec<Directions>,
+}
+
+/// The directions that a frame shades.
+#[derive(Clone, Debug, Default)]
+pub struct Directions {
+    /// ω_i per pixel (w: covered).
+    pub light: Vec<[f32; 4]>,
+    /// ω_r per pixel (w: covered).
+    pub view: Vec<[f32; 4]>,
+    /// du/dx, dv/dx, du/dy, dv/dy per pixel, as [`Geometry::footprints`] has them; zero where nothing is covered. Empty where the
+    /// painter was not asked for footprints.
+    pub footprints: Vec<[f32; 4]>,
+    /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
+    pub filter: f64,
+    /// Which of the samples of each pixel they are.
+    pub share: Share,
+    /// Irradiance over π of a surface that faces the light, linear sRGB.
+    pub irradiance: DVec3,
+    /// Radiance of the surroundings in the mirrored direction of each pixel, linear sRGB; zero where nothing is covered. Where it is not
+    /// empty, the light is drawn from the surroundings, and their specular order is this.
+    pub mirrored: Vec<[f32; 3]>,
+}
+
+impl Directions {
+    /// Those of the pixels number `chosen` alone.
+    pub fn of_pixels(&self, chosen: &[usize]) -> Self {
+        fn some<T: Copy>(all: &[T], chosen: &[usize]) -> Vec<T> {
+            chosen.iter().filter_map(|&i| all.get(i)).copied().collect()
+        }
+        Self {
+            light: some(&self.light, chosen),
+            view: some(&self.view, chosen),
+            footprints: some(&self.footprints, chosen),
+            mirrored: some(&self.mirrored, chosen),
+            ..*self
+        }
+    }
+
+    /// What shading averages over at pixel number `i`; nothing where the painter was not asked for footprints.
+    pub fn covariance(&self, i: usize) -> Covariance {
+        let Some(&footprint) = self.footprints.get(i) else { return Covariance::default() };
+        let [a, b, c, d] = footprint.map(f64::from);
+        Covariance::of_footprint(DVec2::new(a, b), DVec2::new(c, d), self.filter)
+    }
+}
+
+impl Painter {
+    /// The directions of light number `light` in one sample of `view` at the centres of pixels, as the shading has them.
+    ///
+    /// # Errors
+    /// Where the device is lost, and where the pictures have no such light.
+    pub fn directions(&mut self, view: &View, light: usize) -> Result<Directions> {
+        self.directions_of(view, light, &Sampling::ONE.sample(0))
+    }
+
+    /// The directions of light number `light` in `sample` of `view`, as the shading has them.
+    ///
+    /// # Errors
+    /// As [`Self::directions`].
+    pub fn directions_of(&mut self, view: &View, light: usize, sample: &Sample) -> Result<Directions> {
+        if light >= self.geometry.settings.lights {
+            return Err(Error::failed(
+                format!("there is no light {light}"),
+                "report this as a bug of diffract",
+            ));
+        }
+        self.draw_geometry(view, sample)?;
+        self.found(view, light, sample, Part::All)
+    }
+
+    /// What pixel `at` of the frame of `view` that was drawn last shows, one sample at the centres of pixels; `None` where the mesh does not
+    /// cover it.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn pixel(&self, view: &View, at: [u32; 2]) -> Result<Option<Pixel>> {
+        let (part, lights) = (Part::Pixel(at), self.geometry.settings.lights.min(view.light_count()));
+        let size = self.target.size();
+        let is_there = self.shows == Content::Sample && at[0] < size[0] && at[1] < size[1];
+        if !is_there || self.covered(part)? != [true] {
+            return Ok(None);
+        }
+        let radiance = self.read(&self.target.radiance, part)?;
+        let radiance =
+            radiance.first().map_or(DVec3::ZERO, |&[r, g, b, _]| DVec3::new(r.into(), g.into(), b.into()));
+        let of = |light| self.found(view, light, &Sampling::ONE.sample(0), part);
+        Ok(Some(Pixel { radiance, directions: (0..lights).map(of).collect::<Result<_>>()? }))
+    }
+
+    /// The directions of light number `light` in `part` of the frame of `sample` of `view` that was drawn last.
+    fn found(&self, view: &View, light: usize, sample: &Sample, part: Part) -> Result<Directions> {
+        let first = self.read(&self.geometry.directions, part)?;
+        let lights = match light.checked_sub(1) {
+            None => first.iter().map(|&[.., x, y]| [x, y]).collect(),
+            Some(more) => {
+                let image = self.read(&self.geometry.more_lights[more / 2], part)?;
+                image
+                    .iter()
+                    .map(|&[a, b, c, d]| if more % 2 == 0 { [a, b] } else { [c, d] })
+                    .collect::<Vec<_>>()
+            }
+        };
+        let covered = self.covered(part)?;
+        let of = |(s, covered): ([f32; 2], &bool)| if *covered { unprojected(s) } else { [0.0; 4] };
+        let footprints = match self.geometry.footprints.get(light) {
+            Some(image) => self.read(image, part)?,
+            None => Vec::new(),
+        };
+        let kept = |(f, covered): ([f32; 4], &bool)| if *covered { f } else { [0.0; 4] };
+        let surrounds = self.geometry.settings.mirrored && light == view.lights.len();
+        let mirrored = if surrounds { self.mirrored(&covered, part)? } else { Vec::new() };
+        Ok(Directions {
+            light: lights.into_iter().zip(&covered).map(of).collect(),
+            view: first.iter().map(|stored| [stored[0], stored[1]]).zip(&covered).map(of).collect(),
+            footprints: footprints.into_iter().zip(&covered).map(kept).collect(),
+            filter: sample.footprint,
+            share: sample.share(),
+            irradiance: view.incidents(sample).get(light).map_or(DVec3::ZERO, |i| i.irradiance.as_dvec3()),
+            mirrored,
+        })
+    }
+
+    /// Radiance of the surroundings in the mirrored direction of each `covered` pixel, as the geometry pass wrote it: behind the last light,
+    /// and beside the albedo.
+    fn mirrored(&self, covered: &[bool], part: Part) -> Result<Vec<[f32; 3]>> {
+        let Geometry { more_lights, albedo, settings, .. } = &self.geometry;
+        let place = settings.lights - 1;
+        let (Some(image), Some(albedo)) = (more_lights.get(place / 2), albedo) else {
+            return Ok(Vec::new());
+        };
+        let of = |((lights, albedo), covered): (([f32; 4], [f32; 4]), &bool)| {
+            let [a, b, c, d] = lights;
+            let [red, green] = if place % 2 == 0 { [a, b] } else { [c, d] };
+            if *covered { [red, green, albedo[3]] } else { [0.0; 3] }
+        };
+        Ok(self.read(image, part)?.into_iter().zip(self.read(albedo, part)?).zip(covered).map(of).collect())
+    }
+
+    /// Draws the geometry of a `sample` of `view` alone, unless it is there.
+    fn draw_geometry(&mut self, view: &View, sample: &Sample) -> Result<()> {
+        self.write(view, self.target.size(), sample)?;
+        if self.found.is_some() && self.found == self.written {
+            return Ok(());
+        }
+        // What is covered may be other pixels than those of the radiance that is there.
+        if self.shows == Content::Sample {
+            self.shows = Content::Nothing;
+        }
+        self.found = None;
+        self.commands.run(|record| {
+            self.find.record(record, &self.geometry, &self.frame.descriptors, &self.mesh);
+            Ok(())
+        })?;
+        self.found = self.written.clone();
+        Ok(())
+    }
+
+    /// The texels of `part` of an image of four floats that shaders may read.
+    pub(super) fn read(&self, image: &Image, part: Part) -> Result<Vec<[f32; 4]>> {
+        let bytes = self.read_bytes(image, Access::ShaderRead, part)?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+
+    fn read_bytes(&self, image: &Image, last: Access, part: Part) -> Result<Vec<u8>> {
+        match part {
+            Part::All => target::read_back(&self.device, image, last),
+            Part::Pixel(at) => target::read_back_part(&self.device, image, last, at, [1; 2]),
+        }
+    }
+
+    /// Depth of each pixel of what was found last; [`FAR`] where nothing is covered.
+    pub(in crate::render) fn depth(&self) -> Result<Vec<f32>> {
+        self.depth_of(Part::All)
+    }
+
+    fn depth_of(&self, part: Part) -> Result<Vec<f32>> {
+        let depth = self.read_bytes(&self.geometry.depth, Access::DepthAttachment, part)?;
+        Ok(bytemuck::pod_collect_to_vec(&depth))
+    }
+
+    /// Whether the mesh covers each pixel of `part`.
+    pub(super) fn covered(&self, part: Part) -> Result<Vec<bool>> {
+        Ok(self.depth_of(part)?.into_iter().map(|depth| depth < FAR).collect())
+    }
+}
+
+/// The unit vector at `s` of the stereographic projection from −N that directions are stored by; w is 1.
+fn unprojected(s: [f32; 2]) -> [f32; 4] {
+    let k = 2.0 / (1.0 + s[0] * s[0] + s[1] * s[1]);
+    [k * s[0], k * s[1], k - 1.0, 1.0]
+}

@@ -1,0 +1,140 @@
+//! The thread that asks the f64 reference about the inspected pixel. Its table is kept as long as surface and settings stay.
+
+use super::reading::{LightAt, Reading};
+use crate::error::{Error, Result};
+use crate::optics::spectrum::{LONGEST, SHORTEST};
+use crate::render::reference_picture::PixelReference;
+use crate::viewer::prepared::Prepared;
+use glam::DVec3;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+/// Wavelengths of a spectrum, 5 nm apart.
+pub const WAVELENGTHS: usize = 81;
+
+/// Wavelength number `i` of a spectrum \[µm\].
+pub fn wavelength(i: usize) -> f64 {
+    SHORTEST + (LONGEST - SHORTEST) * i as f64 / (WAVELENGTHS - 1) as f64
+}
+
+/// What the reference says of a pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answer {
+    /// The part of its preparation that is done.
+    Preparing(f32),
+    /// The answer.
+    Done {
+        /// Linear sRGB radiance of the pixel, averaged over its footprint as the picture is.
+        radiance: DVec3,
+        /// The BRDF under each light.
+        lights: Vec<LightAnswer>,
+    },
+}
+
+/// The BRDF for the directions of a light and of the viewer, not averaged over the footprint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightAnswer {
+    /// f \[sr⁻¹\] at each [`wavelength`].
+    pub spectrum: Vec<f64>,
+    /// XYZ of f \[sr⁻¹\].
+    pub xyz: DVec3,
+}
+
+/// The thread. Dropping it ends the thread without waiting.
+pub struct Reference {
+    readings: Sender<Reading>,
+    stop: Arc<AtomicBool>,
+}
+
+impl Reference {
+    /// Starts a thread that answers readings by their number to `reply`.
+    ///
+    /// # Errors
+    /// When the system refuses a thread.
+    pub fn new(reply: impl Fn(u64, Result<Answer>) + Send + 'static) -> Result<Self> {
+        let (readings, received) = channel();
+        let stop = Arc::new(AtomicBool::new(false));
+        let queue = Queue { received, stop: stop.clone() };
+        let work = move || {
+            let mut next = queue.next();
+            while let Some(reading) = next {
+                next = answer(reading, &queue, &reply);
+            }
+        };
+        std::thread::Builder::new().name("inspector".to_owned()).spawn(work).map_err(|e| {
+            Error::failed(format!("the system refuses a thread ({e})"), "close other programs")
+        })?;
+        Ok(Self { readings, stop })
+    }
+
+    /// Asks about `reading`, and no more about those before it.
+    pub fn ask(&self, reading: Reading) {
+        // It fails after a panic of the thread alone, which has been told.
+        let _ = self.readings.send(reading);
+    }
+}
+
+impl Drop for Reference {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+}
+
+struct Queue {
+    received: Receiver<Reading>,
+    stop: Arc<AtomicBool>,
+}
+
+impl Queue {
+    /// Waits for the newest reading; `None` when the thread is to end.
+    fn next(&self) -> Option<Reading> {
+        let first = self.received.recv().ok()?;
+        Some(self.newer(first)).filter(|_| !self.is_stopped())
+    }
+
+    /// The newest reading, which is `reading` where no other waits.
+    fn newer(&self, reading: Reading) -> Reading {
+        self.received.try_iter().last().unwrap_or(reading)
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
+/// Answers `first` and the readings after it of the same surface and settings; the first of others.
+fn answer(first: Reading, queue: &Queue, reply: &dyn Fn(u64, Result<Answer>)) -> Option<Reading> {
+    let prepared = first.prepared.clone();
+    let Prepared { field, shading, number, .. } = &*prepared;
+    let progress = |done: usize, of: usize| {
+        if queue.is_stopped() {
+            return Err(Error::failed("the inspector was closed", "open it again"));
+        }
+        reply(first.number, Ok(Answer::Preparing(done as f32 / of.max(1) as f32)));
+        Ok(())
+    };
+    let reference = PixelReference::new(field, shading, &progress);
+    let mut reading = queue.newer(first.clone());
+    while reading.prepared.number == *number && !queue.is_stopped() {
+        match &reference {
+            Ok(reference) => reply(reading.number, of_pixel(reference, &reading)),
+            Err(e) => reply(reading.number, Err(e.clone())),
+        }
+        reading = queue.next()?;
+    }
+    Some(reading).filter(|_| !queue.is_stopped())
+}
+
+fn of_pixel(reference: &PixelReference<'_>, reading: &Reading) -> Result<Answer> {
+    let wavelengths: Vec<f64> = (0..WAVELENGTHS).map(wavelength).collect();
+    let colors = reference.colors(&reading.view, &reading.directions, &[0], &|_, _| Ok(()))?;
+    let of_light = |light: &LightAt| {
+        Ok(LightAnswer {
+            spectrum: reference.spectrum(&light.pair, &wavelengths),
+            xyz: reference.xyz(&light.pair)?,
+        })
+    };
+    let lights = reading.lights.iter().map(of_light).collect::<Result<_>>()?;
+    Ok(Answer::Done { radiance: colors.first().copied().unwrap_or_default(), lights })
+}
