@@ -29,6 +29,9 @@ pub struct Arguments {
     /// Width and height of the window in pixels, times the scale of the display
     #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "1280x800")]
     size: [u32; 2],
+    /// Samples a pixel that are summed while nothing moves, as by render: 1 to 4096; 1 looks at pixel centres only
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), allow_hyphen_values = true, default_value = "64")]
+    samples: u32,
     /// Frames a second to keep up while something moves, by leaving work out
     #[arg(long, value_name = "N", value_parser = fps, allow_hyphen_values = true, default_value = "15")]
     fps: f64,
@@ -115,6 +118,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         reflectance: shading.reflectance,
         illuminant: utf8(&arguments.colour.illuminant)?,
         size: arguments.size,
+        samples: arguments.samples,
         fps: arguments.fps,
         measures_exposure: arguments.view.exposure == Some(Exposure::Auto),
         present: match arguments.present {

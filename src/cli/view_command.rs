@@ -91,8 +91,7 @@ impl Words {
         } else {
             self.option("basis", optics.basis.name());
         }
-        // As the viewer draws, until it sums samples.
-        self.option("samples", "1");
+        self.option("samples", settings.samples.to_string());
         self.option("tolerance", format!("{:e}", optics.tolerance));
         if let Some(terms) = optics.terms.filter(|_| windows != Windows::All) {
             self.option("terms", terms.to_string());

@@ -7,6 +7,7 @@ use super::quality::Quality;
 use crate::error::Result;
 use crate::render::frame::{Shown, View};
 use crate::render::pigment::Pigment;
+use crate::render::sampling::Sampling;
 use crate::scene::{Light, Scene};
 use crate::vk::image::Image;
 use std::sync::Arc;
@@ -58,6 +59,8 @@ pub struct FrameRequest {
     pub size: [u32; 2],
     /// What is shown right of the split.
     pub compare: Compare,
+    /// Samples that are summed once the first one is shown.
+    pub sampling: Sampling,
     /// The light whose BRDF is computed over the hemisphere, if that is to be shown.
     pub inset: Option<Light>,
 }
@@ -74,6 +77,7 @@ impl FrameRequest {
             && self.moving == other.moving
             && self.size == other.size
             && self.inset == other.inset
+            && self.sampling == other.sampling
             && self.shown == other.shown
             && self.measured == other.measured
             && self.view == other.view
@@ -100,6 +104,8 @@ pub struct RenderedFrame {
     pub wall_ms: f64,
     /// Whether it is the first frame of its painter, which includes one-off work of the driver.
     pub first: bool,
+    /// Samples that it is the mean of.
+    pub samples: u32,
     /// Cost of the whole picture, if it was counted.
     pub cost: Option<PictureCost>,
     /// The exposure \[stops\], where it was measured.
@@ -119,4 +125,31 @@ pub struct PictureCost {
     pub wavelengths: f64,
     /// Texture samples per covered pixel.
     pub samples: f64,
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    /// A frame of the plate in its pigment.
+    pub fn request() -> FrameRequest {
+        let (settings, scene) = crate::viewer::settings_of_a_plate();
+        FrameRequest {
+            view: View::of(&scene, scene.lights.clone()),
+            loaded: Arc::new(LoadedScene::of(scene).unwrap()),
+            own: Arc::new(Prepared::pigment_alone().unwrap()),
+            other: None,
+            lighter: None,
+            quality: Quality::WHOLE,
+            moving: false,
+            again: false,
+            shown: Shown { exposure: settings.exposure, tone: settings.tone, background: DVec3::ZERO },
+            measured: false,
+            size: [64, 48],
+            compare: Compare::Alone,
+            sampling: Sampling { count: 4, seed: 1 },
+            inset: None,
+        }
+    }
 }

@@ -52,6 +52,8 @@ pub struct Pending {
     pub frame: Option<FrameRequest>,
     /// The newest request for a pixel, which comes after the frame.
     pub pixel: Option<PixelRequest>,
+    /// A frame that is shown, to which samples are added while there is nothing else to do.
+    pub refined: Option<FrameRequest>,
     /// Jobs, the oldest first.
     pub jobs: Vec<Job>,
     /// Whether the thread is to end.
@@ -69,6 +71,8 @@ pub enum Task {
     Frame(FrameRequest),
     /// Read a pixel.
     Pixel(PixelRequest),
+    /// Add a sample to a frame that is shown.
+    Refine(FrameRequest),
     /// Do a job.
     Job(Job),
 }
@@ -100,6 +104,14 @@ impl JobQueue {
         }
     }
 
+    /// Adds samples to `request`, which is shown, while there is nothing else to do.
+    pub fn refine(&self, request: FrameRequest) {
+        let mut pending = self.pending();
+        if pending.frame.is_none() {
+            pending.refined = Some(request);
+        }
+    }
+
     /// Waits until the window has shown what it has to show.
     pub fn give_way(&self) {
         let waits = |pending: &mut Pending| pending.window_first && !pending.stop;
@@ -123,10 +135,14 @@ impl JobQueue {
                 return Some(Task::Job(pending.jobs.remove(0)));
             }
             if let Some(request) = pending.frame.take() {
+                pending.refined = None;
                 return Some(Task::Frame(request));
             }
             if let Some(request) = pending.pixel.take() {
                 return Some(Task::Pixel(request));
+            }
+            if let Some(request) = pending.refined.take() {
+                return Some(Task::Refine(request));
             }
             pending = self.changed.wait(pending).unwrap_or_else(PoisonError::into_inner);
         }
@@ -137,6 +153,34 @@ impl JobQueue {
 mod tests {
     use super::*;
     use std::time::Instant;
+
+    #[test]
+    fn jobs_go_first_then_the_newest_frame_and_samples_are_added_last() {
+        let name = |task: Task| match task {
+            Task::Job(_) => "job",
+            Task::Frame(_) => "frame",
+            Task::Pixel(_) => "pixel",
+            Task::Refine(_) => "refine",
+        };
+        let queue = JobQueue::default();
+        let frame = || crate::viewer::frame::tests::request();
+        queue.refine(frame());
+        queue.update(|pending| pending.pixel = Some(PixelRequest { number: 1, frame: frame(), at: [0; 2] }));
+        queue.update(|pending| pending.jobs.push(Job::Picture(frame())));
+        assert_eq!([(); 3].map(|()| name(queue.next().unwrap())), ["job", "pixel", "refine"]);
+        // A frame that was given up for a job is drawn later, and one that was given up for a newer frame is not.
+        queue.resume(frame());
+        assert!(queue.pending().frame.is_none());
+        queue.update(|pending| pending.jobs.push(Job::Picture(frame())));
+        queue.resume(frame());
+        assert_eq!([(); 2].map(|()| name(queue.next().unwrap())), ["job", "frame"]);
+        // Another frame ends what was added to the last.
+        queue.refine(frame());
+        queue.update(|pending| pending.frame = Some(frame()));
+        queue.refine(frame());
+        assert_eq!(name(queue.next().unwrap()), "frame");
+        assert!(queue.pending().refined.is_none());
+    }
 
     #[test]
     fn drawing_waits_for_the_window_and_not_for_one_that_is_hidden() {

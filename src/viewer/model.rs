@@ -12,6 +12,7 @@ use super::prepared::{Prepared, ROLES, Role};
 use super::quality::{Detail, Quality, QualityControl};
 use super::settings::{OpticsSettings, SceneSettings, ViewSettings};
 use crate::error::Error;
+use crate::render::sampling::Sampling;
 use crate::scene::{Camera, Light};
 use crate::surface::Source;
 use std::sync::Arc;
@@ -429,6 +430,7 @@ impl Model {
             tone: now.tone,
             base_color: now.base_color,
             camera: now.camera,
+            samples: now.samples,
             ..done.clone()
         }
     }
@@ -440,6 +442,12 @@ impl Model {
             Light { theta, phi, intensity: 1.0, size: 0.0 }
         });
         inspected.or(self.settings.lights.first().copied()).filter(|_| self.visible.inset)
+    }
+
+    /// The samples that pictures of `stage` are summed of. What is compared or inspected is one sample.
+    pub fn sampling(&self, stage: Stage) -> Sampling {
+        let is_one = self.comparison.mode != Compare::Alone || self.inspector.open || stage != Stage::Own;
+        if is_one { Sampling::ONE } else { self.settings.sampling() }
     }
 
     /// The quality of the next frame.

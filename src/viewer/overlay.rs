@@ -58,6 +58,9 @@ fn state(ui: &Ui, painter: &Painter, rect: Rect, model: &mut Model) {
         let is_own = model.sources.own.as_ref().is_some_and(|own| own.number == frame.number);
         let text = match (model.pacing.moving, frame.quality) {
             (true, quality) => format!("{quality}, {:.0} ms", frame.wall_ms),
+            (false, Quality::WHOLE) if is_own && frame.samples > 1 => {
+                format!("{}, {} of {} samples", Quality::WHOLE, frame.samples, model.settings.samples)
+            }
             (false, Quality::WHOLE) if is_own => Quality::WHOLE.to_string(),
             (false, Quality::WHOLE) => "refining".to_owned(),
             (false, quality) => format!("{quality}, refining"),

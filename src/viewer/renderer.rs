@@ -14,6 +14,7 @@ use crate::render::difference::DifferencePass;
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::picture::Painter;
+use crate::render::sampling::Sampling;
 use crate::render::source::Source;
 use crate::scene::Light;
 use crate::vk::device::Device;
@@ -35,6 +36,8 @@ struct Displayed {
     view: View,
     shown: Shown,
     size: [u32; 2],
+    // One, or those that it is a mean of.
+    sampling: Sampling,
 }
 
 impl Slot {
@@ -43,6 +46,28 @@ impl Slot {
         Arc::ptr_eq(&self.loaded, &request.loaded)
             && self.prepared.shaded_from.shares_data_with(&prepared.shaded_from)
             && self.prepared.shading.reflectance.shares_stages_with(&prepared.shading.reflectance)
+    }
+
+    /// Whether it shows `request`, one sample or a mean of some, so that samples can be added.
+    fn is_ready_for(&self, request: &FrameRequest) -> bool {
+        self.prepared.number == request.own.number
+            && self.displayed.as_ref().is_some_and(|shown| {
+                let FrameRequest { view, sampling, .. } = request;
+                // An exposure that was measured is not that of the request.
+                let Displayed { view: seen, size, sampling: of, .. } = shown;
+                (seen, *size) == (view, request.size) && [Sampling::ONE, *sampling].contains(of)
+            })
+    }
+
+    /// Adds a sample to what it shows of `request`, and shows the mean; how many samples there are, or `None` where `go_on` said no.
+    fn add_sample(&mut self, request: &FrameRequest, go_on: &mut dyn FnMut() -> bool) -> Result<Option<u32>> {
+        let FrameRequest { view, sampling, size, .. } = request;
+        let shown = self.displayed.as_ref().map_or(request.shown, |displayed| displayed.shown);
+        let added = self.painter.add_sample(view, sampling, shown, *size, go_on)?;
+        if added.is_some() {
+            self.displayed = Some(Displayed { view: view.clone(), shown, size: *size, sampling: *sampling });
+        }
+        Ok(added.map(|added| added.samples))
     }
 
     /// Shades with `prepared` from now on. The textures on the device stay; what depends on other settings is rebuilt.
@@ -109,13 +134,21 @@ impl Renderer {
             let result = match task {
                 Task::Frame(request) => {
                     let drawn = self.draw(&request, queue);
-                    if let Ok(None) = drawn {
-                        queue.resume(request);
+                    match drawn {
+                        Ok(None) => queue.resume(request),
+                        Ok(Some(RenderReply::Drawn(_))) => go_on_with(request, queue),
+                        _ => {}
                     }
                     drawn
                 }
                 Task::Pixel(request) => self.read_pixel(request),
-                Task::Job(job) => self.perform(&job, queue).map(Some),
+                Task::Refine(request) => self.refine(request, queue),
+                Task::Job(job) => {
+                    let done = self.perform(&job, queue).map(Some);
+                    let (Job::Picture(request) | Job::Samples(request)) = job;
+                    go_on_with(request, queue);
+                    done
+                }
             };
             match result {
                 Ok(Some(done)) => reply(done),
@@ -182,11 +215,47 @@ impl Renderer {
             gpu_ms: time.gpu,
             wall_ms: time.wall,
             first,
+            samples: 1,
             cost,
             exposure: measured,
             inset,
             number: request.own.number,
         }))))
+    }
+
+    /// Adds a sample to the frame of `request`; `None` where it is not shown any more, or gave way to something else.
+    fn refine(&mut self, request: FrameRequest, queue: &JobQueue) -> Result<Option<RenderReply>> {
+        let start = Instant::now();
+        let Some(slot) = self.own.as_mut().filter(|slot| slot.is_ready_for(&request)) else {
+            return Ok(None);
+        };
+        let mut go_on = || {
+            queue.give_way();
+            let pending = queue.pending();
+            !pending.stop && pending.frame.is_none() && pending.pixel.is_none() && pending.jobs.is_empty()
+        };
+        let Some(samples) = slot.add_sample(&request, &mut go_on)? else {
+            queue.refine(request);
+            return Ok(None);
+        };
+        let display = slot.painter.target().display.clone();
+        let frame = RenderedFrame {
+            images: [display.clone(), display],
+            sizes: [request.size; 2],
+            quality: request.quality,
+            gpu_ms: 0.0,
+            wall_ms: start.elapsed().as_secs_f64() * 1e3,
+            first: false,
+            samples,
+            cost: None,
+            exposure: None,
+            inset: None,
+            number: request.own.number,
+        };
+        if samples < request.sampling.count {
+            queue.refine(request);
+        }
+        Ok(Some(RenderReply::Drawn(Box::new(frame))))
     }
 
     /// The image right of the split: the other setting's, or the relative difference of both.
@@ -282,12 +351,24 @@ impl Renderer {
             queue.give_way();
             true
         };
-        paint(&self.device, &mut self.own, &request.own, request, request.size, &mut go_on)?;
+        // What is measured is one sample.
+        let sampling = if matches!(job, Job::Samples(_)) { Sampling::ONE } else { request.sampling };
+        let drawn = FrameRequest { sampling, ..request.clone() };
+        paint(&self.device, &mut self.own, &request.own, &drawn, request.size, &mut go_on)?;
         let Some(slot) = &mut self.own else {
             return Err(Error::failed("there is no picture", "report this as a bug of diffract"));
         };
         match job {
             Job::Picture(request) => {
+                let mut samples = 1;
+                while samples < sampling.count {
+                    samples = slot
+                        .add_sample(request, &mut || {
+                            queue.give_way();
+                            !queue.pending().stop
+                        })?
+                        .ok_or_else(|| Error::failed("the window was closed", "save the picture again"))?;
+                }
                 let scalar_theory = Validity::note(&request.own.field);
                 Ok(RenderReply::Picture(Box::new(slot.painter.picture()?), scalar_theory))
             }
@@ -298,6 +379,13 @@ impl Renderer {
                 exposure: request.shown.exposure,
             }))),
         }
+    }
+}
+
+/// Adds samples to the frame of `request` from now on, where it is a whole one of several.
+fn go_on_with(request: FrameRequest, queue: &JobQueue) {
+    if request.quality == Quality::WHOLE && !request.moving && request.sampling.count > 1 {
+        queue.refine(request);
     }
 }
 
@@ -313,12 +401,15 @@ fn paint(
 ) -> Result<Option<FrameTime>> {
     let slot = serving(device, slot, prepared, request)?;
     let (view, shown) = (&request.view, request.shown);
-    let wanted = Displayed { view: view.clone(), shown, size };
+    let wanted = Displayed { view: view.clone(), shown, size, sampling: Sampling::ONE };
     if let Some(displayed) = &slot.displayed
         && !request.again
         && slot.painter.target().size() == request.size
-        && *displayed == (Displayed { shown: displayed.shown, ..wanted.clone() })
+        && [Sampling::ONE, request.sampling].contains(&displayed.sampling)
+        && *displayed
+            == (Displayed { shown: displayed.shown, sampling: displayed.sampling, ..wanted.clone() })
     {
+        let wanted = Displayed { sampling: displayed.sampling, ..wanted.clone() };
         if displayed.shown == shown {
             return Ok(Some(FrameTime::default()));
         }

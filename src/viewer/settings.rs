@@ -6,6 +6,7 @@ use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::color::Tone;
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
+use crate::render::sampling::Sampling;
 use crate::render::shading::{Purpose, Shading};
 use crate::scene::{Camera, Light, Scene};
 use crate::setup::Method;
@@ -56,6 +57,8 @@ pub struct ViewSettings {
     pub base_color: Vec3,
     /// The camera.
     pub camera: Camera,
+    /// Samples that each pixel of a still picture is the mean of.
+    pub samples: u32,
 }
 
 /// What a scene brings beside mesh and camera.
@@ -116,14 +119,16 @@ impl ViewSettings {
     pub fn needs(&self, shown: &Self) -> Needs {
         let optics = |s: &Self| {
             let light = (s.coherence, s.illuminant.clone());
-            (s.surface.clone(), s.optics.clone(), s.beyond, s.reflectance.clone(), light)
+            // What shading averages over.
+            let footprint = s.sampling().sample(0).footprint;
+            (s.surface.clone(), s.optics.clone(), s.beyond, s.reflectance.clone(), light, footprint)
         };
         if self.scene != shown.scene {
             Needs::Mesh
         } else if optics(self) != optics(shown) {
             Needs::Layers
         } else if (self.camera, self.base_color) != (shown.camera, shown.base_color)
-            || self.lights != shown.lights
+            || (&self.lights, self.samples) != (&shown.lights, shown.samples)
         {
             Needs::Frame
         } else if (self.exposure, self.tone) != (shown.exposure, shown.tone) {
@@ -151,6 +156,11 @@ impl ViewSettings {
             purpose: Purpose::Picture,
             looser_colours: 1.0,
         })
+    }
+
+    /// The samples of a still picture. A seed that chooses the surface chooses them, too.
+    pub fn sampling(&self) -> Sampling {
+        Sampling { count: self.samples.max(1), seed: self.surface.seed }
     }
 
     /// Replaces what `old` has brought by what `new` brings, and keeps what the user has set since.
@@ -239,6 +249,7 @@ pub(crate) mod tests {
             tone: scene.tone,
             base_color: scene.base_color,
             camera: scene.camera,
+            samples: 1,
         };
         (settings, scene)
     }
@@ -257,6 +268,10 @@ pub(crate) mod tests {
         assert_eq!(needs(&|s| s.lights[0].theta += 1.0), Needs::Frame);
         assert_eq!(needs(&|s| s.camera.phi += 0.1), Needs::Frame);
         assert_eq!(needs(&|s| s.base_color.x = 0.1), Needs::Frame);
+        let many = ViewSettings { samples: 64, ..shown.clone() };
+        assert_eq!(ViewSettings { samples: 16, ..shown.clone() }.needs(&many), Needs::Frame);
+        // A single sample averages over the whole pixel filter, one of several over its part.
+        assert_eq!(needs(&|s| s.samples = 16), Needs::Layers);
         assert_eq!(needs(&|s| s.optics.terms = Some(5)), Needs::Layers);
         assert_eq!(needs(&|s| s.surface.seed = 2), Needs::Layers);
         assert_eq!(needs(&|s| s.illuminant = "a".to_owned()), Needs::Layers);

@@ -48,6 +48,8 @@ pub struct Start {
     pub measures_exposure: bool,
     /// Size of the window \[points: pixels at a scale of 1\].
     pub size: [u32; 2],
+    /// Samples that each pixel of a still picture is the mean of.
+    pub samples: u32,
     /// Frames a second to keep while something moves.
     pub fps: f64,
     /// Presentation mode.
@@ -83,6 +85,7 @@ impl Start {
             tone: self.scene.tone,
             base_color: self.scene.base_color,
             camera: self.scene.camera,
+            samples: self.samples,
         }
     }
 }

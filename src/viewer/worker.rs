@@ -38,6 +38,8 @@ pub struct RequestedPicture {
     pub view: View,
     /// Pixels.
     pub size: [u32; 2],
+    /// Samples of each pixel.
+    pub sampling: Sampling,
 }
 
 /// What the worker reports.
@@ -205,7 +207,7 @@ impl Preparer {
         if let (Some(device), Some(picture)) = (&self.device, &request.picture)
             && setup::averages_footprints(&settings)
         {
-            let (mesh, sample) = (&picture.loaded.scene.mesh, Sampling::ONE.sample(0));
+            let (mesh, sample) = (&picture.loaded.scene.mesh, picture.sampling.sample(0));
             let views = std::slice::from_ref(&picture.view);
             settings.footprints = footprints::sizes(device, mesh, views, picture.size, &sample)?;
         }

@@ -32,4 +32,5 @@ mod viewer_hand;
 mod viewer_inspector;
 mod viewer_losses;
 mod viewer_panel;
+mod viewer_samples;
 mod viewer_start;

@@ -14,7 +14,7 @@ const QUICK: [&str; 6] = ["--tolerance", "1e-1", "--windows", "1x1", "--size", "
 
 /// The viewer of `scene` on `display`.
 fn view(sandbox: &Sandbox, display: &Display, more: &[&str]) -> Child {
-    let arguments = [&["view"], more, &SMALL, &QUICK].concat();
+    let arguments = [&["view", "--samples", "1"], more, &SMALL, &QUICK].concat();
     let mut command = sandbox.command(arguments);
     command.env("DISPLAY", &display.name).env("DIFFRACT_VALIDATION", "1");
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()

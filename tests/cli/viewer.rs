@@ -8,6 +8,7 @@ use x11rb::protocol::xproto::Window;
 
 /// Quick to compute.
 const QUICK: [&str; 2] = ["--tolerance", "1e-1"];
+const ONE_SAMPLE: [&str; 2] = ["--samples", "1"];
 
 /// A window of the viewer in [`SMALL`]'s sandbox.
 pub struct Viewer {
@@ -41,7 +42,8 @@ impl Viewer {
             _ => &SMALL[..],
         };
         let quick: &[&str] = if arguments.contains(&"--tolerance") { &[] } else { &QUICK };
-        let mut command = sandbox.command([&["view"], arguments, small, quick].concat());
+        let one: &[&str] = if arguments.contains(&"--samples") { &[] } else { &ONE_SAMPLE };
+        let mut command = sandbox.command([&["view"], arguments, small, quick, one].concat());
         command.env("DISPLAY", &display.name).env("DIFFRACT_VALIDATION", "1");
         command.env("DIFFRACT_WORDS", sandbox.path("words"));
         command.envs(variables.iter().copied());

@@ -45,6 +45,7 @@ rows! {
     EXPOSURE = Row::setting("exposure", "--exposure", "Brightness of the picture in stops (EV): one more doubles it.");
     TONE = Row::setting("tone mapping", "--tone", "What the display makes of highlights. none: colours as they are, up to the edge of what it can show. \
         neutral: highlights go softly to white.");
+    SAMPLES = Row::setting("samples", "--samples", "Samples a pixel that a still picture is the mean of: smooth edges, soft lights. 1: pixel centres only.");
     BASE_COLOR = Row::setting("base colour", "--base-color", "Colour of the pigment below the surface, linear sRGB. Black shows the diffraction alone.");
     WINDOWS = Row::setting("windows", "--windows", "mean: what a pixel sees, the average over all positions of the coherence window. \
         one: a single window, with its speckle.");

@@ -33,6 +33,9 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
                 ui.selectable_value(&mut model.settings.tone, other, other.name());
             }
         });
+        rows::show(ui, &rows::SAMPLES, |ui| {
+            ui.add(number(&mut model.settings.samples).speed(0.2).range(1..=4096));
+        });
         base_color(ui, &mut model.settings);
     });
 }

@@ -99,6 +99,7 @@ impl ViewerWindow {
             loaded: model.loaded.clone(),
             view: self.view(),
             size: model.size,
+            sampling: model.settings.sampling(),
         })
     }
 
@@ -132,6 +133,7 @@ impl ViewerWindow {
             measured: model.measures_exposure && is_own,
             size: model.size,
             compare: if is_own { model.comparison.mode } else { Compare::Alone },
+            sampling: model.sampling(stage),
             inset: model.hemisphere_light().filter(|_| stage != Stage::Pigment),
         })
     }

@@ -1,0 +1,29 @@
+//! Samples that are summed while nothing moves.
+
+use crate::viewer::Viewer;
+
+#[test]
+fn a_still_picture_goes_on_to_its_samples_and_is_saved_as_their_mean() {
+    let viewer = Viewer::open(&["sphere", "--size", "900x400", "--samples", "6", "--windows", "all"]);
+    viewer.says("6 of 6 samples");
+    let (picture, command, _) = viewer.save(&[]);
+    assert!(command.contains(" --samples 6 "), "{command}");
+    assert!(picture == viewer.render(&command), "{command}");
+    let one = viewer.render(&command.replace("--samples 6", "--samples 1"));
+    assert!(picture != one, "edges are smooth");
+    // Brightness changes the display alone, and a drag begins the sum anew.
+    viewer.display.key('-'.into(), &[]);
+    viewer.shows_number("--exposure", &viewer.row("exposure")[0].text.replace(" EV", ""));
+    viewer.display.drag(1, [270, 180], [315, 210]);
+    let (_, turned) = viewer.shows("--eye");
+    assert!(turned.contains(" --samples 6 "), "{turned}");
+    viewer.says("6 of 6 samples");
+    // What is inspected is one sample.
+    viewer.display.key('i'.into(), &[]);
+    viewer.display.click(1, [200, 200], 1);
+    viewer.find("radiance");
+    assert!(!viewer.words().iter().any(|word| word.text.contains("of 6 samples")));
+    viewer.display.key('i'.into(), &[]);
+    viewer.says("6 of 6 samples");
+    viewer.close();
+}
