@@ -5,10 +5,10 @@
 // X, Y and Z of piece after piece of the range of |w|; RGBA: the coefficients of a cubic.
 layout(set = 1, binding = 1) uniform sampler2DArray color_table;
 
-// XYZ of the specular order over |w|, a band of wavelengths a row.
+// XYZ of the specular order over |w|, a band of wavelengths a row; in the last row all bands together.
 layout(set = 1, binding = 2) uniform sampler2D specular;
 
-const int BANDS = 8;        // of wavelengths of the specular order
+const int BANDS = 16;       // of wavelengths of the specular order
 const float LARGEST_W = 2.0;
 
 layout(set = 1, binding = 0, std140) uniform Table {
@@ -47,7 +47,7 @@ float specular_column(Pair pair) {
 }
 
 vec3 specular_weight(float column, int band) {
-    return textureLod(specular, vec2(column, (float(band) + 0.5) / float(BANDS)), 0.0).rgb;
+    return textureLod(specular, vec2(column, (float(band) + 0.5) / float(BANDS + 1)), 0.0).rgb;
 }
 
 // The specular order: a Gaussian of (u, v) for each band of wavelengths.
@@ -68,12 +68,7 @@ vec3 source_specular(Pair pair, Footprint footprint) {
 
 // The specular order of all (u, v).
 vec3 source_mirrored(Pair pair) {
-    float column = specular_column(pair);
-    vec3 sum = vec3(0.0);
-    for (int band = 0; band < BANDS; ++band) {
-        sum += specular_weight(column, band);
-    }
-    return sum * (pair.factor / (4.0 * PI));
+    return specular_weight(specular_column(pair), BANDS) * (pair.factor / (4.0 * PI));
 }
 
 const bool SOURCE_READS_FOOTPRINT = true;

@@ -14,6 +14,7 @@ use super::write;
 use crate::error::{Error, Result};
 use crate::figure;
 use crate::files::Files;
+use crate::surface::files::write::Format;
 use crate::surface::files::{Topography, image};
 use crate::surface::synth::{self, Kind, Spec};
 use crate::surface::{Source, Statistics};
@@ -29,7 +30,7 @@ pub enum Command {
     Info(Info),
     /// Write a height field in another format, heights unchanged
     Convert(convert::Convert),
-    /// Write a generated height field to a PNG or TIFF file
+    /// Write a generated height field to a file
     Synth(Synth),
 }
 
@@ -58,7 +59,7 @@ pub struct Synth {
     /// flat, sinusoid, blaze, bumps, elaphe, xenopeltis, cd, dvd, brushed or tulip
     #[arg(value_parser = kind)]
     kind: Kind,
-    /// Where it goes: .png or .tif, 16-bit grey
+    /// Where it goes: .png or .tif, 16-bit grey; .gsf, .gwy, .npy, .txt or .x3p with every digit
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Which one of the many surfaces of a random kind
@@ -136,7 +137,11 @@ fn report(arguments: &Info, source: &Source, scan: Topography) -> Result<()> {
 fn synthesise(arguments: &Synth) -> Result<()> {
     let &Synth { kind, seed, patch, pixel_size, period, height, output: ref path } = arguments;
     output::check(path)?;
+    let format = if image::is_named(path) { None } else { Some(Format::of(path)?) };
     let field = synth::generate(&Spec { kind, seed, patch, pixel_size, period, height })?;
+    if let Some(format) = format {
+        return convert::save(path, format, &Topography::of(field));
+    }
     // A flat field has code 0 all over: every height reads it back, and an option takes none of zero.
     let full_height = Some(image::write(path, &field)?).filter(|h| *h > 0.0).unwrap_or(1e-3);
     let [dx, dy] = field.pixel_size();

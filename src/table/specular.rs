@@ -12,9 +12,9 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Bands of wavelengths. Within one, the variance differs by up to 9 % from the band's, which changes a lobe's value by
-/// less than 4e-3 once all bands are added.
-pub const BANDS: usize = 8;
+/// Bands of wavelengths. Within one, the variance differs by up to 5 % from the band's, which changes a lobe's value by
+/// less than 1e-3 once all bands are added. Only pixels beside the specular direction sum them.
+pub const BANDS: usize = 16;
 /// Samples of |w| over 0 … 2: between two, the phase of the farthest heights of 1 µm turns by a quarter of a radian.
 pub const SPECULAR_SAMPLES: usize = 128;
 

@@ -53,6 +53,16 @@ fn errors(colours: &[DVec3], exact: &[DVec3]) -> (f64, f64) {
 }
 
 #[test]
+fn a_flat_surface_takes_one_cubic_and_scatters_nothing() {
+    let field = synth::generate(&Spec { patch: Some([13.0, 11.0]), ..Spec::new(Kind::Flat) }).unwrap();
+    let spectra = spectra(&field, 3.0, 2e-2, 1e-3);
+    assert!(spectra.header.specular[0] > 0.9, "what it reflects is the specular order");
+    let table = table(&spectra, 2e-2, 1e-2);
+    assert_eq!(table.header.pieces, 1);
+    assert!(table.levels.iter().flatten().all(|texel| texel.to_f32() == 0.0));
+}
+
+#[test]
 fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
     let field = synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(Kind::Elaphe) }).unwrap();
     let (sigma, tolerance) = (3.0, 2e-2);

@@ -50,6 +50,26 @@ fn every_generated_surface_is_read_back_with_the_printed_options() {
 }
 
 #[test]
+fn a_generated_surface_is_written_in_every_format_with_its_heights() {
+    let sandbox = Sandbox::new();
+    let info = |name: &str, more: &[&str]| -> serde_json::Value {
+        let said = sandbox.run([&["surface", "info", name, "--json"], more].concat()).done();
+        serde_json::from_str(&said).unwrap()
+    };
+    let exact = info("blaze", &["--crop", "9um"]);
+    for file in ["s.gsf", "s.gwy", "s.npy", "s.txt", "s.x3p"] {
+        let said = sandbox.run(["surface", "synth", "blaze", "-o", file]).done();
+        let read_back = said.trim_end().rsplit_once("read it with ").map_or("", |(_, options)| options);
+        let options: Vec<&str> = read_back.split(' ').filter(|word| !word.is_empty()).collect();
+        let found = info(file, &[&["--crop", "9um"], &options[..]].concat());
+        assert_eq!(found["samples"], exact["samples"], "{file}");
+        let rms = |value: &serde_json::Value| value["rms_m"].as_f64().unwrap();
+        assert!((rms(&found) / rms(&exact) - 1.0).abs() < 1e-6, "{file}");
+    }
+    sandbox.run(["surface", "synth", "blaze", "-o", "s.doc"]).refused(2);
+}
+
+#[test]
 fn the_options_of_synth_decide_period_height_and_spacing() {
     let sandbox = Sandbox::new();
     let more = ["--period", "3um", "--height", "300nm", "--pixel-size", "50nm"];

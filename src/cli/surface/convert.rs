@@ -9,7 +9,7 @@ use crate::surface::files::Topography;
 use crate::surface::files::write::{Format, write as write_surface};
 use clap::Args;
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `surface convert`.
 #[derive(Args, Debug)]
@@ -37,11 +37,16 @@ pub fn run(arguments: &Convert) -> Result<()> {
     if !source.prepare.is_empty() {
         scan = Topography::of(source.prepare(scan.into_field()?)?);
     }
-    write_surface(path, format, &scan)?;
+    save(path, format, &scan)
+}
+
+/// Writes `scan` and says how it is read back.
+pub(super) fn save(path: &Path, format: Format, scan: &Topography) -> Result<()> {
+    write_surface(path, format, scan)?;
     let hint = if format.has_scale() {
         String::new()
     } else {
-        format!("; read it with {}", report::spacing_option(&scan))
+        format!("; read it with {}", report::spacing_option(scan))
     };
-    write::stdout(&format!("{}: {}{hint}\n", path.display(), report::size(&scan)))
+    write::stdout(&format!("{}: {}{hint}\n", path.display(), report::size(scan)))
 }

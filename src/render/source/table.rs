@@ -8,12 +8,13 @@ use crate::error::Result;
 use crate::render::picture::Directions;
 use crate::render::shading::Shading;
 use crate::render::upload;
-use crate::table::{BANDS, ColorTable, SPECULAR_SAMPLES, TableReader};
+use crate::table::{BANDS, ColorTable, SPECULAR_SAMPLES, Specular, TableReader};
 use crate::vk::device::Device;
 use crate::vk::image::{Description, Image};
 use crate::vk::sampler::Sampler;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 use std::sync::Arc;
 
 /// A colour table.
@@ -78,10 +79,9 @@ impl Table {
         let levels: Vec<&[u8]> = self.table.levels.iter().map(|level| bytemuck::cast_slice(level)).collect();
         upload::levels(device, &image, layers, &levels)?;
         bound.data(binding::COLOURS, image, Sampler::levels(device, "colour table sampler")?);
-        let weights: Vec<[f32; 4]> =
-            header.specular.weights.iter().flatten().map(|&[x, y, z]| [x, y, z, 0.0]).collect();
+        let weights = specular_rows(&header.specular);
         let format = vk::Format::R32G32B32A32_SFLOAT;
-        let size = [SPECULAR_SAMPLES, BANDS];
+        let size = [SPECULAR_SAMPLES, BANDS + 1];
         let image =
             upload::texture(device, "specular order", format, size, None, bytemuck::cast_slice(&weights))?;
         let edge = Sampler::linear(device, "specular sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
@@ -138,4 +138,14 @@ impl Table {
         }
         cost
     }
+}
+
+/// The weights of each band, and in the last row those of all bands together.
+fn specular_rows(specular: &Specular) -> Vec<[f32; 4]> {
+    let bands = specular.weights.iter().flatten().copied();
+    let all = (0..SPECULAR_SAMPLES).map(|sample| {
+        let sum: Vec3 = specular.weights.iter().map(|band| Vec3::from_array(band[sample])).sum();
+        sum.to_array()
+    });
+    bands.chain(all).map(|[x, y, z]| [x, y, z, 0.0]).collect()
 }

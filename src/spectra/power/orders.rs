@@ -145,6 +145,7 @@ impl<'a> Transform<'a> {
                 self.along_y.process(&mut buffer);
                 (0..kept_y)
                     .map(|j| (buffer[wrapped(j, self.grid.origin[1], rows)] * norm).norm_sqr())
+                    .map(|power| if power < ROUNDING { 0.0 } else { power })
                     .collect()
             })
             .collect();
@@ -158,6 +159,10 @@ impl<'a> Transform<'a> {
         OrderPowers { specular: mean.norm_sqr(), powers }
     }
 }
+
+/// Power of an order, where all orders together have 1, below which there is only what the rounding of a transform leaves. Without it a flat
+/// surface has the colours of rounding, and takes as many cubics to hold them as the highest one.
+const ROUNDING: f64 = 1e-24;
 
 /// Bin of a transform of `samples` that holds order `place − origin`.
 fn wrapped(place: usize, origin: usize, samples: usize) -> usize {

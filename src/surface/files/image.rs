@@ -80,6 +80,11 @@ pub fn write(path: &Path, field: &HeightField) -> Result<f64> {
     Ok(full_height)
 }
 
+/// Whether `path` is named like an image.
+pub fn is_named(path: &Path) -> bool {
+    format_by_extension(path).is_ok()
+}
+
 fn format_by_extension(path: &Path) -> Result<ImageFormat> {
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     match extension.as_deref() {
