@@ -162,6 +162,19 @@ impl Reflectance {
         sum / total
     }
 
+    /// R₀ of the part of R that colour tables leave to the directions of a pixel, by Schlick's form: the mean at normal incidence.
+    pub fn normal_of_tables(&self) -> f64 {
+        /// What reflects nothing at normal incidence would leave nothing to divide by.
+        const LEAST: f64 = 1e-3;
+        self.luminous_normal().max(LEAST)
+    }
+
+    /// R at `wavelength` \[µm\] over the part that tables leave to the directions, which is `normal` at normal incidence, at the cosine of the half
+    /// angle.
+    pub fn of_tables(&self, normal: f64, wavelength: f64, cos_half_angle: f64) -> f64 {
+        self.at(wavelength, cos_half_angle) / schlick_from(normal, cos_half_angle)
+    }
+
     /// R at [`ROWS`] equal steps of the wavenumber over the visible range and [`COLUMNS`] equal steps of the cosine over 0 … 1, ends included,
     /// row by row: what shaders read between.
     pub fn table(&self) -> Vec<f32> {

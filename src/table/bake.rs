@@ -7,6 +7,7 @@ use super::sums::{CUBIC, Scratch, Spectrum, Sums};
 use super::{ColorTable, Header, TableSettings};
 use crate::error::{Error, Remedy, Result};
 use crate::memory;
+use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::BLUE;
 use crate::spectra::power::PowerSpectra;
 use crate::spectra::power::read::{MOST_SIDE, Reader, Square};
@@ -57,8 +58,8 @@ pub fn bake(
     }
     progress(side, side)?;
     let specular = Specular::new(&reader.header, settings);
-    let holds_reflectance = settings.reflectance.is_some();
-    let header = Header { grid, pieces, unit, specular, coherence_blur, cubic_error, holds_reflectance };
+    let normal_reflectance = settings.reflectance.as_ref().map(Reflectance::normal_of_tables);
+    let header = Header { grid, pieces, unit, specular, coherence_blur, cubic_error, normal_reflectance };
     Ok(ColorTable { header, levels })
 }
 
@@ -115,7 +116,8 @@ fn unit_of(values: &[f32]) -> f64 {
     if largest > 0.0 { f64::from(largest / NEAR) } else { 1.0 }
 }
 
-/// The next level: a blur by the growth of the grid, at every second place between two texels.
+/// The next level: a blur by the growth of the grid, at every second place between two texels. No pair of directions is beyond the grid, so that there is
+/// nothing there.
 fn next_level(values: &[f32], side: usize, width: usize, level: usize, grid: &Grid) -> Vec<f32> {
     let spread = 3f64.sqrt() * grid.growth * 2f64.powi(level as i32) / grid.spacing(level);
     // Weights of the texels at ±½, ±1½ …, e^(−8) at the last.
@@ -124,12 +126,17 @@ fn next_level(values: &[f32], side: usize, width: usize, level: usize, grid: &Gr
     let total: f64 = (1 - reach..=reach).map(weight).sum();
     let taps: Vec<(i64, f32)> = (1 - reach..=reach).map(|i| (i, (weight(i) / total) as f32)).collect();
     let half = side / 2;
-    let clamp = |i: i64| i.clamp(0, side as i64 - 1) as usize;
+    // The texels that a texel of the next level averages over, with their weights.
+    let within = |i: usize| {
+        taps.iter().filter_map(move |&(offset, weight)| {
+            let source = 2 * i as i64 + offset;
+            (0..side as i64).contains(&source).then_some((source as usize, weight))
+        })
+    };
     let mut along_x = vec![0f32; half * side * width];
     along_x.par_chunks_mut(half * width).zip(values.par_chunks(side * width)).for_each(|(out, row)| {
         for (i, texel) in out.chunks_mut(width).enumerate() {
-            for (offset, weight) in &taps {
-                let source = clamp(2 * i as i64 + offset);
+            for (source, weight) in within(i) {
                 let source = &row[source * width..(source + 1) * width];
                 texel.iter_mut().zip(source).for_each(|(t, s)| *t += weight * s);
             }
@@ -137,8 +144,8 @@ fn next_level(values: &[f32], side: usize, width: usize, level: usize, grid: &Gr
     });
     let mut both = vec![0f32; half * half * width];
     both.par_chunks_mut(half * width).enumerate().for_each(|(j, out)| {
-        for (offset, weight) in &taps {
-            let row = &along_x[clamp(2 * j as i64 + offset) * half * width..][..half * width];
+        for (source, weight) in within(j) {
+            let row = &along_x[source * half * width..][..half * width];
             out.iter_mut().zip(row).for_each(|(o, s)| *o += weight * s);
         }
     });
@@ -146,16 +153,18 @@ fn next_level(values: &[f32], side: usize, width: usize, level: usize, grid: &Gr
 }
 
 /// A level as 16-bit texels, prefiltered for linear reading: (−1, 14, −1)/12 along each axis (Condat, Blu, Unser, *Beyond
-/// interpolation*, 2005).
+/// interpolation*, 2005). Beyond the edges there is nothing.
 fn texels(values: &[f32], side: usize, pieces: usize, unit: f64) -> Vec<f16> {
     let width = pieces * 3 * CUBIC;
     let scale = (1.0 / unit) as f32;
     let mut out = vec![f16::ZERO; values.len()];
     out.par_chunks_mut(side * side * CUBIC).enumerate().for_each(|(layer, out)| {
+        // Before the first there is a row and a column of number usize::MAX.
         let at = |row: usize, column: usize, power: usize| {
-            values[(row * side + column) * width + layer * CUBIC + power]
+            let within = row < side && column < side;
+            if within { values[(row * side + column) * width + layer * CUBIC + power] } else { 0.0 }
         };
-        let ends = |i: usize| [i.saturating_sub(1), (i + 1).min(side - 1)];
+        let ends = |i: usize| [i.wrapping_sub(1), i + 1];
         for (row, out) in out.chunks_mut(side * CUBIC).enumerate() {
             let [below, above] = ends(row);
             for (column, texel) in out.chunks_mut(CUBIC).enumerate() {

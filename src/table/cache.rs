@@ -39,11 +39,12 @@ impl Kept for ColorTable {
 /// Whether `header` is such as this program makes: what follows divides by its numbers, counts with them and makes textures of its sizes.
 /// The check sum finds accidents; it does not know who wrote it.
 fn is_sound(header: &Header) -> bool {
-    let Header { grid, pieces, unit, specular, coherence_blur, cubic_error, holds_reflectance: _ } = header;
+    let Header { grid, pieces, unit, specular, coherence_blur, cubic_error, normal_reflectance } = header;
     (1..=MOST_LEVELS).contains(&grid.levels)
         && (1..=LARGEST_SIDE).contains(&grid.side)
         && grid.side.is_multiple_of(1 << (grid.levels - 1))
         && positive(&[grid.extent, grid.growth, *unit, *coherence_blur])
+        && normal_reflectance.is_none_or(|r| r > 0.0 && r <= 1.0)
         && [grid.finest, *cubic_error].into_iter().all(|x| x.is_finite() && x >= 0.0)
         && (1..=MOST_PIECES).contains(pieces)
         && specular.variances.len() == BANDS
@@ -79,7 +80,7 @@ mod tests {
             specular,
             coherence_blur: 1e-5,
             cubic_error: 1e-3,
-            holds_reflectance: false,
+            normal_reflectance: Some(0.04),
         };
         let numbers =
             |side: usize| (0..side * side * 2 * 12).map(|i| f16::from_f32(i as f32 * 0.01)).collect();

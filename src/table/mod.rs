@@ -100,9 +100,9 @@ pub struct Header {
     pub coherence_blur: f64,
     /// Relative error of the cubics, measured.
     pub cubic_error: f64,
-    /// Whether the colours hold R, because it depends on the wavelength.
-    #[serde(default)]
-    pub holds_reflectance: bool,
+    /// Where R depends on the wavelength, the colours hold R over Schlick's form from this mean of it at normal incidence. The form is the larger part of how
+    /// R depends on the angle, and belongs to the directions of the pixel and not to those that its footprint averages over.
+    pub normal_reflectance: Option<f64>,
 }
 
 impl ColorTable {
@@ -119,7 +119,7 @@ impl ColorTable {
             specular,
             coherence_blur: 1.0,
             cubic_error: 0.0,
-            holds_reflectance: false,
+            normal_reflectance: None,
         };
         Self { header, levels: (0..grid.levels).map(level).collect() }
     }

@@ -1,7 +1,7 @@
 //! Reads a colour table between its texels and over footprints: the twin of `shaders/source_table.glsl`.
 
 use super::{ColorTable, LARGEST_W, SPECULAR_SAMPLES};
-use crate::optics::brdf::schlick;
+use crate::optics::brdf::{schlick, schlick_from};
 use crate::optics::footprint::{Covariance, SPACING, Share, Taps};
 use crate::optics::geometry::Pair;
 use glam::{DVec2, DVec3};
@@ -42,8 +42,8 @@ impl<'a> TableReader<'a> {
         let (level, taps) = self.taps(around, Share::ALL);
         let sum: DVec3 = taps.each().map(|(place, weight)| self.at(toward + place, w, level) * weight).sum();
         let colour = sum * (w * w) + self.specular(toward, w, around);
-        let held = self.table.header.holds_reflectance;
-        let reflectance = if held { 1.0 } else { schlick(ior, pair.cos_half_angle()) };
+        let normal = self.table.header.normal_reflectance.unwrap_or_else(|| schlick(ior, 1.0));
+        let reflectance = schlick_from(normal, pair.cos_half_angle());
         colour * (reflectance * pair.geometric_factor_times_cos_light() / (w * w))
     }
 
@@ -75,14 +75,18 @@ impl<'a> TableReader<'a> {
         let place = (toward + header.grid.extent) / header.grid.spacing(level) - 0.5;
         let corner = place.floor();
         let t = place - corner;
-        let clamp = |i: f64| i.clamp(0.0, side as f64 - 1.0) as usize;
+        let within = |i: f64| (0.0..side as f64).contains(&i);
         let in_w = w / LARGEST_W * pieces as f64;
         let piece = (in_w as usize).min(pieces - 1);
         let x = 2.0 * (in_w - piece as f64) - 1.0;
         let channel = |channel: usize| {
             let layer = (piece * 3 + channel) * side * side;
             let at = |i: f64, j: f64| {
-                let texel = (layer + clamp(corner.y + j) * side + clamp(corner.x + i)) * 4;
+                let (row, column) = (corner.y + j, corner.x + i);
+                if !(within(row) && within(column)) {
+                    return 0.0;
+                }
+                let texel = (layer + row as usize * side + column as usize) * 4;
                 let c: [f64; 4] = std::array::from_fn(|k| texels[texel + k].to_f64());
                 c[0] + x * (c[1] + x * (c[2] + x * c[3]))
             };

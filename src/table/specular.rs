@@ -40,6 +40,7 @@ impl Specular {
             let end = if i == 0 || i == COUNT - 1 { 0.5 } else { 1.0 };
             (first + i as f64 * step, density[i] * (step * end))
         };
+        let reflectance = settings.reflectance.as_ref().map(|r| (r, r.normal_of_tables()));
         let blur = Blur::of_coherence(spectra.sigma).variance[0];
         let (mut variances, mut weights) = (Vec::new(), Vec::new());
         for band in 0..BANDS {
@@ -56,8 +57,9 @@ impl Specular {
                     .map(|i| {
                         let w = 2.0 * i as f64 / (SPECULAR_SAMPLES - 1) as f64;
                         // The lobe is so narrow that (u, v) = 0 throughout, and cos θ_h = |w|/2.
-                        let reflected =
-                            |q: f64| settings.reflectance.as_ref().map_or(1.0, |r| r.at(1.0 / q, 0.5 * w));
+                        let reflected = |q: f64| {
+                            reflectance.map_or(1.0, |(r, normal)| r.of_tables(normal, 1.0 / q, 0.5 * w))
+                        };
                         let power = |q: f64| power(spectra, 2.0 * PI * q * w) * reflected(q);
                         let sum: DVec3 = nodes.iter().map(|(q, xyz)| *xyz * power(*q)).sum();
                         sum.as_vec3().to_array()

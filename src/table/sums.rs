@@ -41,7 +41,9 @@ impl Spectrum {
             None => Ladder::new(&settings.illuminant, &rule).levels,
         };
         let rows = |r: &Reflectance| {
-            let of_comb = |comb: &Comb| comb.wavenumbers.iter().map(|q| ReflectanceRow::new(r, *q)).collect();
+            let normal = r.normal_of_tables();
+            let row = |q: &f64| ReflectanceRow::new(r, normal, *q);
+            let of_comb = |comb: &Comb| comb.wavenumbers.iter().map(row).collect();
             combs.par_iter().map(of_comb).collect()
         };
         let reflectances = settings.reflectance.as_ref().map_or_else(Vec::new, rows);
@@ -58,15 +60,16 @@ impl Spectrum {
     }
 }
 
-/// R at one wavenumber over cos θ_h.
+/// R at one wavenumber over cos θ_h, as far as tables hold it.
 struct ReflectanceRow(Vec<f32>);
 
 impl ReflectanceRow {
     /// Steps of cos θ_h, about as many as shaders have ([`crate::optics::reflectance::COLUMNS`] says what that errs by).
     const STEPS: usize = 256;
 
-    fn new(reflectance: &Reflectance, wavenumber: f64) -> Self {
-        let at = |i: usize| reflectance.at(1.0 / wavenumber, i as f64 / Self::STEPS as f64) as f32;
+    fn new(reflectance: &Reflectance, normal: f64, wavenumber: f64) -> Self {
+        let at =
+            |i: usize| reflectance.of_tables(normal, 1.0 / wavenumber, i as f64 / Self::STEPS as f64) as f32;
         Self((0..=Self::STEPS).map(at).collect())
     }
 

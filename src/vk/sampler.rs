@@ -26,7 +26,20 @@ impl Sampler {
     /// # Errors
     /// Where the device refuses.
     pub fn levels(device: &Arc<Device>, name: &str) -> Result<Self> {
-        let info = filtering(vk::SamplerAddressMode::CLAMP_TO_EDGE)
+        Self::of_levels(device, name, vk::SamplerAddressMode::CLAMP_TO_EDGE)
+    }
+
+    /// Linear within the nearest level; 0 beyond the edges.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn levels_that_end(device: &Arc<Device>, name: &str) -> Result<Self> {
+        Self::of_levels(device, name, vk::SamplerAddressMode::CLAMP_TO_BORDER)
+    }
+
+    fn of_levels(device: &Arc<Device>, name: &str, address: vk::SamplerAddressMode) -> Result<Self> {
+        let info = filtering(address)
+            .border_color(vk::BorderColor::FLOAT_TRANSPARENT_BLACK)
             .mipmap_mode(vk::SamplerMipmapMode::NEAREST)
             .max_lod(vk::LOD_CLAMP_NONE);
         Self::new(device, name, &info)

@@ -20,12 +20,12 @@ use diffract::render::reference_picture::{PixelReference, covered, reference_mea
 use diffract::render::sampling::{Sample, Sampling};
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
-use diffract::scene::{Light, Scene};
+use diffract::scene::{Camera, Light, Scene};
 use diffract::setup::{self, InUse, Method};
 use diffract::surface::HeightField;
 use diffract::surface::synth::Kind;
 use diffract::vk::device::Device;
-use glam::{DVec3, Vec4};
+use glam::{DVec3, Vec3, Vec4};
 use std::sync::Arc;
 
 /// Of the mean over all windows.
@@ -242,6 +242,37 @@ fn a_picture_by_a_table_is_near_the_reference_picture_over_the_same_footprints()
 #[test]
 fn a_picture_by_power_spectra_is_near_the_reference_picture_over_the_same_footprints() {
     pictures_are_the_reference_picture(Method::Spectral, SPECTRAL_OVER_FOOTPRINTS);
+}
+
+#[test]
+fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far() {
+    // The scales are smaller than these pixels, whose footprints reach over half of all directions.
+    let scene = Scene::open("skin").unwrap();
+    let light = Light { theta: 41.0, phi: 61.0, intensity: 1.0, size: 0.0 };
+    let mut view = View::of(&scene, vec![light]);
+    let eye = Vec3::new(-2.42, 1.7, 1.74);
+    view.camera = Camera::looking(eye, scene.camera.target, scene.camera.field_of_view).unwrap();
+    let reflectance = scene.reflectance.clone().unwrap();
+    assert!(reflectance.is_spectral(), "the scene has a material");
+    // A mirror is in closed form. Of a patch of few orders a Gaussian so wide is read from the coarsest level, by cubics that hold colours over |w|
+    // at one place of (u, v).
+    for (kind, allowed) in [(Kind::Flat, 0.02), (Kind::Elaphe, 0.13)] {
+        let field = patch(kind, 4.0);
+        let shading = Shading { reflectance: reflectance.clone(), ..shading(8.0, 2e-2) }.for_pictures();
+        with_device(|device| {
+            let seen = directions(device, &scene, &view);
+            let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
+            for method in [Method::Table, Method::Spectral] {
+                let source = source(device, &field, &shading, method, sizes_of(&seen));
+                let mut painter =
+                    Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE, 1).unwrap();
+                let found = painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
+                let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
+                eprintln!("{} under large pixels by {}: {errors:.4?}", kind.name(), method.name());
+                assert!(errors.iter().all(|&e| e <= allowed), "{}: {errors:?}", method.name());
+            }
+        });
+    }
 }
 
 #[test]

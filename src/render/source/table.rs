@@ -78,7 +78,7 @@ impl Table {
         let image = Image::with_levels(device, &description, header.grid.levels as u32)?;
         let levels: Vec<&[u8]> = self.table.levels.iter().map(|level| bytemuck::cast_slice(level)).collect();
         upload::levels(device, &image, layers, &levels)?;
-        bound.data(binding::COLOURS, image, Sampler::levels(device, "colour table sampler")?);
+        bound.data(binding::COLOURS, image, Sampler::levels_that_end(device, "colour table sampler")?);
         let weights = specular_rows(&header.specular);
         let format = vk::Format::R32G32B32A32_SFLOAT;
         let size = [SPECULAR_SAMPLES, BANDS + 1];
@@ -95,7 +95,10 @@ impl Table {
         let header = &self.table.header;
         let grid = &header.grid;
         let block = TableBlock {
-            normal_reflectance: shading.reflectance.normal_factor() as f32,
+            normal_reflectance: header
+                .normal_reflectance
+                .unwrap_or_else(|| shading.reflectance.normal_factor())
+                as f32,
             texture_per_uv: (0.5 / grid.extent) as f32,
             coherence: header.coherence_blur as f32,
             unit: header.unit as f32,
