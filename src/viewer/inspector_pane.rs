@@ -17,6 +17,8 @@ use glam::DVec3;
 const WIDTH: f32 = 264.0;
 /// Height of the spectrum [points].
 const PLOT: f32 = 84.0;
+/// Width of the name of a wavelength below it [points].
+const NAME: f32 = 38.0;
 /// Wavelengths whose periods are listed \[µm\].
 const LISTED: [f64; 3] = [0.45, 0.55, 0.65];
 
@@ -197,7 +199,9 @@ fn spectrum(ui: &mut Ui, values: &[f64]) {
     painter.text(whole.left_top(), Align2::LEFT_TOP, caption, small.clone(), style::FAINT);
     for nanometres in [400, 500, 600, 700] {
         let across = (f64::from(nanometres) / 1e3 - SHORTEST) / (LONGEST - SHORTEST);
-        let at = pos2(rect.left() + across as f32 * rect.width(), whole.bottom());
+        // The first name would begin beyond the edge.
+        let x = (across as f32 * rect.width()).max(0.5 * NAME);
+        let at = pos2(rect.left() + x, whole.bottom());
         let name = format!("{nanometres} nm");
         painter.text(at, Align2::CENTER_BOTTOM, name, small.clone(), style::FAINT);
     }
