@@ -112,11 +112,7 @@ pub fn power_spectra(
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<PowerSpectra> {
     let z_max = 4.0 * PI / settings.shortest;
-    let orders_blur = Blur::of_orders(settings.sigma, field.patch_size(), settings.beyond);
-    // What the kernel and the finest blur reach beyond the band.
-    let guard = 4.0 * orders_blur.variance[0].max(orders_blur.variance[1]).sqrt();
-    let orders = OrderGrid::new(field, 2.0 / settings.shortest, guard);
-    let (grid, reading_error) = choose_grid(&orders, orders_blur, settings);
+    let Plan { orders_blur, orders, grid, reading_error } = Plan::new(field, settings);
     let transform = Transform::new(field, orders, settings.beyond);
     transform.ensure_room()?;
     let [dx, dy] = field.pixel_size();
@@ -154,11 +150,55 @@ pub fn power_spectra(
     }
 }
 
+/// Where orders and texels stand.
+struct Plan {
+    orders_blur: Blur,
+    orders: OrderGrid,
+    grid: FrequencyGrid,
+    reading_error: f64,
+}
+
+impl Plan {
+    fn new(field: &HeightField, settings: &PowerSettings) -> Self {
+        let orders_blur = Blur::of_orders(settings.sigma, field.patch_size(), settings.beyond);
+        // What the kernel and the finest blur reach beyond the band.
+        let guard = 4.0 * orders_blur.variance[0].max(orders_blur.variance[1]).sqrt();
+        let orders = OrderGrid::new(field, 2.0 / settings.shortest, guard);
+        let (grid, reading_error) = choose_grid(&orders, orders_blur, settings);
+        Self { orders_blur, orders, grid, reading_error }
+    }
+}
+
+/// What power spectra take at least.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Estimate {
+    /// Terms in z.
+    pub terms: usize,
+    /// Texels along each side of the finest level.
+    pub size: [usize; 2],
+    /// Bytes of all levels.
+    pub bytes: usize,
+}
+
+/// What the power spectra of `field` take, known before they are made: their audit may ask for more terms. `None` where it is too high for any number of
+/// them.
+pub fn estimate(field: &HeightField, settings: &PowerSettings) -> Option<Estimate> {
+    let z_max = 4.0 * PI / settings.shortest;
+    if turns(field, z_max) > MOST_TERMS as f64 {
+        return None;
+    }
+    let (grid, terms) = (Plan::new(field, settings).grid, first_terms(field, z_max));
+    Some(Estimate { terms, size: grid.size, bytes: grid.bytes(terms) })
+}
+
 /// Terms to begin with: e^{iz(h − h′)} turns by z_max H over the range, half of it to either side. The audit asks for more.
 fn first_terms(field: &HeightField, z_max: f64) -> usize {
+    (turns(field, z_max).ceil() as usize).next_multiple_of(PER_TEXEL).clamp(FEWEST_TERMS, MOST_TERMS)
+}
+
+fn turns(field: &HeightField, z_max: f64) -> f64 {
     let (low, high) = field.range();
-    let turns = 0.5 * z_max * (high - low);
-    (turns.ceil() as usize).next_multiple_of(PER_TEXEL).clamp(FEWEST_TERMS, MOST_TERMS)
+    0.5 * z_max * (high - low)
 }
 
 /// The grid on which reading errs by no more than `settings` allow, or the finest that the limits allow, and its error.
@@ -315,6 +355,18 @@ mod tests {
         let n = 60;
         let at = |i: usize| wave(0.1 * (i % n) as f64, 0.1 * (i / n) as f64) / 4.0;
         HeightField::new(n, n, [0.1; 2], (0..n * n).map(|i| height * at(i)).collect()).unwrap()
+    }
+
+    #[test]
+    fn what_is_made_takes_what_was_estimated_or_more_terms_on_the_same_grid() {
+        let heights = (0..40 * 30).map(|i| 0.3 * (f64::from(i) * 0.618_034).fract()).collect();
+        let field = HeightField::new(40, 30, [0.1, 0.12], heights).unwrap();
+        let made = power_spectra(&field, &settings(1e-2), &|_, _| Ok(())).unwrap().header;
+        let expected = estimate(&field, &settings(1e-2)).unwrap();
+        assert_eq!(made.grid.size, expected.size);
+        assert!(made.terms >= expected.terms && made.grid.bytes(expected.terms) == expected.bytes);
+        let high = HeightField::new(2, 1, [0.1; 2], vec![0.0, 20.0]).unwrap();
+        assert_eq!(estimate(&high, &settings(1e-2)), None);
     }
 
     #[test]
