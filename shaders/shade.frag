@@ -10,7 +10,7 @@
 
 layout(constant_id = 0) const int LIGHTS = MAX_LIGHTS; // known beforehand, so that only their directions are read
 layout(constant_id = 1) const bool MARKED = true;      // whether directions tell what is covered
-layout(constant_id = 2) const bool OWN_REFLECTANCE = false; // whether the source holds R, and the factor of a pair does not
+layout(constant_id = 2) const bool OWN_REFLECTANCE = false; // whether the source holds R or a part of it, so that the pair does not know what the surface keeps from the pigment
 layout(constant_id = 3) const float NORMAL_OF_PIGMENT = 0.0; // R0 of what the surface keeps from the pigment, where the source holds R
 
 layout(constant_id = 4) const bool MIRRORED = false; // whether the last light is drawn from surroundings, and their specular order is read apart

@@ -59,7 +59,7 @@ pub struct Synth {
     /// flat, sinusoid, blaze, bumps, elaphe, xenopeltis, cd, dvd, brushed or tulip
     #[arg(value_parser = kind)]
     kind: Kind,
-    /// Where it goes: .png or .tif, 16-bit grey; .gsf, .gwy, .npy, .txt or .x3p with every digit
+    /// Where it goes: .png or .tif, 16-bit grey; .gsf, 32-bit floats; .gwy, .npy, .txt or .x3p, every digit
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Which one of the many surfaces of a random kind

@@ -32,7 +32,7 @@ impl<'a> TableReader<'a> {
     }
 
     /// XYZ of f cos θ_i \[sr⁻¹\] of one pair, averaged over `around`, on a surface whose R is Schlick's for the index `ior`; a table that was
-    /// baked for a material holds its R, and asks for none.
+    /// baked for a material asks for none: what it leaves of R to the pair follows from its header.
     pub fn xyz(&self, pair: &Pair, ior: f64, around: &Covariance) -> DVec3 {
         if !pair.above_horizon() {
             return DVec3::ZERO;

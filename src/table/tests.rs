@@ -4,12 +4,14 @@ use super::*;
 use crate::brdf::mean::{Mean, Orders, TabulatedMean};
 use crate::optics::footprint::Covariance;
 use crate::optics::geometry::{Pair, direction};
-use crate::optics::spectrum::Illuminant;
+use crate::optics::quadrature::{SPAN, density_table};
+use crate::optics::spectrum::{Illuminant, LONGEST};
 use crate::random::Random;
 use crate::spectra::power::{Beyond, PowerSettings, PowerSpectra, power_spectra};
 use crate::surface::HeightField;
 use crate::surface::synth::{self, Kind, Spec};
 use glam::DVec3;
+use std::f64::consts::PI;
 
 const IOR: f64 = 1.5;
 
@@ -60,6 +62,39 @@ fn a_flat_surface_takes_one_cubic_and_scatters_nothing() {
     let table = table(&spectra, 2e-2, 1e-2);
     assert_eq!(table.header.pieces, 1);
     assert!(table.levels.iter().flatten().all(|texel| texel.to_f32() == 0.0));
+}
+
+#[test]
+fn the_bands_of_the_specular_order_hold_the_lobe_of_a_mirror() {
+    /// Of the visible range, ends included.
+    const COUNT: usize = 401;
+    let field = synth::generate(&Spec { patch: Some([13.0, 11.0]), ..Spec::new(Kind::Flat) }).unwrap();
+    let sigma = 3.0;
+    let specular = table(&spectra(&field, sigma, 2e-2, 1e-3), 2e-2, 1e-2).header.specular;
+    let lobe = |r: f64, variance: f64| (-0.5 * r * r / variance).exp() / (2.0 * PI * variance);
+    let step = SPAN / (COUNT - 1) as f64;
+    let density = density_table(&Illuminant::D65, COUNT);
+    let exact = |r: f64| -> DVec3 {
+        let node = |(i, xyz): (usize, &DVec3)| {
+            let q = 1.0 / LONGEST + i as f64 * step;
+            let end = if i == 0 || i == COUNT - 1 { 0.5 } else { 1.0 };
+            // Of the window's power, of standard deviation 1/(√2·2πσ) in frequency.
+            *xyz * (step * end * lobe(r, (q * 2.0 * PI * sigma).powi(-2) / 2.0))
+        };
+        density.iter().enumerate().map(node).sum()
+    };
+    let of_bands = |r: f64| -> DVec3 {
+        let band = |(variance, weights): (&f64, &Vec<[f32; 3]>)| {
+            DVec3::from_array(weights[SPECULAR_SAMPLES - 1].map(f64::from)) * lobe(r, *variance)
+        };
+        specular.variances.iter().zip(&specular.weights).map(band).sum()
+    };
+    let peak = exact(0.0);
+    let radii = (0..200).map(|i| 0.15 * f64::from(i) / 200.0);
+    let worst = radii.map(|r| ((of_bands(r) - exact(r)).abs() / peak).max_element()).fold(0.0, f64::max);
+    eprintln!("the lobe of a mirror differs by {worst:.1e} of its peak");
+    // With 8 bands it is 5e-3, which tables at 3e-3 miss.
+    assert!(worst < 1.5e-3 && peak.min_element() > 1.0, "{worst}");
 }
 
 #[test]
