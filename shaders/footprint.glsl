@@ -24,13 +24,12 @@ Ellipse ellipse_of(vec3 c) {
 
 // The constants of src/optics/footprint.rs.
 layout(constant_id = 20) const float TAP_SPACING = 2.0;
-layout(constant_id = 21) const float TAP_SPACING_OF_SUMS = 2.0;
-layout(constant_id = 22) const float TAP_REACH = 2.0;
-layout(constant_id = 23) const float MOST_SIDES = 1.0;
-layout(constant_id = 24) const float FEWEST_SIDES = 1.0;
-layout(constant_id = 25) const float ROUND = 0.0;
-layout(constant_id = 26) const float NARROW = 0.0;
-layout(constant_id = 27) const float MOST_SHARED = 1.0;
+layout(constant_id = 21) const float TAP_REACH = 2.0;
+layout(constant_id = 22) const float MOST_SIDES = 1.0;
+layout(constant_id = 23) const float FEWEST_SIDES = 1.0;
+layout(constant_id = 24) const float ROUND = 0.0;
+layout(constant_id = 25) const float NARROW = 0.0;
+layout(constant_id = 26) const float MOST_SHARED = 1.0;
 
 // Places in a footprint, whose weighted sum stands for the average over it: `Taps` of src/optics/footprint.rs.
 struct Taps {
@@ -78,24 +77,25 @@ Taps shared_taps(Footprint footprint, Ellipse ellipse, float own, float read, fl
 
 // Row number `row`: 0 along the longer axis, 1 and 2 beside it by the rule of Gauss and Hermite, with fewer taps.
 Row row_of(Taps taps, int row) {
-    const float ASIDE = 1.7320508, WEIGHT_ASIDE = 1.0 / 6.0, SPARSER_ASIDE = 1.5, OFFSET_ASIDE = 0.5;
+    const float ASIDE = 1.7320508, WEIGHT_ASIDE = 1.0 / 6.0, SPARSER_ASIDE = 1.5, OFFSET_ASIDE = 0.5, LN_4 = 1.3862944;
     float side = row == 0 ? 0.0 : row == 1 ? 1.0 : -1.0;
     float sides = row == 0 ? taps.sides : ceil(taps.sides / SPARSER_ASIDE);
-    float offset = row == 0 ? taps.offset : fract(taps.offset + OFFSET_ASIDE + 0.5) - 0.5;
-    float step = TAP_REACH / max(sides, 1.0);
+    float offset = row == 0 ? taps.offset : sides > 1.0 ? fract(taps.offset + OFFSET_ASIDE + 0.5) - 0.5 : 0.0;
+    // Three taps are those of Gauss and Hermite, too.
+    float step = sides > 1.0 ? TAP_REACH / sides : ASIDE;
     Row own;
     own.first = sides > 0.0 ? offset - sides : 0.0;
     own.last = own.first + 2.0 * sides + 0.5;
     own.step = taps.along * step;
-    own.fall = 0.5 * step * step;
+    own.fall = sides > 1.0 ? 0.5 * step * step : LN_4;
     own.aside = taps.across * (side * ASIDE);
     own.weight = row > 0 ? WEIGHT_ASIDE : taps.rows > 1 ? 1.0 - 2.0 * WEIGHT_ASIDE : 1.0;
     return own;
 }
 
-// The least variance that a tap has to average over, so that MOST_SIDES suffice for taps that stand `spacing` apart.
-float least_own(Ellipse ellipse, float blur, float spacing) {
-    float part = TAP_REACH / (spacing * MOST_SIDES);
+// The least variance that a tap has to average over, so that MOST_SIDES suffice.
+float least_own(Ellipse ellipse, float blur) {
+    float part = TAP_REACH / (TAP_SPACING * MOST_SIDES);
     return max(ellipse.longer * (part * part) - blur, 0.0);
 }
 

@@ -3,6 +3,9 @@
 
 const int MAX_LIGHTS = 4;
 
+// What `emitters` hold in w.
+const float FAR_AWAY = 0.0, ALL_AROUND = 1.0, TO_ONE_SIDE = 2.0;
+
 // A sample of a picture; src/render/sampling.rs says more. Fields to come, as of lights with an extent, are functions of `index` and `seed`.
 struct Sample {
     vec2 jitter;                    // place in the pixel, from its centre: x to the right, y downward [pixels]
@@ -16,8 +19,9 @@ struct Sample {
 layout(set = 0, binding = 0, std140) uniform Frame {
     mat4 clip_from_world;
     vec4 eye;                       // xyz: position of the viewer in the world
-    vec4 lights[MAX_LIGHTS];        // xyz: unit vector to the light in the world; w: variance of the directions that it stands for
-    vec4 irradiances[MAX_LIGHTS];   // rgb: of a surface that faces the light, over pi, linear sRGB
+    vec4 lights[MAX_LIGHTS];        // xyz: unit vector to the light in the world; w: variance of the directions that it stands for. Of a lamp: a point of it, and the variance of points
+    vec4 emitters[MAX_LIGHTS];      // w: FAR_AWAY, or what a lamp is; xyz: the middle of one that emits ALL_AROUND, the normal of one that emits TO_ONE_SIDE
+    vec4 irradiances[MAX_LIGHTS];   // rgb: of a surface that faces the light, over pi, linear sRGB; of a lamp at distance 1 straight before it
     vec4 base_color;                // rgb: albedo of the pigment, linear sRGB; w: 1 where the pigment texture counts
     ivec4 counts;                   // x: lights
     vec4 surroundings;              // xy: cosine and sine of their rotation; z: what their picture's 1 stands for; w: variance of the specular order

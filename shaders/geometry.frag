@@ -13,6 +13,7 @@ layout(constant_id = 1) const bool TEXTURED = true;    // whether the pigment is
 layout(constant_id = 2) const bool FOOTPRINTS = true;  // whether footprints are asked for
 layout(constant_id = 3) const bool SHADOWS = false;    // whether lights cast shadows
 layout(constant_id = 4) const bool MIRRORED = false;   // whether the radiance of surroundings in the mirrored direction is asked for
+layout(constant_id = 5) const bool LAMPS = false;      // whether lamps are among the lights, and how bright they are is asked for
 
 // Depth from each light; an array of samplers would need a feature that not every device has.
 layout(set = 0, binding = 10) uniform sampler2D shadow_0;
@@ -31,15 +32,15 @@ layout(location = 7) in vec3 world_normal;
 
 // As `pixel.glsl` reads them. The attachments of a pass have no gaps: where footprints are asked for, they stand between the others, those
 // of a light behind the first image that a picture of so many lights has in any case. Images that a picture does not have are dropped. Red and
-// green of the mirrored radiance stand behind the last light, blue beside the albedo.
+// green of the mirrored radiance stand behind the last light, blue beside the albedo. Of lamps there are at most three.
 layout(location = 0) out vec4 directions;
 layout(location = 1) out vec4 image_1; // footprint of the first light,  or albedo
 layout(location = 2) out vec4 image_2; // albedo,                        or the second and the third light
-layout(location = 3) out vec4 image_3; // the second and the third light, or the fourth
-layout(location = 4) out vec4 image_4; // footprint of the second light
-layout(location = 5) out vec4 image_5; // footprint of the third light
-layout(location = 6) out vec4 image_6; // the fourth light
-layout(location = 7) out vec4 image_7; // footprint of the fourth light
+layout(location = 3) out vec4 image_3; // the second and the third light, or the fourth, or of lamps the falloffs
+layout(location = 4) out vec4 image_4; // footprint of the second light; of lamps the falloffs, or without footprints the fourth light
+layout(location = 5) out vec4 image_5; // footprint of the third light; of lamps that of the second
+layout(location = 6) out vec4 image_6; // the fourth light; of lamps the footprint of the third
+layout(location = 7) out vec4 image_7; // footprint of the fourth light; of lamps the fourth light
 
 // What a fragment needs of its triangle. Derivatives are undefined where neighbours take another branch, so all of them are taken before any.
 struct Face {
@@ -81,16 +82,50 @@ vec3 to_viewer(Face face) {
     return direction;
 }
 
+bool is_lamp(int light) {
+    return LAMPS && frame.emitters[light].w != FAR_AWAY;
+}
+
+// From here to the light; of a lamp not a unit vector.
+vec3 toward(int light) {
+    return is_lamp(light) ? frame.lights[light].xyz - world : frame.lights[light].xyz;
+}
+
+// How bright a light is here, beside how bright it is at distance 1 straight before it: `Place::falloff` of src/scene/light.rs.
+float falloff(int light) {
+    vec3 from = -toward(light);
+    vec4 emitter = frame.emitters[light];
+    if (!is_lamp(light)) {
+        return 1.0;
+    }
+    if (emitter.w == ALL_AROUND) {
+        vec3 middle = world - emitter.xyz;
+        return length(from) * pow(dot(middle, middle), -1.5);
+    }
+    return max(dot(emitter.xyz, from), 0.0) * pow(dot(from, from), -1.5);
+}
+
 // Whether something stands between the surface and a light, by the light's depth map. The depth of a plane that the light grazes changes
 // within a texel of the map: that much is left to it, and a little for rounding.
 bool in_shadow(Face face, int light, sampler2D map) {
-    const float ROUNDING = 2e-5, STEEPEST = 30.0;
-    float cosine = abs(dot(face.normal, frame.lights[light].xyz));
+    const float ROUNDING = 2e-5, STEEPEST = 30.0, TEXEL = 1.5; // the diagonal of a texel, either way, and a little
+    float cosine = abs(dot(face.normal, normalize(toward(light))));
     float slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 1e-6), STEEPEST);
-    vec3 place = (frame.shadow_from_world[light] * vec4(world, 1.0)).xyz;
+    mat4 clip_from_world = frame.shadow_from_world[light];
+    vec4 clip = clip_from_world * vec4(world, 1.0);
     vec2 size = vec2(textureSize(map, 0));
-    // Clip space is two units wide and one deep; the diagonal of a texel, either way.
-    float bias = ROUNDING + slope * 1.5 / size.x;
+    // Of parallel light, whose clip space is two units wide and one deep.
+    float bias = ROUNDING + slope * TEXEL / size.x;
+    if (is_lamp(light)) {
+        if (clip.w <= 0.0 || any(greaterThan(abs(clip.xy), vec2(clip.w)))) {
+            return false; // not on the map
+        }
+        // Depth is A + B/distance, and B what the lamp itself has before the division.
+        float reach = (clip_from_world * vec4(frame.lights[light].xyz, 1.0)).z;
+        float texel = 2.0 * clip.w / (size.x * length(vec3(clip_from_world[0].x, clip_from_world[1].x, clip_from_world[2].x)));
+        bias = abs(reach) / (clip.w * clip.w) * (ROUNDING * clip.w + slope * TEXEL * texel);
+    }
+    vec3 place = clip.xyz / clip.w;
     vec2 texel = clamp((place.xy * 0.5 + 0.5) * size, vec2(0.0), size - 1.0);
     return texelFetch(map, ivec2(texel), 0).r < place.z - bias;
 }
@@ -151,6 +186,10 @@ vec4 footprint(Face face, int light) {
     vec4 change = vec4(dFdxFine(uv), dFdyFine(uv));
     change = any(isnan(change)) || any(isinf(change)) ? vec4(0.0) : change;
     float variance = frame.lights[light].w / (frame.at.footprint * frame.at.footprint);
+    if (is_lamp(light)) {
+        vec3 lamp = toward(light);
+        variance /= dot(lamp, lamp);
+    }
     return variance > 0.0 ? widened(change, variance, to_light.xy) : change;
 }
 
@@ -164,7 +203,16 @@ void main() {
     if (TEXTURED && frame.base_color.w > 0.0) {
         albedo.rgb *= texture(pigment, pigment_uv).rgb;
     }
-    if (FOOTPRINTS) {
+    if (LAMPS) {
+        vec4 falloffs = vec4(falloff(0), LIGHTS > 1 ? falloff(1) : 1.0, LIGHTS > 2 ? falloff(2) : 1.0, 1.0);
+        image_1 = FOOTPRINTS ? footprint(face, 0) : albedo;
+        image_2 = FOOTPRINTS ? albedo : more_lights_0;
+        image_3 = FOOTPRINTS ? more_lights_0 : falloffs;
+        image_4 = FOOTPRINTS ? falloffs : more_lights_1;
+        image_5 = FOOTPRINTS ? footprint(face, 1) : vec4(0.0);
+        image_6 = FOOTPRINTS ? footprint(face, 2) : vec4(0.0);
+        image_7 = more_lights_1;
+    } else if (FOOTPRINTS) {
         image_1 = footprint(face, 0);
         image_2 = albedo;
         image_3 = more_lights_0;

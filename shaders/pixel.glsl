@@ -13,6 +13,8 @@ layout(set = 0, binding = 7) uniform sampler2D footprints_1;
 layout(set = 0, binding = 8) uniform sampler2D footprints_2;
 layout(set = 0, binding = 9) uniform sampler2D footprints_3;
 
+layout(set = 0, binding = 15) uniform sampler2D falloffs;    // how bright each light is here, where lamps are among them
+
 // What the pass clears to: farther out than any direction is projected.
 const float UNCOVERED = 100.0;
 const float NEARLY_UNCOVERED = 50.0;

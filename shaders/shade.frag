@@ -15,6 +15,8 @@ layout(constant_id = 3) const float NORMAL_OF_PIGMENT = 0.0; // R0 of what the s
 
 layout(constant_id = 4) const bool MIRRORED = false; // whether the last light is drawn from surroundings, and their specular order is read apart
 
+layout(constant_id = 5) const bool LAMPS = false;    // whether lights differ in brightness from pixel to pixel
+
 layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
 
 void main() {
@@ -27,6 +29,7 @@ void main() {
     vec3 to_view = unprojected(stored.xy);
     vec3 albedo = albedo_of(pixel);
     vec3 sum = vec3(0.0);
+    vec4 falloff = LAMPS ? texelFetch(falloffs, pixel, 0) : vec4(1.0);
     for (int i = 0; i < LIGHTS; ++i) {
         vec3 to_light = light_direction(stored, i, pixel);
         Pair pair = pair_of(to_light, to_view, source.normal_reflectance);
@@ -42,7 +45,7 @@ void main() {
         float kept = OWN_REFLECTANCE ? schlick(NORMAL_OF_PIGMENT, pair.cos_half) : pair.reflectance;
         vec3 pigmented = albedo * ((1.0 - kept) * to_light.z / PI);
         // Below the horizon there is neither.
-        sum += pair.factor > 0.0 ? (diffracted + pigmented) * (frame.irradiances[i].rgb * PI) : vec3(0.0);
+        sum += pair.factor > 0.0 ? (diffracted + pigmented) * (frame.irradiances[i].rgb * (PI * falloff[i])) : vec3(0.0);
     }
     if (MIRRORED && to_view.z > HORIZON) {
         // Of the light from all around, the specular order sends on what comes from the mirrored direction.

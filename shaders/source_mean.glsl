@@ -100,19 +100,31 @@ float specular_density(Pair pair, float q, vec3 c) {
     return specular_power(pair, q) * normal_density(c + vec3(variance, 0.0, variance), pair.toward);
 }
 
-// f cos(theta_i) over the pair's factor of B.12 at one wavenumber: q^2 <|P|^2>/A.
-float mean_power(Pair pair, vec2 toward, float q, float level) {
-    vec2 f = toward * q;
+// q^2 <|P|^2>/A of the orders near frequency `f` at one wavenumber: f cos(theta_i) over the pair's factor of B.12.
+float mean_power(Pair pair, vec2 f, float q, float level) {
     float z = 2.0 * PI * q * pair.w;
     return held(f) ? q * q * z * z * source.unit * fluctuation(f, z, level) : 0.0;
 }
 
-// The same averaged over a blur of `ratio` times the finest level's variance: a mixture of the two levels beside it, of the same variance.
+// The same averaged over a blur of `ratio` times the finest level's variance. Between two levels: the finer one at the corners of a triangle around
+// the frequency, and the coarser one, so that all together have this variance. Across the ray, where no sum over wavelengths blurs, that is a
+// Gaussian within 2 % (relative L2); a mixture of the two levels alone errs by 14 %.
 float averaged_power(Pair pair, vec2 toward, float q, float ratio) {
+    vec2 f = toward * q;
     float level = min(level_of_ratio(ratio), source.last_level);
-    float power = mean_power(pair, toward, q, level);
-    float coarser = level < source.last_level ? (ratio * exp2(-2.0 * level) - 1.0) / 3.0 : 0.0;
-    return coarser > 0.0 ? mix(power, mean_power(pair, toward, q, level + 1.0), coarser) : power;
+    // The place between the levels, by variance: 0 ... 1.
+    float s = level < source.last_level ? (ratio * exp2(-2.0 * level) - 1.0) / 3.0 : 0.0;
+    if (s <= 0.0) {
+        return mean_power(pair, f, q, level);
+    }
+    float coarser = s * s * (1.6 - 0.6 * s);
+    // The variance along an axis that is left to the corners is half the square of their distance.
+    float left = source.finest * exp2(2.0 * level) * 3.0 * s * (1.0 - 0.6 * s) / (1.0 + s - 0.6 * s * s);
+    vec2 along = f * (sqrt(2.0 * left) * inversesqrt(max(dot(f, f), 1e-20)));
+    vec2 across = vec2(-along.y, along.x) * 0.8660254;
+    float finer = mean_power(pair, f + along, q, level) + mean_power(pair, f - 0.5 * along + across, q, level)
+        + mean_power(pair, f - 0.5 * along - across, q, level);
+    return mix(finer / 3.0, mean_power(pair, f, q, level + 1.0), coarser);
 }
 
 // The comb of wavelengths for |(u, v)| in units of the blur.
@@ -130,17 +142,17 @@ const bool SOURCE_READS_FOOTPRINT = true;
 vec3 source_xyz(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
     Ellipse ellipse = ellipse_of(c);
-    float own = max(ellipse.shorter, least_own(ellipse, source.blur, TAP_SPACING_OF_SUMS));
+    float own = max(ellipse.shorter, least_own(ellipse, source.blur));
     // What the levels of a wavelength in the middle average over.
     float coarsest = (exp2(2.0 * source.last_level) - source.orders) * source.finest / source.middle;
     float read = clamp(coarsest, 0.0, own);
     // Samples do not share taps: the wavelengths of several are not the same.
-    Row row = row_of(spaced_taps(ellipse, own, read, source.blur, TAP_SPACING_OF_SUMS), 0);
+    Row row = row_of(spaced_taps(ellipse, own, read, source.blur, TAP_SPACING), 0);
     float rays = rays_of(own);
     vec3 sum = vec3(0.0);
     float norm = 0.0;
-    float n = row.first;
-    do {
+    for (float n = row.first; n < row.last; n += 1.0) {
+        float weight = exp(-row.fall * n * n);
         vec2 toward = pair.toward + n * row.step;
         ivec2 comb = comb_of(length(toward) * rays);
         vec3 colour = vec3(0.0);
@@ -151,11 +163,9 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
             float power = averaged_power(pair, toward, q, ratio);
             colour += node.rgb * reflectance_at(pair, q) * power;
         }
-        float weight = exp(-row.fall * n * n);
         sum += weight * colour;
         norm += weight;
-        n += 1.0;
-    } while (n < row.last);
+    }
     return sum * (pair.factor / (4.0 * PI) / norm);
 }
 
@@ -163,7 +173,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
 vec3 source_specular(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
     Ellipse ellipse = ellipse_of(c);
-    float own = max(ellipse.shorter, least_own(ellipse, source.blur, TAP_SPACING_OF_SUMS));
+    float own = max(ellipse.shorter, least_own(ellipse, source.blur));
     ivec2 comb = comb_of(pair.uv * rays_of(own));
     vec3 sum = vec3(0.0);
     for (int j = 0; j < comb.y; ++j) {
@@ -187,7 +197,7 @@ vec3 source_mirrored(Pair pair) {
 float source_spectral(Pair pair, float wavenumber) {
     float q = wavenumber;
     vec3 none = vec3(0.0);
-    float power = mean_power(pair, pair.toward, q, 0.0) + specular_density(pair, q, none);
+    float power = mean_power(pair, pair.toward * q, q, 0.0) + specular_density(pair, q, none);
     return held(pair.toward * q) ? pair.factor / (4.0 * PI) * reflectance_at(pair, q) * power : 0.0;
 }
 

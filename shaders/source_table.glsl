@@ -77,7 +77,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
     Ellipse ellipse = ellipse_of(c);
     // A level stands for the shorter axis, as far as it averages over no more, and taps for the rest.
-    float own = max(max(ellipse.shorter, source.finest), least_own(ellipse, source.coherence, TAP_SPACING));
+    float own = max(max(ellipse.shorter, source.finest), least_own(ellipse, source.coherence));
     float level = min(level_of_ratio((own - source.finest) * source.per_growth + 1.0), source.last_level);
     float read = source.finest + (exp2(2.0 * level) - 1.0) / source.per_growth;
     Taps taps = shared_taps(footprint, ellipse, own, read, source.coherence);
@@ -90,13 +90,11 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
         vec2 place = middle + row.aside * source.texture_per_uv;
         vec3 sum = vec3(0.0);
         float norm = 0.0;
-        float n = row.first;
-        do {
+        for (float n = row.first; n < row.last; n += 1.0) {
             float weight = exp(-row.fall * n * n);
             sum += weight * read_table(piece, place + n * step, level);
             norm += weight;
-            n += 1.0;
-        } while (n < row.last);
+        }
         average += sum * (row.weight / norm);
     }
     return average * (source.unit * pair.w * pair.w) * (pair.factor / (4.0 * PI));

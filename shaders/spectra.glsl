@@ -130,10 +130,7 @@ float power(Ray ray, float wavenumber) {
     // Of the Taylor series c_n = (i z a)^n/n!: for even n real, for odd n imaginary, whose sign the conjugate changes.
     vec2 taylor = vec2(1.0, step * ray.conjugate);
     vec2 p = vec2(0.0);
-    // Tested at its end: software devices run a loop's body until every lane has failed the test, and a test in front would
-    // run it once more for nobody. There is always a pair.
-    int pair = 0;
-    do {
+    for (int pair = 0; pair < count; ++pair) {
         vec4 s = read_layer(read, pair);
         if (TAYLOR) {
             p += taylor.x * s.xy + taylor.y * vec2(-s.w, s.z);
@@ -145,8 +142,7 @@ float power(Ray ray, float wavenumber) {
             c.yw *= ray.conjugate;
             p += sum_of_terms(c, s);
         }
-        ++pair;
-    } while (pair < count);
+    }
     return dot(p, p);
 }
 

@@ -20,7 +20,8 @@ void main() {
     mat3 tangent_from_world = transpose(mat3(tangent.xyz, tangent.w * cross(normal, tangent.xyz), normal));
     view = tangent_from_world * normalize(frame.eye.xyz - position);
     for (int i = 0; i < LIGHTS; ++i) {
-        lights[i] = tangent_from_world * frame.lights[i].xyz;
+        bool far_away = frame.emitters[i].w == FAR_AWAY;
+        lights[i] = tangent_from_world * (far_away ? frame.lights[i].xyz : frame.lights[i].xyz - position);
     }
     pigment_uv = vec2(uv.x, 1.0 - uv.y); // v grows upward in meshes, rows of a texture downward
     world = position;

@@ -42,7 +42,7 @@ const MAX_INTENSITY: f64 = 1e6;
 /// A light from far away: `THETA,PHI[,INTENSITY]`, a point of the sky; `sun:THETA,PHI[,INTENSITY]`, the sun's disc; or
 /// `disc:SIZE:THETA,PHI[,INTENSITY]`, a disc of this angular diameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Light {
+pub struct FarLight {
     /// Angle from the surface normal \[degrees\], 0 ≤ theta ≤ 90.
     pub theta: f64,
     /// Angle from +x toward +y \[degrees\], −360 ≤ phi ≤ 360.
@@ -58,7 +58,7 @@ pub const SUN: f64 = 0.533;
 /// Largest angular diameter of a light \[degrees\]: half of the sky.
 const LARGEST_DISC: f64 = 180.0;
 
-impl fmt::Display for Light {
+impl fmt::Display for FarLight {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.size == SUN {
             write!(f, "sun:")?;
@@ -107,7 +107,7 @@ pub fn angle(text: &str) -> Result<f64> {
 ///
 /// # Errors
 /// Another number of fields, 0 ≤ theta ≤ 90, |phi| ≤ 360 or 0 < intensity ≤ 10⁶ violated.
-pub fn light(text: &str) -> Result<Light> {
+pub fn light(text: &str) -> Result<FarLight> {
     const FORM: &str =
         "write THETA,PHI or THETA,PHI,INTENSITY in plain degrees, as in 30,90, sun:30,90 or disc:5deg:30,90";
     let (size, place) = match text.split_once(':') {
@@ -127,10 +127,10 @@ pub fn light(text: &str) -> Result<Light> {
         _ => return Err(Error::usage(format!("'{text}' is not a light"), FORM)),
     };
     let number = |field: &str| {
-        plain_number(field)
+        number(field)
             .ok_or_else(|| Error::usage(format!("'{field}' in the light '{text}' is not a number"), FORM))
     };
-    let light = Light { theta: number(theta)?, phi: number(phi)?, intensity: number(intensity)?, size };
+    let light = FarLight { theta: number(theta)?, phi: number(phi)?, intensity: number(intensity)?, size };
     let refuse = |what: String, remedy: &'static str| {
         Err(Error::usage(what + &format!(" in the light '{text}'"), remedy))
     };
@@ -169,7 +169,7 @@ pub fn triple(text: &str) -> Result<[f64; 3]> {
     /// As for coordinates of meshes: squares still fit an `f32`.
     const LARGEST: f64 = 1e9;
     let numbers: Option<Vec<f64>> =
-        text.split(',').map(|field| plain_number(field.trim()).filter(|x| x.abs() <= LARGEST)).collect();
+        text.split(',').map(|field| number(field.trim()).filter(|x| x.abs() <= LARGEST)).collect();
     numbers
         .and_then(|n| n.try_into().ok())
         .ok_or_else(|| Error::usage(format!("'{text}' is not three numbers"), "write X,Y,Z as in 0.3,1.7,-2"))
@@ -195,7 +195,7 @@ pub fn bytes(text: &str) -> Result<u64> {
     const EXAMPLES: &str = "500MiB, 2GiB or 0";
     /// Exactly a `f64`.
     const LARGEST: f64 = (1u64 << 63) as f64;
-    if plain_number(text.trim()) == Some(0.0) {
+    if number(text.trim()) == Some(0.0) {
         return Ok(0);
     }
     let value = with_unit(text, &SIZES, EXAMPLES)?;
@@ -247,8 +247,8 @@ fn with_unit(text: &str, units: &[(&str, f64)], examples: &str) -> Result<f64> {
     }
     // The longest unit that fits: "5nm" ends in "m" too, but its "5n" is no number.
     let fitting = units.iter().filter_map(|(unit, scale)| {
-        let number = trimmed.strip_suffix(unit)?;
-        Some((plain_number(number.trim_end())?, *scale))
+        let value = trimmed.strip_suffix(unit)?;
+        Some((number(value.trim_end())?, *scale))
     });
     if let Some((number, scale)) = fitting.into_iter().next() {
         let value = number * scale;
@@ -258,7 +258,7 @@ fn with_unit(text: &str, units: &[(&str, f64)], examples: &str) -> Result<f64> {
             || Error::usage(format!("'{trimmed}' is out of range"), format!("write {examples}"));
         return kept.then_some(value).ok_or_else(out_of_range);
     }
-    if plain_number(trimmed).is_some() {
+    if number(trimmed).is_some() {
         return Err(Error::usage(format!("{trimmed} has no unit"), with_own_number(trimmed, examples)));
     }
     let known: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
@@ -276,7 +276,7 @@ fn with_own_number(number: &str, examples: &str) -> String {
 }
 
 /// Parses a finite decimal number. Rust's own parser accepts `inf` and `NaN` as well.
-fn plain_number(text: &str) -> Option<f64> {
+pub fn number(text: &str) -> Option<f64> {
     let decimal = text.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'.' | b'-' | b'+' | b'e' | b'E'));
     text.parse::<f64>().ok().filter(|value| decimal && value.is_finite())
 }
@@ -380,13 +380,13 @@ mod tests {
 
     #[test]
     fn a_light_has_two_or_three_fields_in_range() {
-        assert_eq!(light("30,90").unwrap(), Light { theta: 30.0, phi: 90.0, intensity: 1.0, size: 0.0 });
+        assert_eq!(light("30,90").unwrap(), FarLight { theta: 30.0, phi: 90.0, intensity: 1.0, size: 0.0 });
         assert_eq!(light("sun:30,90").unwrap().size, SUN);
         let disc = light("disc:5deg:30,90,2").unwrap();
-        assert_eq!(disc, Light { theta: 30.0, phi: 90.0, intensity: 2.0, size: 5.0 });
+        assert_eq!(disc, FarLight { theta: 30.0, phi: 90.0, intensity: 2.0, size: 5.0 });
         assert_eq!(
             light(" 0 , -180 , 2.5 ").unwrap(),
-            Light { theta: 0.0, phi: -180.0, intensity: 2.5, size: 0.0 }
+            FarLight { theta: 0.0, phi: -180.0, intensity: 2.5, size: 0.0 }
         );
         assert!(light("90,360").is_ok());
         for text in [

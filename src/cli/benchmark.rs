@@ -39,7 +39,7 @@ pub struct BenchmarkOptions {
     #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "640x480")]
     pub size: [u32; 2],
     /// A light instead of the scene's lights and surroundings, in degrees from up and around it; up to four
-    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
+    #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY]", value_parser = Light::parse, allow_hyphen_values = true)]
     pub light: Vec<Light>,
     #[command(flatten)]
     pub surface: SurfaceOptions,

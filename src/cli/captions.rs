@@ -4,7 +4,7 @@ use super::options::OpticsOptions;
 use crate::optics::coherence::{Coherence, Windows};
 use crate::optics::validity::Validity;
 use crate::picture_file::{Notes, quoted};
-use crate::scene::Light;
+use crate::scene::FarLight;
 use crate::setup::Method;
 use crate::surface::HeightField;
 use std::ffi::OsString;
@@ -89,8 +89,8 @@ pub fn surface(name: &str, field: &HeightField) -> String {
 }
 
 /// Directions and intensities of lights.
-pub fn lights(lights: &[Light]) -> String {
-    let one = |light: &Light| {
+pub fn lights(lights: &[FarLight]) -> String {
+    let one = |light: &FarLight| {
         let strength =
             if light.intensity == 1.0 { String::new() } else { format!(", intensity {}", light.intensity) };
         format!("θ\u{a0}=\u{a0}{}°, φ\u{a0}=\u{a0}{}°{strength}", rounded(light.theta), rounded(light.phi))

@@ -2,7 +2,6 @@
 
 use crate::error::{Error, Result};
 use crate::render::frame::View;
-use crate::scene::Light;
 use clap::Args;
 use std::ffi::OsString;
 use std::ops::Range;
@@ -126,8 +125,8 @@ impl Sequence {
                 view.camera.phi = (f64::from(first.camera.phi) + degrees.to_radians()) as f32;
             }
             Motion::LightSweep => {
-                let turned = |light: &Light| Light { phi: light.phi + degrees, ..*light };
-                view.lights = first.lights.iter().map(turned).collect();
+                let room = first.room();
+                view.lights = first.lights.iter().map(|light| light.turned(degrees, &room)).collect();
                 if let Some(environment) = &mut view.environment {
                     environment.placement.rotation += degrees;
                 }
@@ -163,6 +162,7 @@ impl Sequence {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Light;
     use crate::scene::Scene;
 
     fn options(
@@ -175,7 +175,7 @@ mod tests {
 
     fn plate() -> View {
         let scene = Scene::open("plate").unwrap();
-        View::of(&scene, vec![Light { theta: 40.0, phi: 180.0, intensity: 2.0, size: 0.0 }, scene.lights[0]])
+        View::of(&scene, vec![Light::point(40.0, 180.0, 2.0), scene.lights[0]])
     }
 
     #[test]
@@ -226,6 +226,7 @@ mod tests {
         assert_eq!(sweep.view(&first, 0), first);
         let last = sweep.view(&first, 3);
         for (from, to) in first.lights.iter().zip(&last.lights) {
+            let [from, to] = [from, to].map(|light| light.from_afar(&first.room()));
             assert_eq!((to.theta, to.intensity), (from.theta, from.intensity));
             let (from, to) = (from.direction(), to.direction());
             assert!((to.x - from.y).abs() < 1e-6 && (to.y + from.x).abs() < 1e-6);

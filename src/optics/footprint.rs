@@ -113,19 +113,17 @@ struct Row {
     weight: f64,
 }
 
-/// The taps of a sample stand so many standard deviations of what one of them averages over apart. A row of Gaussians so far apart is even to 22 %, and
-/// the errors of its crests and troughs cancel over a picture: on the snake relative L2 is 0.008, and no less where taps are closer.
-pub const SPACING: f64 = 3.0;
-/// The same for a sum over wavelengths, whose taps average over two levels: a mixture of a narrow and a wide blur, whose sums are less even. On a sphere
-/// relative L2 is 0.04, and 0.08 with taps 2.2 apart.
-pub const SPACING_OF_SUMS: f64 = 1.6;
+/// The taps of a sample stand so many standard deviations of what one of them averages over apart, at most. A row of Gaussians h apart is even to
+/// 2 exp(−2π²/h²): 1.4 %. With 3.0, 22 %, crests and troughs cancel on a surface of many orders, and a disc of few orders errs by a relative L2 of
+/// 0.12.
+pub const SPACING: f64 = 2.0;
 /// Taps reach so many standard deviations of the longer axis: 0.9 % of the average lies beyond.
 pub const REACH: f64 = 2.6;
 /// So many samples of a pixel share the taps of its footprint. Four of sixteen samples that share theirs miss bright orders: relative L2 on the
 /// snake grows by 0.03.
 pub const MOST_SHARED: u32 = 2;
 /// Most taps on either side of a single sample. A longer footprint is read coarser.
-pub const MOST_SIDES: usize = 24;
+pub const MOST_SIDES: usize = 36;
 /// Fewest taps on either side of one of several samples: 1.3 standard deviations apart their weights add up to the same within 1 % wherever they
 /// stand.
 pub const FEWEST_SIDES: usize = 2;
@@ -133,7 +131,7 @@ pub const FEWEST_SIDES: usize = 2;
 pub const ROUND: f64 = 0.2;
 /// A footprint whose shorter axis adds less than this share to the standard deviation of a tap is one row. With 0.7
 /// instead a tenth less is read: relative L2 on the snake is nearly the same, and on a sphere 0.013 instead of 0.006.
-pub const NARROW: f64 = 0.5;
+pub const NARROW: f64 = 0.3;
 /// Rows beside the one along the longer axis stand so many standard deviations of the shorter axis away from it and have this weight each: with them
 /// the average has the first five moments of a Gaussian (Gauss and Hermite's rule of three places).
 const ASIDE: f64 = 1.732_050_807_568_877_2;
@@ -156,8 +154,12 @@ impl Taps {
         taps
     }
 
-    /// The same for a single sample with `spacing` instead of [`SPACING`].
-    pub fn spaced(around: &Covariance, [own, read]: [f64; 2], blur: f64, spacing: f64) -> Self {
+    /// The same for a sample that shares its taps with none.
+    pub fn unshared(around: &Covariance, [own, read]: [f64; 2], blur: f64) -> Self {
+        Self::spaced(around, [own, read], blur, SPACING)
+    }
+
+    fn spaced(around: &Covariance, [own, read]: [f64; 2], blur: f64, spacing: f64) -> Self {
         let [longer, _] = around.axes();
         let axis = around.longer_axis();
         let left = (longer - read).max(0.0).sqrt();
@@ -173,10 +175,10 @@ impl Taps {
         taps
     }
 
-    /// The least variance that a tap has to average over, so that [`MOST_SIDES`] suffice for taps that stand `spacing` apart.
-    pub fn least_own(around: &Covariance, blur: f64, spacing: f64) -> f64 {
+    /// The least variance that a tap has to average over, so that [`MOST_SIDES`] suffice.
+    pub fn least_own(around: &Covariance, blur: f64) -> f64 {
         let [longer, _] = around.axes();
-        (longer * (REACH / (spacing * MOST_SIDES as f64)).powi(2) - blur).max(0.0)
+        (longer * (REACH / (SPACING * MOST_SIDES as f64)).powi(2) - blur).max(0.0)
     }
 
     /// The same taps without the rows beside the one along the longer axis.
@@ -188,9 +190,14 @@ impl Taps {
     pub fn each(&self) -> impl Iterator<Item = (DVec2, f64)> {
         let along = self.along;
         self.rows().flat_map(move |row| {
-            let step = if row.sides > 0 { REACH / row.sides as f64 } else { 0.0 };
+            // Three taps are those of Gauss and Hermite, too.
+            let (step, fall) = match row.sides {
+                0 => (0.0, 0.0),
+                1 => (ASIDE, ((1.0 - 2.0 * WEIGHT_ASIDE) / WEIGHT_ASIDE).ln()),
+                sides => (REACH / sides as f64, 0.5 * (REACH / sides as f64).powi(2)),
+            };
             let places = move || (-(row.sides as i64)..=row.sides as i64).map(move |k| k as f64 + row.offset);
-            let weight = move |n: f64| (-0.5 * (step * n).powi(2)).exp();
+            let weight = move |n: f64| (-fall * n * n).exp();
             let norm: f64 = places().map(weight).sum();
             places().map(move |n| (along * (step * n) + row.aside, row.weight * weight(n) / norm))
         })
@@ -210,9 +217,10 @@ impl Taps {
             weight: if one { 1.0 } else { 1.0 - 2.0 * WEIGHT_ASIDE },
         };
         let moved = (self.offset + OFFSET_ASIDE + 0.5).fract() - 0.5;
+        let sides = (self.sides as f64 / SPARSER_ASIDE).ceil() as usize;
         let aside = |side: f64| Row {
-            sides: (self.sides as f64 / SPARSER_ASIDE).ceil() as usize,
-            offset: if self.sides > 0 { moved } else { 0.0 },
+            sides,
+            offset: if sides > 1 { moved } else { 0.0 },
             aside: self.across * (side * ASIDE),
             weight: WEIGHT_ASIDE,
         };
@@ -243,11 +251,20 @@ mod tests {
         let within = 1.0 - 2.0 * REACH * (-0.5 * REACH * REACH).exp() / (2.0 * PI).sqrt() - 0.0093;
         let [longer, shorter] = LONG.axes();
         let axis = LONG.longer_axis();
-        for (part, count) in [(1.0, 1), (0.3, 1), (1.0, 16), (0.3, 16), (0.5, 64)] {
+        for (part, count, blur) in [
+            (1.0, 1, 0.0),
+            (0.3, 1, 0.0),
+            // So wide that a row has three taps, and five.
+            (1.0, 1, 1e-3),
+            (0.3, 1, 1.5e-4),
+            (1.0, 16, 0.0),
+            (0.3, 16, 0.0),
+            (0.5, 64, 0.0),
+        ] {
             let read = part * shorter;
             let (mut mean, mut along, mut across, mut norm) = (DVec2::ZERO, 0.0, 0.0, 0.0);
             for index in 0..count {
-                let taps = Taps::new(&LONG, [shorter, read], 0.0, Share { index, count });
+                let taps = Taps::new(&LONG, [shorter, read], blur, Share { index, count });
                 assert!(taps.count() == taps.each().count() && taps.sides <= MOST_SIDES);
                 for (place, weight) in taps.each() {
                     let weight = weight / f64::from(count);
@@ -301,9 +318,9 @@ mod tests {
         let round = Covariance { uu: 1e-4, uv: 0.0, vv: 1e-4 };
         assert_eq!(Taps::new(&round, [1e-4; 2], 0.0, Share::ALL).count(), 1);
         let very_long = Covariance { uu: 1.0, uv: 0.0, vv: 1e-8 };
-        let own = Taps::least_own(&very_long, 0.0, SPACING);
+        let own = Taps::least_own(&very_long, 0.0);
         assert!(own > 1e-8);
         assert!(Taps::new(&very_long, [own; 2], 0.0, Share::ALL).count() <= 2 * MOST_SIDES + 1);
-        assert!(Taps::least_own(&round, 0.0, SPACING) < 1e-6);
+        assert!(Taps::least_own(&round, 0.0) < 1e-6);
     }
 }

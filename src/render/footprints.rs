@@ -167,6 +167,7 @@ mod tests {
         let up = [0.0, 0.0, 1.0, 1.0];
         let seen = Directions {
             irradiance: DVec3::ONE,
+            falloffs: Vec::new(),
             light: vec![up, up, [0.0, 0.0, -1.0, 1.0], [0.0; 4]],
             view: vec![up, up, up, [0.0; 4]],
             footprints: vec![[2.0, 0.0, 0.0, 1.0], [4.0, 0.0, 0.0, 3.0], [9.0; 4], [0.0; 4]],

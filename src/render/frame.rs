@@ -11,7 +11,8 @@ use crate::error::Result;
 use crate::optics::coherence::Coherence;
 use crate::optics::color::{self, Tone};
 use crate::scene::environment::Placement;
-use crate::scene::{Camera, Environment, Incident, Light, MAX_LIGHTS, Scene, Vertex, camera};
+use crate::scene::light::most_lights;
+use crate::scene::{Camera, Environment, Incident, Light, MAX_LIGHTS, Room, Scene, Vertex, camera};
 use crate::vk::access::Access;
 use crate::vk::commands::Recorder;
 use crate::vk::descriptors::{Binding, Descriptors};
@@ -33,7 +34,9 @@ pub struct View {
     pub centre: Vec3,
     /// Radius around `centre`.
     pub radius: f32,
-    /// Lights; those beyond [`MAX_LIGHTS`] are not drawn.
+    /// Length of a unit of the scene \[m\].
+    pub unit: f64,
+    /// Lights; those beyond [`most_lights`] are not drawn.
     pub lights: Vec<Light>,
     /// Surroundings, from which each sample draws one light more.
     pub environment: Option<Environment>,
@@ -46,7 +49,8 @@ pub struct View {
 impl View {
     /// `scene` under `lights` of this coherence, which holds a part of their extent already, in its surroundings, without its pigment texture.
     pub fn under(scene: &Scene, lights: &[Light], coherence: &Coherence) -> Self {
-        let lights = lights.iter().map(|light| light.beyond(coherence)).collect();
+        let room = Self::of(scene, Vec::new()).room();
+        let lights = lights.iter().map(|light| light.beyond(coherence, &room)).collect();
         Self { environment: scene.environment.clone(), ..Self::of(scene, lights) }
     }
 
@@ -57,6 +61,7 @@ impl View {
             camera: scene.camera,
             centre: bounds.centre,
             radius: bounds.radius,
+            unit: scene.unit,
             lights,
             environment: None,
             base_color: scene.base_color,
@@ -64,36 +69,54 @@ impl View {
         }
     }
 
-    /// What the last of the directions is drawn from, where the other lights leave room for it.
-    pub fn surroundings(&self) -> Option<&Environment> {
-        self.environment.as_ref().filter(|_| self.lights.len() < MAX_LIGHTS)
+    /// Where and how large the scene is.
+    pub fn room(&self) -> Room {
+        Room { centre: self.centre.as_dvec3(), unit: self.unit }
     }
 
-    /// Directions of light that a sample shades, at most [`MAX_LIGHTS`].
+    /// What the last of the directions is drawn from, where the other lights leave room for it.
+    pub fn surroundings(&self) -> Option<&Environment> {
+        self.environment.as_ref().filter(|_| self.lights.len() < most_lights(&self.lights))
+    }
+
+    /// Directions of light that a sample shades, at most [`most_lights`].
     pub fn light_count(&self) -> usize {
-        (self.lights.len() + usize::from(self.environment.is_some())).min(MAX_LIGHTS)
+        (self.lights.len() + usize::from(self.environment.is_some())).min(most_lights(&self.lights))
+    }
+
+    /// Whether lamps are among the lights.
+    pub fn has_lamps(&self) -> bool {
+        self.lights.iter().any(Light::is_lamp)
     }
 
     /// What `sample` gets from each light, that from the surroundings last. Each has a pair of dimensions of its own, behind that of the
     /// place in the pixel.
     pub fn incidents(&self, sample: &Sample) -> Vec<Incident> {
         let point = |number: usize| sample.pair(1 + number as u32);
-        let lights = self.lights.iter().enumerate().map(|(i, light)| light.incident(point(i), sample.count));
+        let room = self.room();
+        let lights =
+            self.lights.iter().enumerate().map(|(i, light)| light.incident(point(i), sample.count, &room));
         let around = self.environment.iter().map(|e| e.incident(point(MAX_LIGHTS), sample.count));
-        lights.chain(around).take(MAX_LIGHTS).collect()
+        lights.chain(around).take(self.light_count()).collect()
     }
 
     /// The `Frame` block for a `sample` of a picture of `size` pixels.
     pub fn block(&self, size: [u32; 2], sample: &Sample) -> FrameBlock {
         let incidents = self.incidents(sample);
         let mut lights = [[0.0, 0.0, 1.0, 0.0]; MAX_LIGHTS];
+        let mut emitters = [[0.0; 4]; MAX_LIGHTS];
         let mut irradiances = [[0.0; 4]; MAX_LIGHTS];
         let mut shadow_from_world = [[[0.0; 4]; 4]; MAX_LIGHTS];
         for (i, incident) in incidents.iter().enumerate() {
-            lights[i] = incident.direction.as_vec3().extend(incident.variance as f32).to_array();
+            let light = incident.place.map_or(incident.direction, |place| place.point);
+            lights[i] = light.as_vec3().extend(incident.variance as f32).to_array();
+            emitters[i] = FrameBlock::emitter(incident.place.as_ref());
             irradiances[i] = incident.irradiance.extend(0.0).to_array();
             let (centre, radius, jitter) = (self.centre, self.radius, sample.jitter);
-            let map = shadows::clip_from_world(incident.direction, centre, radius, size, jitter);
+            let map = match incident.place {
+                None => shadows::clip_from_world(incident.direction, centre, radius, size, jitter),
+                Some(place) => shadows::clip_from_lamp(place.point.as_vec3(), centre, radius, size, jitter),
+            };
             shadow_from_world[i] = map.to_cols_array_2d();
         }
         let clip_from_world = self.camera.clip_from_world(size, self.centre, self.radius);
@@ -101,6 +124,7 @@ impl View {
             clip_from_world: camera::jittered(clip_from_world, size, sample.jitter).to_cols_array_2d(),
             eye: self.camera.eye().extend(0.0).to_array(),
             lights,
+            emitters,
             irradiances,
             shadow_from_world,
             base_color: self.base_color.extend(if self.pigment { 1.0 } else { 0.0 }).to_array(),
@@ -133,19 +157,22 @@ impl GeometryPass {
             colors: &geometry.images().map(Image::format).collect::<Vec<_>>(),
             depth: Some((vk::CompareOp::LESS, true)),
         };
-        let GeometrySettings { lights, textured, footprints, shadows, mirrored, .. } = geometry.settings;
+        let GeometrySettings { lights, textured, footprints, shadows, mirrored, lamps, .. } =
+            geometry.settings;
         // `constant_id`s of both stages.
         const LIGHTS: u32 = 0;
         const TEXTURED: u32 = 1;
         const FOOTPRINTS: u32 = 2;
         const SHADOWS: u32 = 3;
         const MIRRORED: u32 = 4;
+        const LAMPS: u32 = 5;
         let constants = [
             Constant::new(LIGHTS, lights as u32),
             Constant::new(TEXTURED, textured),
             Constant::new(FOOTPRINTS, footprints),
             Constant::new(SHADOWS, shadows),
             Constant::new(MIRRORED, mirrored),
+            Constant::new(LAMPS, lamps),
         ];
         let fragment = Some(shader!("geometry.frag").with(&constants));
         let vertex = shader!("surface.vert").with(&constants);

@@ -8,6 +8,7 @@ use super::upload;
 use crate::error::Result;
 use crate::scene::MAX_LIGHTS;
 use crate::scene::environment::Environment;
+use crate::scene::light::{Emits, Place};
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
@@ -26,9 +27,11 @@ pub struct FrameBlock {
     pub clip_from_world: [[f32; 4]; 4],
     /// Position of the viewer; w unused.
     pub eye: [f32; 4],
-    /// Unit vector to each light, and the variance of the directions that it stands for.
+    /// Unit vector to each light, and the variance of the directions that it stands for; of a lamp a point and the variance of points.
     pub lights: [[f32; 4]; MAX_LIGHTS],
-    /// Irradiance of a surface that faces each light, over π, linear sRGB; w unused.
+    /// How each light emits: see [`FrameBlock::emitter`].
+    pub emitters: [[f32; 4]; MAX_LIGHTS],
+    /// Irradiance of a surface that faces each light, over π, linear sRGB; of a lamp at distance 1. w unused.
     pub irradiances: [[f32; 4]; MAX_LIGHTS],
     /// Albedo of the pigment; w: 1 where the texture counts.
     pub base_color: [f32; 4],
@@ -41,6 +44,18 @@ pub struct FrameBlock {
     pub shadow_from_world: [[[f32; 4]; 4]; MAX_LIGHTS],
     /// Which sample of the picture the frame is.
     pub sample: SampleBlock,
+}
+
+impl FrameBlock {
+    /// What `emitters` hold of a light: 0 in w where it is far away; the middle of a lamp that emits all around, and 1; the normal of one that
+    /// emits to one side, and 2.
+    pub fn emitter(place: Option<&Place>) -> [f32; 4] {
+        match place.map(|place| place.emits) {
+            None => [0.0; 4],
+            Some(Emits::AllAround { middle }) => middle.as_vec3().extend(1.0).to_array(),
+            Some(Emits::ToOneSide { normal }) => normal.as_vec3().extend(2.0).to_array(),
+        }
+    }
 }
 
 /// A sample of a picture, as [`super::sampling::Sample`] has it (std140).
@@ -84,6 +99,8 @@ pub mod binding {
     pub const SHADOWS: u32 = 10;
     /// Picture of the surroundings.
     pub const SURROUNDINGS: u32 = SHADOWS + super::MAX_LIGHTS as u32;
+    /// How bright lamps are at every pixel.
+    pub const FALLOFFS: u32 = SURROUNDINGS + 1;
 }
 
 /// The set and what it points to.
@@ -107,8 +124,7 @@ impl FrameSet {
     pub fn new(device: &Arc<Device>, pigment: &Pigment, geometry: &Geometry) -> Result<Self> {
         use vk::DescriptorType as T;
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        let images =
-            (binding::PIGMENT..=binding::SURROUNDINGS).map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
+        let images = (binding::PIGMENT..=binding::FALLOFFS).map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
         let bindings: Vec<Binding> = std::iter::once((binding::FRAME, T::UNIFORM_BUFFER))
             .chain(images)
             .map(|(number, kind)| Binding { number, kind, stages })
@@ -148,6 +164,7 @@ impl FrameSet {
         let there = &geometry.directions;
         self.descriptors.image(binding::DIRECTIONS, there, &self.edge);
         self.descriptors.image(binding::ALBEDOS, geometry.albedo.as_ref().unwrap_or(there), &self.edge);
+        self.descriptors.image(binding::FALLOFFS, geometry.falloffs.as_ref().unwrap_or(there), &self.edge);
         for place in 0..MORE_LIGHTS {
             let image = geometry.more_lights.get(place as usize).unwrap_or(there);
             self.descriptors.image(binding::MORE_LIGHTS + place, image, &self.edge);

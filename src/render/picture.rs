@@ -122,6 +122,7 @@ impl Painter {
             footprints: source.reads_footprints,
             shadows: false,
             mirrored: false,
+            lamps: false,
         };
         let geometry = Geometry::new(device, size, settings)?;
         let frame = FrameSet::new(device, pigment, &geometry)?;
@@ -176,8 +177,8 @@ impl Painter {
     /// them cannot be made, the former ones stay.
     fn find_anew(&mut self, size: [u32; 2], settings: GeometrySettings) -> Result<()> {
         let geometry = Geometry::new(&self.device, size, settings)?;
-        let GeometrySettings { lights, mirrored, .. } = self.geometry.settings;
-        let same = (settings.lights, settings.mirrored) == (lights, mirrored);
+        let of_shading = |s: GeometrySettings| (s.lights, s.mirrored, s.lamps);
+        let same = of_shading(settings) == of_shading(self.geometry.settings);
         let shade = (!same)
             .then(|| PixelPass::shading(&self.device, &self.frame.descriptors, &self.source, settings))
             .transpose()?;
@@ -229,16 +230,16 @@ impl Painter {
     fn surround(&mut self, view: &View) -> Result<f32> {
         let last = self.geometry.settings.lights == view.light_count();
         let known = self.specular_spread.is_some();
-        let Some(environment) = view.surroundings().filter(|_| known && last) else {
-            self.mirror(false)?;
-            return Ok(0.0);
-        };
-        self.mirror(true)?;
-        self.frame.surround(&self.device, environment)
+        let around = view.surroundings().filter(|_| known && last);
+        self.find_by(GeometrySettings {
+            mirrored: around.is_some(),
+            lamps: view.has_lamps(),
+            ..self.geometry.settings
+        })?;
+        around.map_or(Ok(0.0), |environment| self.frame.surround(&self.device, environment))
     }
 
-    fn mirror(&mut self, mirrored: bool) -> Result<()> {
-        let settings = GeometrySettings { mirrored, ..self.geometry.settings };
+    fn find_by(&mut self, settings: GeometrySettings) -> Result<()> {
         if settings == self.geometry.settings {
             return Ok(());
         }

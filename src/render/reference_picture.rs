@@ -105,13 +105,15 @@ impl<'a> PixelReference<'a> {
                 pixels.iter().map(|&i| (pair(i), seen.covariance(i))).collect();
             let diffracted =
                 self.diffracted(seen, &asked, &|done, of| progress(number * of + done, lights * of))?;
-            for (color, ((pair, _), xyz)) in colors.iter_mut().zip(asked.iter().zip(diffracted)) {
+            for ((color, &i), ((pair, _), xyz)) in
+                colors.iter_mut().zip(pixels).zip(asked.iter().zip(diffracted))
+            {
                 if !pair.above_horizon() {
                     continue;
                 }
                 let reflectance = self.shading.reflectance.kept_from_pigment(pair.cos_half_angle());
                 let pigmented = view.base_color.as_dvec3() * ((1.0 - reflectance) * pair.light.z / PI);
-                *color += (xyz_to_linear_srgb(xyz) + pigmented) * seen.irradiance * PI;
+                *color += (xyz_to_linear_srgb(xyz) + pigmented) * seen.irradiance(i) * PI;
             }
             self.add_mirrored(seen, pixels, &mut colors);
         }

@@ -112,6 +112,35 @@ pub fn clip_from_world(
     Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
 }
 
+/// World to the clip space of the depth map of a lamp at `place`, which looks at the middle of a sphere of `radius` around `centre`. The map
+/// holds the sphere, unless the lamp is in or next to it: then what is within [`WIDEST`] of the direction to the middle. `size` and `jitter` as
+/// of [`clip_from_world`].
+pub fn clip_from_lamp(place: Vec3, centre: Vec3, radius: f32, size: [u32; 2], jitter: [f64; 2]) -> Mat4 {
+    /// A little more than the sphere, so that nothing ends at the edge of the map.
+    const ROOM: f32 = 1.02;
+    /// The part of the radius that is next to a lamp and casts no shadow, where the lamp is in the sphere.
+    const NEAREST: f32 = 0.01;
+    let radius = ROOM * radius.max(f32::MIN_POSITIVE);
+    let distance = place.distance(centre);
+    let forward = (centre - place).try_normalize().unwrap_or(Vec3::NEG_Z);
+    let (x, y) = forward.any_orthonormal_pair();
+    let half = if distance > radius { (radius / distance).asin().min(WIDEST) } else { WIDEST };
+    let focal = 1.0 / half.tan();
+    let [near, far] = [(distance - radius).max(NEAREST * radius), distance + radius];
+    let depth = far / (far - near);
+    let row = |axis: Vec3, scale: f32, offset: f32| {
+        (axis * scale + forward * offset).extend(-(axis * scale + forward * offset).dot(place))
+    };
+    let moved = |axis: usize| (2.0 * jitter[axis] / f64::from(side(size))) as f32;
+    let mut third = row(forward, depth, 0.0);
+    third.w -= near * depth;
+    let rows = [row(x, focal, moved(0)), row(y, focal, moved(1)), third, row(forward, 1.0, 0.0)];
+    Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
+}
+
+/// Largest angle that the depth map of a lamp holds on either side of its middle \[radians\].
+const WIDEST: f32 = 75.0 * std::f32::consts::PI / 180.0;
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -130,6 +159,23 @@ mod tests {
         }
         let depth = |p: Vec3| clip.project_point3(p).z;
         assert!(depth(centre + direction.as_vec3()) < depth(centre) && (depth(centre) - 0.5).abs() < 1e-6);
+        let lamp = centre + direction.as_vec3() * 6.0;
+        let clip = clip_from_lamp(lamp, centre, radius, size, [0.0; 2]);
+        for toward in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::new(-0.6, 0.0, -0.8)] {
+            let place = clip.project_point3(centre + toward * radius);
+            assert!(
+                place.x.abs() <= 1.0 && place.y.abs() <= 1.0 && (0.0..=1.0).contains(&place.z),
+                "{place}"
+            );
+        }
+        let depth = |p: Vec3| clip.project_point3(p).z;
+        assert!(depth(centre + direction.as_vec3()) < depth(centre));
+        // What the shader takes for B of the depth A + B/distance.
+        let reach = (clip * lamp.extend(1.0)).z;
+        let at = |distance: f32| depth(lamp - direction.as_vec3() * distance);
+        assert!((at(4.0) - at(8.0) - reach * (1.0 / 4.0 - 1.0 / 8.0)).abs() < 1e-5);
+        let moved = clip_from_lamp(lamp, centre, radius, size, [1.0, 0.0]).project_point3(centre);
+        assert!((moved.x * side(size) as f32 / 2.0 - 1.0).abs() < 1e-3);
         let moved = clip_from_world(direction, centre, radius, size, [1.0, 0.0]).project_point3(centre);
         assert!((moved.x * side(size) as f32 / 2.0 - 1.0).abs() < 1e-3);
     }

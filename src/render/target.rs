@@ -41,6 +41,8 @@ pub struct GeometrySettings {
     pub shadows: bool,
     /// Whether the radiance of surroundings in the mirrored direction is written.
     pub mirrored: bool,
+    /// Whether lamps are among the lights, at most [`crate::scene::light::MAX_LIGHTS_WITH_LAMPS`] then.
+    pub lamps: bool,
 }
 
 /// What the geometry pass finds at each pixel, directions in stereographic projection.
@@ -51,6 +53,8 @@ pub struct Geometry {
     pub albedo: Option<Image>,
     /// ω_i of the other lights, two to an image; red and green of the mirrored radiance stand behind the last.
     pub more_lights: Vec<Image>,
+    /// Of each light, one a channel, how bright it is at the pixel: its falloff, or 1 where it is far away. Where lamps are among the lights.
+    pub falloffs: Option<Image>,
     /// Depth; [`crate::vk::commands::FAR`] where nothing is covered.
     pub depth: Image,
     /// For each light how (u, v) = −(ω_i + ω_r).xy changes from pixel to pixel: du/dx, dv/dx, du/dy, dv/dy, x to the right and y downward.
@@ -66,15 +70,15 @@ impl Geometry {
     /// # Errors
     /// Where the device has no room or does not make images of that size.
     pub fn new(device: &Arc<Device>, size: [u32; 2], settings: GeometrySettings) -> Result<Self> {
-        let GeometrySettings { lights, textured, footprints, mirrored, .. } = settings;
+        let GeometrySettings { lights, textured, footprints, mirrored, lamps, .. } = settings;
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
             | vk::ImageUsageFlags::TRANSFER_SRC
             | vk::ImageUsageFlags::SAMPLED;
         let make = |name, format, usage| {
             Image::new(device, &Description { name, format, size, layers: 1, array: false, usage })
         };
-        let more = (lights + usize::from(mirrored)).saturating_sub(1).div_ceil(2);
         // The attachments of a pass have no gaps.
+        let more = (lights + usize::from(mirrored)).saturating_sub(1).div_ceil(2).max(lamps.into());
         let albedo = (textured || more > 0).then(|| make("albedos", GEOMETRY, usage)).transpose()?;
         Ok(Self {
             directions: make("directions", GEOMETRY, usage)?,
@@ -82,6 +86,7 @@ impl Geometry {
             more_lights: (0..more)
                 .map(|_| make("light directions", GEOMETRY, usage))
                 .collect::<Result<_>>()?,
+            falloffs: lamps.then(|| make("falloffs", GEOMETRY, usage)).transpose()?,
             depth: make(
                 "depth",
                 DEPTH,
@@ -99,8 +104,9 @@ impl Geometry {
     pub fn images(&self) -> impl Iterator<Item = &Image> {
         let footprint = |light: usize| self.footprints.get(light);
         let more = |place: usize| self.more_lights.get(place);
+        let [albedo, falloffs] = [&self.albedo, &self.falloffs].map(Option::as_ref);
         let others =
-            [footprint(0), self.albedo.as_ref(), more(0), footprint(1), footprint(2), more(1), footprint(3)];
+            [footprint(0), albedo, more(0), falloffs, footprint(1), footprint(2), more(1), footprint(3)];
         std::iter::once(&self.directions).chain(others.into_iter().flatten())
     }
 }

@@ -176,6 +176,7 @@ impl Environment {
         let share = WIDER * part / f64::from(count.max(1));
         Incident {
             direction: DVec3::new(flat * cos, flat * sin, z),
+            place: None,
             irradiance: (radiance * scale).as_vec3(),
             variance: variance_of(share),
         }

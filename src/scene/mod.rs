@@ -3,6 +3,7 @@
 pub mod camera;
 pub mod corner;
 pub mod environment;
+pub mod lamp;
 pub mod light;
 pub mod mesh;
 mod normals;
@@ -16,6 +17,7 @@ mod tangents;
 pub use camera::Camera;
 pub use corner::Corner;
 pub use environment::Environment;
-pub use light::{Incident, Light, MAX_LIGHTS};
+pub use lamp::{Lamp, Room};
+pub use light::{FarLight, Incident, Light, MAX_LIGHTS};
 pub use mesh::{Bounds, Mesh, Progress, Vertex};
 pub use scene_file::Scene;

@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 use super::environment::{self, Environment, Placement};
-use super::light::{Light, MAX_LIGHTS};
+use super::light::{Light, most_lights};
 use super::{Mesh, Progress, obj, primitives, snake};
 use crate::error::{Error, Result};
 use crate::input;
@@ -249,13 +249,13 @@ impl Scene {
         if !(-40.0..=40.0).contains(&file.exposure) {
             return Err(Error::failed("the exposure is not within -40 to 40 stops", "0 is a good start"));
         }
-        if file.lights.len() > MAX_LIGHTS {
+        let lights = file.lights.iter().map(|l| Light::parse(l)).collect::<Result<Vec<_>>>()?;
+        if lights.len() > most_lights(&lights) {
             return Err(Error::failed(
-                format!("there are {} lights", file.lights.len()),
-                format!("give at most {MAX_LIGHTS}"),
+                format!("there are {} lights", lights.len()),
+                format!("give at most {}", most_lights(&lights)),
             ));
         }
-        let lights = file.lights.iter().map(|l| units::light(l)).collect::<Result<Vec<_>>>()?;
         let field_of_view = units::angle(&file.camera.field_of_view)?.to_radians() as f32;
         let built_in_surface = crate::surface::synth::Kind::from_name(&file.surface).is_some();
         let surface =

@@ -2,7 +2,7 @@
 
 use super::{ColorTable, LARGEST_W, SPECULAR_SAMPLES};
 use crate::optics::brdf::{schlick, schlick_from};
-use crate::optics::footprint::{Covariance, SPACING, Share, Taps};
+use crate::optics::footprint::{Covariance, Share, Taps};
 use crate::optics::geometry::Pair;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -24,8 +24,7 @@ impl<'a> TableReader<'a> {
         let header = &self.table.header;
         let [_, shorter] = around.axes();
         let grid = &header.grid;
-        let own =
-            shorter.max(grid.finest.powi(2)).max(Taps::least_own(around, header.coherence_blur, SPACING));
+        let own = shorter.max(grid.finest.powi(2)).max(Taps::least_own(around, header.coherence_blur));
         let level = grid.level(own) as usize;
         let taps = Taps::new(around, [own, grid.variance(level)], header.coherence_blur, share);
         (level, taps)

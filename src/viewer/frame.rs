@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::render::frame::{Shown, View};
 use crate::render::pigment::Pigment;
 use crate::render::sampling::Sampling;
-use crate::scene::{Light, Scene};
+use crate::scene::{FarLight, Scene};
 use crate::vk::image::Image;
 use std::sync::Arc;
 
@@ -62,7 +62,7 @@ pub struct FrameRequest {
     /// Samples that are summed once the first one is shown.
     pub sampling: Sampling,
     /// The light whose BRDF is computed over the hemisphere, if that is to be shown.
-    pub inset: Option<Light>,
+    pub inset: Option<FarLight>,
 }
 
 impl FrameRequest {

@@ -5,7 +5,7 @@ use crate::optics::color;
 use crate::optics::geometry::{Pair, direction};
 use crate::render::evaluator::Query;
 use crate::render::picture::Painter;
-use crate::scene::Light;
+use crate::scene::FarLight;
 use glam::DVec3;
 
 /// Points along a side.
@@ -15,7 +15,7 @@ pub const SIDE: usize = 72;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inset {
     /// The light.
-    pub light: Light,
+    pub light: FarLight,
     /// sRGB of each point from the upper left, `None` below the horizon.
     pub points: Vec<Option<[u8; 3]>>,
 }
@@ -32,7 +32,7 @@ fn view(index: usize) -> Option<DVec3> {
 ///
 /// # Errors
 /// Where the device is lost.
-pub fn hemisphere(painter: &mut Painter, light: Light) -> Result<Inset> {
+pub fn hemisphere(painter: &mut Painter, light: FarLight) -> Result<Inset> {
     let toward = direction(light.theta.min(89.9), light.phi);
     let views: Vec<Option<DVec3>> = (0..SIDE * SIDE).map(view).collect();
     let query = |&view: &DVec3| Query { pair: Pair::new(toward, view), wavelength: None };

@@ -12,8 +12,9 @@ use super::prepared::{Prepared, ROLES, Role};
 use super::quality::{Detail, Quality, QualityControl};
 use super::settings::{OpticsSettings, SceneSettings, ViewSettings};
 use crate::error::Error;
+use crate::render::frame::View;
 use crate::render::sampling::Sampling;
-use crate::scene::{Camera, Light};
+use crate::scene::{Camera, FarLight};
 use crate::surface::Source;
 use std::sync::Arc;
 
@@ -436,12 +437,16 @@ impl Model {
     }
 
     /// The light whose hemisphere is shown, if any: that of the inspected pixel in its tangent frame, else the first of the scene.
-    pub fn hemisphere_light(&self) -> Option<Light> {
+    pub fn hemisphere_light(&self) -> Option<FarLight> {
         let inspected = self.inspector.light().filter(|light| !light.is_dark()).map(|light| {
             let [[theta, phi], _] = light.angles();
-            Light { theta, phi, intensity: 1.0, size: 0.0 }
+            FarLight { theta, phi, intensity: 1.0, size: 0.0 }
         });
-        inspected.or(self.settings.lights.first().copied()).filter(|_| self.visible.inset)
+        let first = || {
+            let room = View::of(&self.loaded.scene, Vec::new()).room();
+            self.settings.lights.first().map(|light| light.from_afar(&room))
+        };
+        inspected.or_else(first).filter(|_| self.visible.inset)
     }
 
     /// The samples that pictures of `stage` are summed of. What is compared or inspected is one sample.

@@ -1,6 +1,6 @@
 //! Moves camera and light by drags of the pointer: geometry without a window.
 
-use crate::scene::{Camera, Light, Mesh};
+use crate::scene::{Camera, FarLight, Lamp, Light, Mesh};
 use glam::{Vec2, Vec3};
 
 /// What a drag moves.
@@ -43,8 +43,26 @@ pub fn dragged(camera: Camera, drag: Drag, pixels: Vec2, height: f32) -> Camera 
 }
 
 /// `light` after a drag by `pixels` in a picture `height` pixels high, seen by `camera`. A drag to the right moves the light
-/// to the right, a drag upward moves it away from the viewer.
+/// to the right, a drag upward moves it away from the viewer; a lamp keeps its height.
 pub fn light_dragged(light: Light, camera: Camera, pixels: Vec2, height: f32) -> Light {
+    match light {
+        Light::Far(light) => far_light_dragged(light, camera, pixels, height).into(),
+        Light::Lamp(lamp) => Light::Lamp(lamp_dragged(lamp, camera, pixels, height)),
+    }
+}
+
+fn lamp_dragged(lamp: Lamp, camera: Camera, pixels: Vec2, height: f32) -> Lamp {
+    let part = pixels / height.max(1.0);
+    let away = Vec2::from_angle(camera.phi + std::f32::consts::PI);
+    let right = Vec2::new(away.y, -away.x);
+    let across = 2.0 * camera.distance * (camera.field_of_view / 2.0).tan();
+    let moved = lamp.middle + ((right * part.x - away * part.y) * across).extend(0.0).as_dvec3();
+    // Rounded to a thousandth of what is seen, which is short on a command line.
+    let digits = 10f64.powf((1e3 / f64::from(across)).log10().ceil());
+    Lamp { middle: (moved * digits).round() / digits, ..lamp }
+}
+
+fn far_light_dragged(light: FarLight, camera: Camera, pixels: Vec2, height: f32) -> FarLight {
     let part = pixels / height.max(1.0);
     let (theta, phi) = ((light.theta as f32).to_radians(), (light.phi as f32).to_radians());
     // Polar coordinates of radius θ have no singularity at the zenith.
@@ -57,7 +75,7 @@ pub fn light_dragged(light: Light, camera: Camera, pixels: Vec2, height: f32) ->
     let phi = if length > 1e-4 { f64::from(moved.to_angle().to_degrees()) } else { light.phi };
     // Rounded to a tenth of a degree, which is short on a command line.
     let tenth = |x: f64| (x * 10.0).round() / 10.0;
-    Light { theta: tenth(theta), phi: tenth(phi), ..light }
+    FarLight { theta: tenth(theta), phi: tenth(phi), ..light }
 }
 
 /// `camera` after `steps` of the wheel, forward positive, around a scene of `radius`.
@@ -139,15 +157,24 @@ mod tests {
 
     #[test]
     fn a_light_crosses_the_zenith_and_stays_above_the_horizon() {
-        let light = Light { theta: 10.0, phi: 90.0, intensity: 2.0, size: 0.0 };
+        let light = FarLight { theta: 10.0, phi: 90.0, intensity: 2.0, size: 0.0 };
         // The camera looks toward +y, so away is +y: up moves the light from the far side farther away.
-        let away = light_dragged(light, camera(), Vec2::new(0.0, -40.0), 400.0);
+        let dragged = |light: FarLight, pixels| match light_dragged(light.into(), camera(), pixels, 400.0) {
+            Light::Far(light) => light,
+            Light::Lamp(_) => panic!("it became a lamp"),
+        };
+        let away = dragged(light, Vec2::new(0.0, -40.0));
         assert!(away.theta > light.theta && (away.phi - 90.0).abs() < 0.2, "{away:?}");
-        let across = light_dragged(light, camera(), Vec2::new(0.0, 80.0), 400.0);
+        let across = dragged(light, Vec2::new(0.0, 80.0));
         assert!((across.phi + 90.0).abs() < 0.2 && across.theta > 0.0, "{across:?}");
-        let right = light_dragged(Light { theta: 0.0, ..light }, camera(), Vec2::new(80.0, 0.0), 400.0);
+        let right = dragged(FarLight { theta: 0.0, ..light }, Vec2::new(80.0, 0.0));
         assert!(right.direction().x > 0.3 && right.intensity == 2.0, "{right:?}");
-        assert_eq!(light_dragged(light, camera(), Vec2::new(1e5, 0.0), 400.0).theta, 89.0);
+        assert_eq!(dragged(light, Vec2::new(1e5, 0.0)).theta, 89.0);
+        let lamp = Light::parse("sphere:0.1:0.2,0.3,1").unwrap();
+        let Light::Lamp(moved) = light_dragged(lamp, camera(), Vec2::new(40.0, -40.0), 400.0) else {
+            panic!()
+        };
+        assert!(moved.middle.x > 0.2 && moved.middle.y > 0.3 && moved.middle.z == 1.0, "{moved:?}");
     }
 
     #[test]

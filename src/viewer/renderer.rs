@@ -16,7 +16,7 @@ use crate::render::frame::{Shown, View};
 use crate::render::picture::Painter;
 use crate::render::sampling::Sampling;
 use crate::render::source::Source;
-use crate::scene::Light;
+use crate::scene::FarLight;
 use crate::vk::device::Device;
 use crate::vk::image::Image;
 use std::sync::Arc;
@@ -283,7 +283,7 @@ impl Renderer {
     }
 
     /// The hemisphere of `light`, from a texture that is on the device already.
-    fn hemisphere(&mut self, request: &FrameRequest, light: Light) -> Result<Option<Arc<Inset>>> {
+    fn hemisphere(&mut self, request: &FrameRequest, light: FarLight) -> Result<Option<Arc<Inset>>> {
         let number = request.own.number;
         if let Some((inset, of)) = &self.inset
             && (inset.light, *of) == (light, number)

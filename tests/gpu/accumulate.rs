@@ -3,7 +3,6 @@
 use crate::device::with_device;
 use crate::evaluation::{layers, patch, shading, window};
 use diffract::optics::color::Tone;
-use diffract::optics::geometry::direction;
 use diffract::render::footprints::{Distribution, median_pixel_area};
 use diffract::render::frame::{Shown, View};
 use diffract::render::picture::{Painter, Picture};
@@ -26,7 +25,7 @@ fn painter(device: &Arc<Device>, scene: &Scene, lights: usize) -> Painter {
 }
 
 fn view(scene: &Scene) -> View {
-    let mut view = View::of(scene, vec![Light { theta: 40.0, phi: -30.0, intensity: 1.0, size: 0.0 }]);
+    let mut view = View::of(scene, vec![Light::point(40.0, -30.0, 1.0)]);
     view.base_color = Vec3::new(0.9, 0.5, 0.2);
     view
 }
@@ -207,7 +206,7 @@ fn coverage_beside_a_straight_edge_is_the_gaussian_of_the_jitter() {
 #[test]
 fn footprints_are_the_differences_of_directions() {
     let lights: Vec<_> = [(40.0, -30.0), (20.0, 100.0), (60.0, 10.0), (30.0, 200.0)]
-        .map(|(theta, phi)| Light { theta, phi, intensity: 1.0, size: 0.0 })
+        .map(|(theta, phi)| Light::point(theta, phi, 1.0))
         .to_vec();
     with_device(|device| {
         for (name, count, tolerance) in [("plate", 4, 2e-5), ("plate", 1, 2e-5), ("sphere", 3, 2e-2)] {
@@ -255,11 +254,11 @@ fn footprints_are_the_differences_of_directions() {
 #[test]
 fn footprints_of_a_sphere_are_those_of_exact_normals() {
     let scene = Scene::open("sphere").unwrap();
-    let light = Light { theta: 35.0, phi: -50.0, intensity: 1.0, size: 0.0 };
+    let light = Light::point(35.0, -50.0, 1.0);
     let view = View::of(&scene, vec![light]);
     let clip = view.camera.clip_from_world(SIZE, view.centre, view.radius).as_dmat4().inverse();
     let eye = view.camera.eye().as_dvec3();
-    let to_light = direction(light.theta, light.phi);
+    let to_light = light.from_afar(&view.room()).direction().as_dvec3();
     // (u, v) at a place of the picture, on the exact unit sphere; T points east.
     let uv = |x: f64, y: f64| {
         let ndc = DVec3::new(2.0 * x / f64::from(SIZE[0]) - 1.0, 2.0 * y / f64::from(SIZE[1]) - 1.0, 0.9);

@@ -295,7 +295,7 @@ fn sixteen_bit_layers_are_read_right_at_their_overflow_and_in_their_subnormals()
 fn repeats_from_one_to_a_thousand_give_the_reference_picture() {
     let field = patch(Kind::Bumps, 2.0);
     let scene = Scene::open("sphere").unwrap();
-    let lights = vec![Light { theta: 50.0, phi: -40.0, intensity: 2.0, size: 0.0 }];
+    let lights = vec![Light::point(50.0, -40.0, 2.0)];
     let view = View::of(&scene, lights);
     let size = [24, 18];
     with_device(|device| {
@@ -473,7 +473,7 @@ fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_num
             let mut scene = Scene::open("plate").unwrap();
             scene.mesh = mesh;
             let lights = [[0.0, 0.0], [89.9999, 10.0], [90.0, 200.0], [45.0, -90.0]]
-                .map(|[theta, phi]| Light { theta, phi, intensity: 1.0, size: 0.0 });
+                .map(|[theta, phi]| Light::point(theta, phi, 1.0));
             let mut view = View::of(&scene, lights.to_vec());
             let size = [65, 49]; // odd: a pixel's centre lies on the axes of symmetry
             let mut painter =

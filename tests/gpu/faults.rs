@@ -47,7 +47,7 @@ fn with_each_allocation_failing<T>(device: &Arc<Device>, mut work: impl FnMut() 
 }
 
 fn view(scene: &Scene) -> View {
-    View::of(scene, vec![Light { theta: 40.0, phi: 20.0, intensity: 1.0, size: 0.0 }])
+    View::of(scene, vec![Light::point(40.0, 20.0, 1.0)])
 }
 
 fn paint(device: &Arc<Device>, source: &Source, shading: &Shading, scene: &Scene) -> Result<Picture> {

@@ -68,7 +68,7 @@ fn assert_missed(events: &[Event], is: impl Fn(&Access, &Access) -> bool) {
 }
 
 fn view(scene: &Scene, lights: usize) -> View {
-    let light = |i| Light { theta: 40.0, phi: 30.0 * i as f64, intensity: 1.0, size: 0.0 };
+    let light = |i| Light::point(40.0, 30.0 * i as f64, 1.0);
     View::of(scene, (0..lights).map(light).collect())
 }
 

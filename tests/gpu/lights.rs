@@ -18,7 +18,7 @@ use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::environment::Placement;
-use diffract::scene::{Camera, Corner, Environment, Light, Mesh, Scene};
+use diffract::scene::{Camera, Corner, Environment, FarLight, Light, Mesh, Scene};
 use diffract::setup::Method;
 use diffract::surface::HeightField;
 use diffract::surface::synth::Kind;
@@ -120,7 +120,7 @@ fn slow(direction: DVec3) -> Vec3 {
 fn a_flat_mirror_shows_the_surroundings_in_the_mirrored_direction_from_one_sample() {
     let field = patch(Kind::Flat, 10.0);
     let shading = shading(16.0, MIRROR);
-    let lamp = Light { theta: 10.0, phi: 90.0, intensity: 1.0, size: 0.0 };
+    let lamp = Light::point(10.0, 90.0, 1.0);
     with_device(|device| {
         for (theta, rotation, exposure, lamps) in
             [(0.0f64, 0.0f64, 0.0f64, 0), (40.0, 0.0, 0.0, 1), (60.0, 70.0, 1.0, 2), (75.0, 250.0, -2.0, 3)]
@@ -149,7 +149,7 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
     let field = patch(Kind::Elaphe, 12.0);
     let shading = shading(16.0, 1.5);
     let scene = Scene::open("sphere").unwrap();
-    let lamp = Light { theta: 45.0, phi: -40.0, intensity: 1.0, size: 0.0 };
+    let lamp = Light::point(45.0, -40.0, 1.0);
     let mut in_studio = View::of(&scene, vec![lamp]);
     in_studio.environment = Some(Environment::open("studio").unwrap());
     let mut without_lamp = in_studio.clone();
@@ -216,7 +216,7 @@ fn a_disc_of_light_is_the_mean_over_its_points() {
     let shading = shading(16.0, MIRROR);
     let disc = units::light("disc:12deg:35,180").unwrap();
     with_device(|device| {
-        let scene = plate(0.3, vec![disc], None);
+        let scene = plate(0.3, vec![disc.into()], None);
         let samplings = [64, 1024].map(|count| Sampling { count, seed: 5 });
         let found = radiance(device, &field, &shading, &scene, &samplings);
         // In f64, over directions spread evenly within the disc.
@@ -247,14 +247,14 @@ fn a_disc_of_light_is_the_mean_over_its_points() {
         eprintln!("a disc: {found:.4?} for {exact:.4}, {errors:.3?}");
         // 64 samples soften the edge of the disc by a quarter of its spread.
         assert!(errors[0] < 0.12 && errors[1] < 0.04, "{found:?} instead of {exact}");
-        let point = plate(0.3, vec![Light { size: 0.0, ..disc }], None);
+        let point = plate(0.3, vec![FarLight { size: 0.0, ..disc }.into()], None);
         let wrong = radiance(device, &field, &shading, &point, &samplings[..1])[0];
         assert!((wrong - exact).length() > 0.2 * exact.length(), "a point is as good: {wrong}");
     });
 }
 
 /// A floor of side 4 around the origin, and a roof of side 2 at `height` over its half x < 0.
-fn floor_below_a_roof(height: f32) -> Mesh {
+pub fn floor_below_a_roof(height: f32) -> Mesh {
     let square = |x: [f32; 2], y: [f32; 2], z: f32| {
         let corner = |i: usize, j: usize| Corner {
             position: [x[i], y[j], z],
@@ -269,7 +269,7 @@ fn floor_below_a_roof(height: f32) -> Mesh {
 }
 
 /// Brightness of the floor along the line y = 0 below the roof's edge at x = 0, over that without shadows, and the x of each pixel.
-fn across_the_edge(device: &Arc<Device>, light: Light, height: f32, samples: u32) -> Vec<[f64; 2]> {
+pub fn across_the_edge(device: &Arc<Device>, light: Light, height: f32, samples: u32) -> Vec<[f64; 2]> {
     const SIZE: [u32; 2] = [3, 513];
     /// Of the camera, which looks below the roof at 45 degrees.
     const AWAY: f32 = 4.0;
@@ -300,7 +300,7 @@ fn across_the_edge(device: &Arc<Device>, light: Light, height: f32, samples: u32
 fn a_shadow_s_edge_is_as_soft_as_the_light_and_the_height_make_it() {
     with_device(|device| {
         for (size, height) in [(8.0, 0.2f32), (16.0, 0.2), (16.0, 0.1)] {
-            let light = Light { theta: 0.0, phi: 0.0, intensity: 1.0, size };
+            let light = FarLight { theta: 0.0, phi: 0.0, intensity: 1.0, size }.into();
             let column = across_the_edge(device, light, height, 256);
             // The part of a disc that an edge leaves free.
             let reach = f64::from(height) * (0.5 * size).to_radians().tan();
@@ -325,7 +325,7 @@ fn convex_meshes_cast_no_shadow_on_themselves() {
             let scene = Scene::open(name).unwrap();
             let source = Source::ClassicalGrating(ClassicalGrating::default());
             for theta in [0.0, 45.0, 80.0, 89.0] {
-                let mut view = View::of(&scene, vec![Light { theta, phi: 20.0, intensity: 1.0, size: 0.0 }]);
+                let mut view = View::of(&scene, vec![Light::point(theta, 20.0, 1.0)]);
                 view.base_color = Vec3::ONE;
                 let paint = |shadows: bool| {
                     let mut painter = Painter::new(
@@ -362,7 +362,7 @@ fn a_mesh_that_is_wound_inward_is_as_bright_as_one_that_is_not() {
         let [a, b, c] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.5, 0.0]].map(corner);
         let paint = |triangle: [Corner; 3]| {
             let mesh = Mesh::from_triangles(vec![triangle]).unwrap();
-            let light = Light { theta: 40.0, phi: 20.0, intensity: 1.0, size: 0.0 };
+            let light = Light::point(40.0, 20.0, 1.0);
             let mut view = View::of(&Scene::open("plate").unwrap(), vec![light]);
             view.camera = Camera::looking(Vec3::new(1.0, -1.0, 3.0), Vec3::ZERO, 0.9).unwrap();
             (view.centre, view.radius) = (mesh.bounds().centre, mesh.bounds().radius);

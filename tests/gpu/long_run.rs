@@ -38,13 +38,13 @@ fn run(device: &Arc<Device>, frames: usize, looks: usize) -> Vec<Sample> {
     let shading = shading(4.0, 1e-1);
     let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
     let scene = Scene::open("plate").unwrap();
-    let mut view = View::of(&scene, vec![Light { theta: 40.0, phi: 0.0, intensity: 1.0, size: 0.0 }]);
+    let mut view = View::of(&scene, vec![Light::point(40.0, 0.0, 1.0)]);
     let mut painter =
         Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), [16, 12], 1)
             .unwrap();
     let mut samples = Vec::with_capacity(looks + 1);
     for frame in 0..=frames {
-        view.lights[0].phi = (frame % 360) as f64;
+        view.lights[0] = Light::point(40.0, (frame % 360) as f64, 1.0);
         painter.draw(&view, 0.0, DVec3::ZERO).unwrap();
         if frame % (frames / looks) == 0 {
             samples.push(Sample { frames: frame, resident: resident(), on_device: device.memory_in_use() });

@@ -12,6 +12,7 @@ mod extremes;
 mod faults;
 mod hazards;
 mod interface;
+mod lamps;
 mod lights;
 mod long_run;
 mod mean;

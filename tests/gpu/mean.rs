@@ -192,10 +192,7 @@ fn directions(device: &Arc<Device>, scene: &Scene, view: &View) -> Vec<Direction
 fn pictures_are_the_reference_picture(method: Method, allowed: f64) {
     let field = patch(Kind::Elaphe, 12.0);
     let scene = Scene::open("sphere").unwrap();
-    let lights = vec![
-        Light { theta: 45.0, phi: -40.0, intensity: 2.0, size: 0.0 },
-        Light { theta: 70.0, phi: 60.0, intensity: 0.7, size: 0.0 },
-    ];
+    let lights = vec![Light::point(45.0, -40.0, 2.0), Light::point(70.0, 60.0, 0.7)];
     let view = View::of(&scene, lights);
     let shading = shading(16.0, 2e-2).for_pictures();
     with_device(|device| {
@@ -216,7 +213,7 @@ fn pictures_are_the_reference_picture(method: Method, allowed: f64) {
         let sharp = reference_picture(&field, &shading, &view, &points, &|_, _| Ok(())).unwrap();
         let without = [0, 1, 2].map(|c| channel(&sharp, &exact, c));
         let mut moved = view.clone();
-        moved.lights[0].theta += 5.0;
+        moved.lights[0] = Light::point(50.0, -40.0, 2.0);
         let wrong = errors(&paint(&moved));
         eprintln!("without footprints {without:.4?}, under a moved light {wrong:.4?}");
         assert!(wrong.iter().zip(&found).all(|(wrong, found)| *wrong > 1.3 * found), "{wrong:?}");
@@ -248,7 +245,7 @@ fn a_picture_by_power_spectra_is_near_the_reference_picture_over_the_same_footpr
 fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far() {
     // The scales are smaller than these pixels, whose footprints reach over half of all directions.
     let scene = Scene::open("skin").unwrap();
-    let light = Light { theta: 41.0, phi: 61.0, intensity: 1.0, size: 0.0 };
+    let light = Light::point(41.0, 61.0, 1.0);
     let mut view = View::of(&scene, vec![light]);
     let eye = Vec3::new(-2.42, 1.7, 1.74);
     view.camera = Camera::looking(eye, scene.camera.target, scene.camera.field_of_view).unwrap();
@@ -279,7 +276,7 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
 fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
     let field = patch(Kind::Elaphe, 12.0);
     let scene = Scene::open("sphere").unwrap();
-    let view = View::of(&scene, vec![Light { theta: 45.0, phi: -40.0, intensity: 2.0, size: 0.0 }]);
+    let view = View::of(&scene, vec![Light::point(45.0, -40.0, 2.0)]);
     let shading = shading(16.0, 2e-2).for_pictures();
     let sampling = Sampling { count: 16, seed: 7 };
     let shown = Shown::plain(0.0, DVec3::ZERO);
@@ -318,7 +315,7 @@ fn a_turntable_does_not_shimmer() {
     let shading = shading(16.0, 2e-2).for_pictures();
     let view_of = |frame: usize| {
         let phi = -40.0 + STEP * frame as f64;
-        View::of(&scene, vec![Light { theta: 45.0, phi, intensity: 2.0, size: 0.0 }])
+        View::of(&scene, vec![Light::point(45.0, phi, 2.0)])
     };
     with_device(|device| {
         let first = directions(device, &scene, &view_of(0));
@@ -359,7 +356,7 @@ fn a_turntable_does_not_shimmer() {
 fn the_work_of_a_table_is_three_samples_for_each_tap() {
     let field = patch(Kind::Bumps, 4.0);
     let scene = Scene::open("sphere").unwrap();
-    let view = View::of(&scene, vec![Light { theta: 45.0, phi: -40.0, intensity: 2.0, size: 0.0 }]);
+    let view = View::of(&scene, vec![Light::point(45.0, -40.0, 2.0)]);
     let shading = shading(8.0, 1e-1).for_pictures();
     with_device(|device| {
         let seen = directions(device, &scene, &view);

@@ -45,10 +45,7 @@ fn paint(
 fn a_picture_is_the_reference_picture_within_its_tolerance() {
     let field = patch(Kind::Elaphe, 6.0);
     let scene = Scene::open("sphere").unwrap();
-    let lights = vec![
-        Light { theta: 45.0, phi: -40.0, intensity: 2.0, size: 0.0 },
-        Light { theta: 70.0, phi: 60.0, intensity: 0.7, size: 0.0 },
-    ];
+    let lights = vec![Light::point(45.0, -40.0, 2.0), Light::point(70.0, 60.0, 0.7)];
     let view = View::of(&scene, lights);
     with_device(|device| {
         let mut exact: Option<Vec<[f32; 4]>> = None;
@@ -66,7 +63,7 @@ fn a_picture_is_the_reference_picture_within_its_tolerance() {
             if tolerance < 1e-2 {
                 // What must not pass: the light moved by half a degree, and red and blue exchanged.
                 let mut moved = view.clone();
-                moved.lights[0].theta += 0.5;
+                moved.lights[0] = Light::point(45.5, -40.0, 2.0);
                 let (wrong, _) = paint(device, &field, &shading, &scene, &moved);
                 assert!(channel(&wrong.radiance, exact, 1) > tolerance);
                 let swapped: Vec<_> = picture.radiance.iter().map(|p| [p[2], p[1], p[0], p[3]]).collect();
@@ -81,7 +78,7 @@ fn a_pigment_texture_of_one_colour_is_that_base_colour_under_one_light_and_under
     let field = patch(Kind::Flat, 2.0);
     let scene = Scene::open("sphere").unwrap();
     let shading = shading(4.0, 1e-1);
-    let light = |phi: f64| Light { theta: 40.0, phi, intensity: 1.0, size: 0.0 };
+    let light = |phi: f64| Light::point(40.0, phi, 1.0);
     // sRGB codes 255 and 0 are exactly 1 and 0.
     let green = Pigment { size: [2, 2], texels: [0, 255, 0, 255].repeat(4) };
     let base = |color: Vec3, view: &View| View { base_color: color, ..view.clone() };
@@ -128,9 +125,9 @@ fn an_upright_sphere_is_lit_from_where_the_light_is() {
         sides
     };
     // The camera looks along +y: +x is to the right, +z is up (row 0 is the top).
-    let right = half(Light { theta: 80.0, phi: 0.0, intensity: 1.0, size: 0.0 });
+    let right = half(Light::point(80.0, 0.0, 1.0));
     assert!(right[0][1] > 1.5 * right[0][0], "{right:?}");
-    let top = half(Light { theta: 0.0, phi: 0.0, intensity: 1.0, size: 0.0 });
+    let top = half(Light::point(0.0, 0.0, 1.0));
     assert!(top[1][0] > 1.5 * top[1][1], "{top:?}");
 }
 
@@ -182,7 +179,7 @@ fn on_sphere(view: &View, pixel: usize) -> Option<DVec3> {
 #[test]
 fn interpolated_tangent_space_directions_are_close_to_those_of_exact_frames() {
     let scene = Scene::open("sphere").unwrap();
-    let light = Light { theta: 45.0, phi: -40.0, intensity: 1.0, size: 0.0 };
+    let light = Light::point(45.0, -40.0, 1.0);
     let view = View::of(&scene, vec![light]);
     with_device(|device| {
         let (_, directions) = paint(device, &patch(Kind::Flat, 4.0), &shading(4.0, 1e-1), &scene, &view);
@@ -192,7 +189,7 @@ fn interpolated_tangent_space_directions_are_close_to_those_of_exact_frames() {
         {
             let Some(normal) = on_sphere(&view, pixel).filter(|_| seen_light[3] == 1.0) else { continue };
             let to_view = (view.camera.eye().as_dvec3() - normal).normalize();
-            let to_light = light.direction().as_dvec3();
+            let to_light = light.from_afar(&view.room()).direction().as_dvec3();
             // T points east, along growing longitude; B = N x T north.
             let east = DVec3::new(-normal.y, normal.x, 0.0).normalize();
             for (exact, seen) in [(to_light, seen_light), (to_view, seen_view)] {

@@ -104,10 +104,7 @@ fn answers_through_repeats_are_the_reference_within_their_tolerance() {
 /// and through the others beside them are not.
 fn pictures_meet_their_tolerance(cases: &[(Kind, f64, [u32; 2], [u32; 2])], tolerances: &[f64]) {
     let scene = Scene::open("sphere").unwrap();
-    let lights = vec![
-        Light { theta: 45.0, phi: -40.0, intensity: 2.0, size: 0.0 },
-        Light { theta: 70.0, phi: 60.0, intensity: 0.7, size: 0.0 },
-    ];
+    let lights = vec![Light::point(45.0, -40.0, 2.0), Light::point(70.0, 60.0, 0.7)];
     let view = View::of(&scene, lights);
     let errors =
         |picture: &Picture, exact: &[[f32; 4]]| [0, 1, 2].map(|c| channel(&picture.radiance, exact, c));

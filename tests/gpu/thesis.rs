@@ -23,7 +23,7 @@ const SIZE: [u32; 2] = [48, 36];
 #[test]
 fn the_thesis_sum_is_right_where_three_bins_hold_the_window() {
     let scene = Scene::open("sphere").unwrap();
-    let view = View::of(&scene, vec![Light { theta: 45.0, phi: -40.0, intensity: 2.0, size: 0.0 }]);
+    let view = View::of(&scene, vec![Light::point(45.0, -40.0, 2.0)]);
     with_device(|device| {
         for kind in [Kind::Elaphe, Kind::Sinusoid] {
             let field = patch(kind, 7.0);

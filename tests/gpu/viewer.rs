@@ -33,7 +33,7 @@ fn painter(device: &Arc<Device>, scene: &Scene, size: [u32; 2]) -> Painter {
 }
 
 fn view(scene: &Scene, intensity: f64) -> View {
-    let view = View::of(scene, vec![Light { theta: 40.0, phi: -30.0, intensity, size: 0.0 }]);
+    let view = View::of(scene, vec![Light::point(40.0, -30.0, intensity)]);
     View { base_color: Vec3::ZERO, ..view }
 }
 
@@ -197,10 +197,7 @@ fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displa
             tiles += 1;
             tiles < 2
         };
-        let other = View {
-            lights: vec![Light { theta: 70.0, phi: 100.0, intensity: 1.0, size: 0.0 }],
-            ..view.clone()
-        };
+        let other = View { lights: vec![Light::point(70.0, 100.0, 1.0)], ..view.clone() };
         let done = painter.draw_while(&other, Shown::plain(1.0, background), SIZE, &mut once).unwrap();
         if done.is_none() {
             assert!(painter.picture().unwrap().display == expected.display);

@@ -5,7 +5,7 @@ pub(super) mod map;
 mod variant;
 
 use super::options::{
-    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, check_lights, exposure,
+    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, check_light_count, exposure,
 };
 use super::{captions, evaluation, say};
 use crate::error::{Error, Result};
@@ -14,7 +14,7 @@ use crate::files::Files;
 use crate::optics::color;
 use crate::picture_file;
 use crate::render::picture::Picture;
-use crate::scene::Light;
+use crate::scene::FarLight;
 use crate::surface::HeightField;
 use crate::units;
 use clap::Args;
@@ -62,7 +62,7 @@ pub struct Arguments {
         long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true,
         required = true
     )]
-    light: Vec<Light>,
+    light: Vec<FarLight>,
     /// Width and height in pixels, equal
     #[arg(long, value_name = "NxN", value_parser = side, allow_hyphen_values = true, default_value = "512x512")]
     size: u32,
@@ -114,7 +114,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .reads(arguments.optics.files())
         .writes([&arguments.output, &arguments.plot].into_iter().flatten())
         .check()?;
-    check_lights(&arguments.light)?;
+    check_light_count(arguments.light.len())?;
     let ways = match &arguments.compare {
         Some(variants) => variants.iter().map(|v| v.of(&arguments.optics)).collect::<Result<Vec<_>>>()?,
         None => vec![arguments.optics.clone()],

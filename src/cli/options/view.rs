@@ -4,6 +4,7 @@ use super::{Exposure, exposure};
 use crate::error::{Error, Result};
 use crate::optics::color::Tone;
 use crate::scene::environment::{self, Placement};
+use crate::scene::light::most_lights;
 use crate::scene::{Camera, Environment, Light, MAX_LIGHTS, Scene};
 use crate::units;
 use clap::Args;
@@ -23,8 +24,10 @@ pub struct ViewOptions {
     #[arg(long, value_name = "NAME", value_parser = Tone::from_name)]
     pub tone: Option<Tone>,
     /// A light instead of the scene's lights and surroundings, in degrees from up and around it; up to four. A point, or sun:THETA,PHI (0.533
-    /// degrees across), or disc:SIZE:THETA,PHI as in disc:5deg:40,90
-    #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
+    /// degrees across), or disc:SIZE:THETA,PHI as in disc:5deg:40,90. Or a lamp in the scene, up to three lights then, in the scene's units:
+    /// sphere:DIAMETER:X,Y,Z[,STRENGTH] or rectangle:WIDTHxHEIGHT:X,Y,Z[,STRENGTH][:X,Y,Z that it faces], as in rectangle:0.4x0.2:0,-1,1.
+    /// STRENGTH is a radiance, or a power as in 60W; without it the middle of the scene gets what a light of intensity 1 gives
+    #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY]", value_parser = Light::parse, allow_hyphen_values = true)]
     pub light: Vec<Light>,
     /// Surroundings that light the scene beside its lights, instead of the scene's: sky (overcast), studio, an equirectangular .exr or .hdr
     /// picture, or none
@@ -114,10 +117,11 @@ impl ViewOptions {
                 )?;
             }
         }
-        if scene.environment.is_some() && scene.lights.len() >= MAX_LIGHTS {
+        let most = most_lights(&scene.lights);
+        if scene.environment.is_some() && scene.lights.len() >= most {
             return Err(Error::usage(
                 "there are too many lights",
-                format!("give at most {} beside surroundings", MAX_LIGHTS - 1),
+                format!("give at most {} beside surroundings", most - 1),
             ));
         }
         Ok(())
@@ -126,7 +130,19 @@ impl ViewOptions {
 
 /// Fails where there are more lights than a picture takes.
 pub fn check_lights(lights: &[Light]) -> Result<()> {
-    if lights.len() <= MAX_LIGHTS {
+    let most = most_lights(lights);
+    if lights.len() > most && lights.len() <= MAX_LIGHTS {
+        return Err(Error::usage(
+            "there are too many lights",
+            format!("give at most {most} where one is a lamp"),
+        ));
+    }
+    check_light_count(lights.len())
+}
+
+/// Fails for more than [`MAX_LIGHTS`].
+pub fn check_light_count(count: usize) -> Result<()> {
+    if count <= MAX_LIGHTS {
         return Ok(());
     }
     Err(Error::usage("there are too many lights", format!("give at most {MAX_LIGHTS}")))

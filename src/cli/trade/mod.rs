@@ -45,7 +45,7 @@ pub struct Arguments {
     #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true)]
     size: Option<[u32; 2]>,
     /// A light instead of the scene's, in degrees from up and around it; up to four
-    #[arg(long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true)]
+    #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY]", value_parser = Light::parse, allow_hyphen_values = true)]
     light: Vec<Light>,
     /// Ask for the setting that keeps this relative L2 error
     #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true)]

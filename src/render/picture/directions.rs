@@ -43,8 +43,10 @@ pub struct Directions {
     pub filter: f64,
     /// Which of the samples of each pixel they are.
     pub share: Share,
-    /// Irradiance over π of a surface that faces the light, linear sRGB.
+    /// Irradiance over π of a surface that faces the light, linear sRGB; of a lamp at distance 1.
     pub irradiance: DVec3,
+    /// How bright the light is at each pixel, as a factor of `irradiance`; empty where there are no lamps.
+    pub falloffs: Vec<f32>,
     /// Radiance of the surroundings in the mirrored direction of each pixel, linear sRGB; zero where nothing is covered. Where it is not
     /// empty, the light is drawn from the surroundings, and their specular order is this.
     pub mirrored: Vec<[f32; 3]>,
@@ -60,9 +62,15 @@ impl Directions {
             light: some(&self.light, chosen),
             view: some(&self.view, chosen),
             footprints: some(&self.footprints, chosen),
+            falloffs: some(&self.falloffs, chosen),
             mirrored: some(&self.mirrored, chosen),
             ..*self
         }
+    }
+
+    /// Irradiance over π at pixel number `i` of a surface that faces the light, linear sRGB.
+    pub fn irradiance(&self, i: usize) -> DVec3 {
+        self.irradiance * self.falloffs.get(i).map_or(1.0, |&falloff| f64::from(falloff))
     }
 
     /// What shading averages over at pixel number `i`; nothing where the painter was not asked for footprints.
@@ -136,6 +144,10 @@ impl Painter {
             None => Vec::new(),
         };
         let kept = |(f, covered): ([f32; 4], &bool)| if *covered { f } else { [0.0; 4] };
+        let falloffs = match &self.geometry.falloffs {
+            Some(image) => self.read(image, part)?.iter().map(|falloffs| falloffs[light]).collect(),
+            None => Vec::new(),
+        };
         let surrounds = self.geometry.settings.mirrored && light == view.lights.len();
         let mirrored = if surrounds { self.mirrored(&covered, part)? } else { Vec::new() };
         Ok(Directions {
@@ -145,6 +157,7 @@ impl Painter {
             filter: sample.footprint,
             share: sample.share(),
             irradiance: view.incidents(sample).get(light).map_or(DVec3::ZERO, |i| i.irradiance.as_dvec3()),
+            falloffs,
             mirrored,
         })
     }

@@ -113,12 +113,14 @@ impl BoundSource {
         const OWN_REFLECTANCE: u32 = 2;
         const NORMAL_OF_PIGMENT: u32 = 3;
         const MIRRORED: u32 = 4;
+        const LAMPS: u32 = 5;
         let own = [
             Constant::new(LIGHTS, settings.lights as u32),
             Constant::new(MARKED, self.asks_what_is_covered),
             Constant::new(OWN_REFLECTANCE, self.normal_of_pigment.is_some()),
             Constant::float(NORMAL_OF_PIGMENT, self.normal_of_pigment.unwrap_or_default()),
             Constant::new(MIRRORED, settings.mirrored),
+            Constant::new(LAMPS, settings.lamps),
         ];
         [own.as_slice(), &self.constants].concat()
     }

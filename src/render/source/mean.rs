@@ -5,7 +5,7 @@ use super::cost::Cost;
 use super::spectra::numbers;
 use super::{Extent, Summary, reflectance, stages, taps_constants};
 use crate::error::Result;
-use crate::optics::footprint::{SPACING_OF_SUMS, Taps};
+use crate::optics::footprint::Taps;
 use crate::optics::spectrum::{BLUE, MIDDLE};
 use crate::precompute::kernel::Kernel;
 use crate::render::picture::Directions;
@@ -214,10 +214,10 @@ impl Mean {
                 let around = seen.covariance(i);
                 let [_, shorter] = around.axes();
                 let coherence = BLUE * BLUE * finest;
-                let own = shorter.max(Taps::least_own(&around, coherence, SPACING_OF_SUMS));
+                let own = shorter.max(Taps::least_own(&around, coherence));
                 let coarsest = MIDDLE.powi(2) * (finest * 4f64.powi(header.grid.levels as i32 - 1) - orders);
                 let read = coarsest.clamp(0.0, own);
-                let taps = Taps::spaced(&around, [own, read], coherence, SPACING_OF_SUMS).one_row();
+                let taps = Taps::unshared(&around, [own, read], coherence).one_row();
                 let direction = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
                 let toward = DVec2::new(direction(0), direction(1));
                 let rays = (finest / (orders + own / MIDDLE.powi(2))).sqrt();
@@ -225,8 +225,8 @@ impl Mean {
                     let nodes = combs.nodes_at((toward + place).length() * rays);
                     let levels = |node: &[f32; 4]| {
                         let ratio = (orders + f64::from(node[3]).powi(2) * own) / finest;
-                        // Two, unless the blur is that of a level.
-                        if level_of_ratio(ratio, header.grid.levels).fract() > 0.0 { 2 } else { 1 }
+                        // The corners of a triangle and a coarser level, unless the blur is that of a level.
+                        if level_of_ratio(ratio, header.grid.levels).fract() > 0.0 { 4 } else { 1 }
                     };
                     cost.wavelengths += nodes.len();
                     cost.samples += nodes.iter().map(levels).sum::<usize>() * per_wavelength;

@@ -56,7 +56,6 @@ fn taps_constants() -> Vec<Constant> {
     const FIRST: u32 = 20;
     let values = [
         footprint::SPACING,
-        footprint::SPACING_OF_SUMS,
         footprint::REACH,
         footprint::MOST_SIDES as f64,
         footprint::FEWEST_SIDES as f64,

@@ -3,8 +3,10 @@
 use super::rows::{self, number};
 use super::{optics, section, short};
 use crate::optics::color::Tone;
+use crate::scene::lamp::{Lamp, Shape, Strength};
+use crate::scene::light::most_lights;
 use crate::scene::scene_file::BUILT_IN;
-use crate::scene::{Light, MAX_LIGHTS};
+use crate::scene::{FarLight, Light};
 use crate::viewer::compare::Compare;
 use crate::viewer::model::Model;
 use crate::viewer::settings::ViewSettings;
@@ -53,14 +55,18 @@ fn base_color(ui: &mut Ui, settings: &mut ViewSettings) {
 /// Shows the lights.
 pub fn lights(ui: &mut Ui, model: &mut Model) {
     section(ui, "Lights", |ui| {
-        let most = MAX_LIGHTS - usize::from(model.loaded.scene.environment.is_some());
+        let around = usize::from(model.loaded.scene.environment.is_some());
+        let bounds = model.loaded.scene.mesh.bounds();
         let lights = &mut model.settings.lights;
         let several = lights.len() > 1;
         let mut removed = None;
         for (index, light) in lights.iter_mut().enumerate() {
             rows::numbered(ui, &rows::LIGHT, &format!("light {}", index + 1), |ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
-                angles(ui, light);
+                match light {
+                    Light::Far(light) => angles(ui, light),
+                    Light::Lamp(lamp) => place(ui, lamp, bounds.radius.into()),
+                }
                 if several && ui.small_button("remove").clicked() {
                     removed = Some(index);
                 }
@@ -69,17 +75,57 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
         if let Some(index) = removed {
             lights.remove(index);
         }
-        let add = |ui: &mut Ui| {
-            ui.small_button(rows::ADD_LIGHT.label).on_hover_text(rows::ADD_LIGHT.help()).clicked()
+        let (centre, radius) = (bounds.centre.as_dvec3(), f64::from(bounds.radius));
+        let far = || {
+            let phi = match lights.last() {
+                Some(Light::Far(last)) => (last.phi + 90.0) % 360.0,
+                _ => 0.0,
+            };
+            Light::point(40.0, phi, 1.0)
         };
-        if lights.len() < most && add(ui) {
-            let phi = lights.last().map_or(0.0, |l| (l.phi + 90.0) % 360.0);
-            lights.push(Light { theta: 40.0, phi, intensity: 1.0, size: 0.0 });
-        }
+        // Of a third of the scene's size, above it.
+        let lamp = || {
+            let digits = 10f64.powf(2.0 - radius.log10().floor());
+            let round = |x: f64| (x * digits).round() / digits;
+            let middle = (centre + glam::DVec3::new(0.0, -1.0, 1.5) * radius).to_array().map(round).into();
+            let shape = Shape::Sphere { diameter: round(0.3 * radius) };
+            Light::Lamp(Lamp { shape, middle, strength: Strength::Suited })
+        };
+        let new: [(&rows::Row, &dyn Fn() -> Light); 2] = [(&rows::ADD_LIGHT, &far), (&rows::ADD_LAMP, &lamp)];
+        let mut added = None;
+        ui.horizontal(|ui| {
+            for (row, make) in new {
+                let light = make();
+                let all = [lights.as_slice(), &[light]].concat();
+                let fits = all.len() + around <= most_lights(&all);
+                if fits && ui.small_button(row.label).on_hover_text(row.help()).clicked() {
+                    added = Some(light);
+                }
+            }
+        });
+        lights.extend(added);
     });
 }
 
-fn angles(ui: &mut Ui, light: &mut Light) {
+fn place(ui: &mut Ui, lamp: &mut Lamp, radius: f64) {
+    let [x, y, z] = &mut lamp.middle.as_mut();
+    for (name, value) in [("x ", x), ("y ", y), ("z ", z)] {
+        ui.add(number(value).speed(0.005 * radius).range(-1e6..=1e6).max_decimals(4).prefix(name));
+    }
+    match &mut lamp.strength {
+        Strength::Suited => {}
+        Strength::Radiance(radiance) => {
+            let speed = 0.01 * *radiance;
+            ui.add(number(radiance).speed(speed).range(1e-6..=1e12).prefix("L "));
+        }
+        Strength::Power(power) => {
+            let speed = 0.01 * *power;
+            ui.add(number(power).speed(speed).range(1e-6..=1e12).suffix(" W"));
+        }
+    }
+}
+
+fn angles(ui: &mut Ui, light: &mut FarLight) {
     let theta = number(&mut light.theta).speed(0.3).range(0.0..=90.0).fixed_decimals(1);
     ui.add(theta.prefix("θ ").suffix("°"));
     let phi = number(&mut light.phi).speed(0.5).range(-360.0..=360.0).fixed_decimals(1);

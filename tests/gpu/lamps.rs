@@ -1,0 +1,195 @@
+//! Lamps: lights that stand in the scene.
+
+use crate::device::with_device;
+use crate::evaluation::patch;
+use crate::lights::{across_the_edge, floor_below_a_roof};
+use crate::mean::source;
+use diffract::optics::coherence::{Coherence, Windows};
+use diffract::optics::color::Tone;
+use diffract::render::footprints::sizes_of;
+use diffract::render::frame::{Shown, View};
+use diffract::render::picture::Painter;
+use diffract::render::pigment::Pigment;
+use diffract::render::reference_picture::reference_picture;
+use diffract::render::sampling::Sampling;
+use diffract::render::shading::Shading;
+use diffract::render::source::{ClassicalGrating, Source};
+use diffract::scene::{Camera, Environment, Lamp, Light, Scene};
+use diffract::setup::Method;
+use diffract::surface::synth::Kind;
+use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
+
+const SIZE: [u32; 2] = [40, 30];
+const SHOWN: Shown = Shown { exposure: 0.0, tone: Tone::None, background: DVec3::ZERO };
+
+/// A white floor at z = 0 without a roof above what is seen, under `lights`.
+fn floor(lights: Vec<Light>) -> (diffract::scene::Mesh, View) {
+    let mesh = floor_below_a_roof(0.5);
+    let mut view = View::of(&Scene::open("plate").unwrap(), lights);
+    view.camera = Camera::looking(Vec3::new(1.9, 0.4, 2.0), Vec3::new(1.0, 0.2, 0.0), 0.4).unwrap();
+    (view.centre, view.radius) = (mesh.bounds().centre, mesh.bounds().radius);
+    view.base_color = Vec3::ONE;
+    (mesh, view)
+}
+
+/// The point of the floor that pixel number `i` sees.
+fn point(view: &View, i: usize) -> DVec3 {
+    let world = view.camera.clip_from_world(SIZE, view.centre, view.radius).as_dmat4().inverse();
+    let place = [i % SIZE[0] as usize, i / SIZE[0] as usize];
+    let [x, y] = [0, 1].map(|axis| (place[axis] as f64 + 0.5) / f64::from(SIZE[axis]) * 2.0 - 1.0);
+    let eye = view.camera.eye().as_dvec3();
+    let toward = world.project_point3(DVec3::new(x, y, 0.5)) - eye;
+    eye - toward * (eye.z / toward.z)
+}
+
+#[test]
+fn pixels_see_a_lamp_where_it_stands_and_as_bright_as_its_distance_makes_it() {
+    let texts = ["sphere:0.4:0.5,-0.3,1.2,30", "30,60", "rectangle:0.6x0.2:1.5,1,0.8,20:1,0,0"];
+    with_device(|device| {
+        for (count, around, footprints) in
+            [(1, false, false), (2, false, true), (3, false, true), (3, false, false), (2, true, true)]
+        {
+            let lights = texts[..count].iter().map(|text| Light::parse(text).unwrap()).collect();
+            let (mesh, mut view) = floor(lights);
+            view.environment = around.then(|| Environment::open("studio").unwrap());
+            let source = Source::ClassicalGrating(ClassicalGrating::default());
+            let shading = Shading::default();
+            let lights = view.light_count();
+            assert_eq!(lights, count + usize::from(around));
+            let mut painter =
+                Painter::new(device, &source, &shading, &mesh, &Pigment::white(), SIZE, lights).unwrap();
+            painter.ask_for_mirrored(1e-4);
+            if footprints {
+                painter.ask_for_footprints().unwrap();
+            }
+            let sample = Sampling { count: 16, seed: 3 }.sample(5);
+            let still = diffract::render::sampling::Sample { jitter: [0.0; 2], ..sample };
+            let incidents = view.incidents(&still);
+            for (number, incident) in incidents.iter().enumerate() {
+                let seen = painter.directions_of(&view, number, &still).unwrap();
+                assert_eq!(seen.footprints.len(), if footprints { seen.light.len() } else { 0 });
+                for (i, found) in seen.light.iter().enumerate().filter(|(_, found)| found[3] == 1.0) {
+                    let at = point(&view, i);
+                    let (toward, falloff) = match incident.place {
+                        Some(place) => ((place.point - at).normalize(), place.falloff(at)),
+                        None => (incident.direction, 1.0),
+                    };
+                    let direction = Vec3::new(found[0], found[1], found[2]).as_dvec3();
+                    assert!((direction - toward).length() < 2e-4, "{number} at {at}: {direction}, {toward}");
+                    let found = seen.irradiance(i) / seen.irradiance;
+                    assert!((found - falloff).abs().max_element() < 2e-3 * falloff, "{number} at {at}");
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn a_white_floor_is_as_bright_as_closed_forms_say() {
+    with_device(|device| {
+        for text in ["sphere:0.6:0.9,0.3,1.1,30", "rectangle:0.8x0.4:0.6,0.2,0.9,20:1,0.1,0"] {
+            let light = Light::parse(text).unwrap();
+            let Light::Lamp(lamp) = light else { panic!() };
+            let (mesh, view) = floor(vec![light]);
+            let shading = Shading { reflectance: 1.0.into(), ..Shading::default() };
+            let source = Source::ClassicalGrating(ClassicalGrating::default());
+            let mut painter =
+                Painter::new(device, &source, &shading, &mesh, &Pigment::white(), SIZE, 1).unwrap();
+            let sampling = Sampling { count: 256, seed: 4 };
+            let picture = painter.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+            for i in [0, 20, 15 * 40 + 20, 29 * 40 + 39] {
+                let (found, exact) = (f64::from(picture.radiance[i][1]), brightness(&lamp, point(&view, i)));
+                eprintln!("{text}: {found:.4}, {exact:.4}");
+                assert!((found / exact - 1.0).abs() < 0.015, "{text} at pixel {i}: {found}, {exact}");
+            }
+        }
+    });
+}
+
+/// Irradiance over π at `at` of a floor that faces up: of a sphere L r² cos θ/D², of a rectangle as a sum over its area.
+fn brightness(lamp: &Lamp, at: DVec3) -> f64 {
+    use diffract::scene::lamp::{Shape, Strength};
+    let Strength::Radiance(radiance) = lamp.strength else { panic!() };
+    match lamp.shape {
+        Shape::Sphere { diameter } => {
+            let to = lamp.middle - at;
+            radiance * (0.5 * diameter).powi(2) * to.z / to.length().powi(3)
+        }
+        Shape::Rectangle { size, faces } => {
+            let normal = (faces.unwrap() - lamp.middle).normalize();
+            let across = DVec3::Z.cross(normal).normalize();
+            let up = normal.cross(across);
+            const SIDE: usize = 200;
+            let place = |i: usize, side: f64| ((i as f64 + 0.5) / SIDE as f64 - 0.5) * side;
+            let points = (0..SIDE * SIDE).map(|i| {
+                let to = lamp.middle + across * place(i % SIDE, size[0]) + up * place(i / SIDE, size[1]) - at;
+                to.z * -to.dot(normal) / to.length().powi(4)
+            });
+            radiance * size[0] * size[1] / (SIDE * SIDE) as f64 * points.sum::<f64>() / PI
+        }
+    }
+}
+
+#[test]
+fn the_edge_of_a_lamp_s_shadow_is_as_soft_as_the_lamp_is_wide() {
+    with_device(|device| {
+        for (diameter, above, height) in [(0.4, 2.0, 0.2f32), (0.6, 1.0, 0.1), (0.3, 6.0, 0.4)] {
+            let light = Light::parse(&format!("sphere:{diameter}:0,0,{above}")).unwrap();
+            let column = across_the_edge(device, light, height, 256);
+            let height = f64::from(height);
+            // The part of the disc that the edge of the roof leaves free.
+            let reach = 0.5 * diameter * height / (above - height);
+            let free = |x: f64| {
+                let t = (x / reach).clamp(-1.0, 1.0);
+                0.5 + (t * (1.0 - t * t).sqrt() + t.asin()) / PI
+            };
+            let square = column.iter().map(|[x, lit]| (lit - free(*x)).powi(2)).sum::<f64>();
+            let rms = (square / column.len() as f64).sqrt();
+            eprintln!("{diameter} wide, {above} above, roof at {height}: {rms:.3}");
+            assert!(rms < 0.03, "{diameter} wide, {above} above: {rms}: {column:.2?}");
+        }
+    });
+}
+
+#[test]
+fn pictures_under_a_lamp_are_those_of_the_reference() {
+    let field = patch(Kind::Elaphe, 12.0);
+    let scene = Scene::open("sphere").unwrap();
+    let lights = ["sphere:0.4:0.5,-2,2", "rectangle:1x0.3:-2,0,1.5"].map(|text| Light::parse(text).unwrap());
+    let view = View::of(&scene, lights.to_vec());
+    let shading = Shading {
+        coherence: Coherence::Gaussian { length: 16.0 },
+        windows: Windows::All,
+        tolerance: 2e-2,
+        ..Shading::default()
+    }
+    .for_pictures();
+    with_device(|device| {
+        let probe = Source::ClassicalGrating(ClassicalGrating::default());
+        let new = |source: &Source| {
+            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), [160, 120], 2).unwrap()
+        };
+        let mut found = new(&probe);
+        found.ask_for_footprints().unwrap();
+        let sample = Sampling { count: 16, seed: 3 }.sample(6);
+        let seen = [0, 1].map(|light| found.directions_of(&view, light, &sample).unwrap());
+        let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
+        for method in [Method::Table, Method::Spectral] {
+            let source = source(device, &field, &shading, method, sizes_of(&seen));
+            let mut painter = new(&source);
+            painter.draw_sample(&view, &sample, SHOWN).unwrap();
+            let picture = painter.picture().unwrap();
+            let (mut difference, mut whole) = (0.0, 0.0);
+            for (found, exact) in picture.radiance.iter().zip(&exact) {
+                for c in 0..3 {
+                    difference += f64::from(found[c] - exact[c]).powi(2);
+                    whole += f64::from(exact[c]).powi(2);
+                }
+            }
+            let error = (difference / whole).sqrt();
+            eprintln!("a sphere below two lamps by {}: {error:.4}", method.name());
+            assert!(error < 0.03, "{}: {error}", method.name());
+        }
+    });
+}
