@@ -3,19 +3,12 @@
 // From the linear radiance of covered pixels to a display: exposure, tone or gamut, transfer. The mean of samples stands over the background by the
 // part of the samples that the mesh covers; what light does at an edge is linear, so the two are mixed before the transfer. The
 // background knows neither exposure nor tone.
-#include "color.glsl"
+#include "displayed.glsl"
 
 layout(constant_id = 0) const bool MEAN = false; // of samples, else one of them, which covers all that is drawn
 
 // Of a sample, or summed over samples; then alpha is the number of samples that cover the pixel.
 layout(set = 0, binding = 0) uniform sampler2D radiance;
-
-layout(push_constant) uniform Display {
-    vec3 background; // linear
-    float exposure;  // in stops
-    float samples;   // in the sum
-    uint neutral;    // 1 for the neutral tone, 0 for none
-} display;
 
 layout(location = 0) out vec4 code;
 
@@ -27,13 +20,7 @@ void main() {
         }
         stored.rgb /= stored.a;
     }
-    vec3 exposed = stored.rgb * exp2(display.exposure);
-    vec3 shown;
-    if (display.neutral != 0u) {
-        shown = neutral(exposed);
-    } else {
-        shown = map_to_gamut(exposed);
-    }
+    vec3 shown = displayed(stored.rgb);
     if (MEAN) {
         shown = mix(display.background, shown, stored.a / display.samples);
     }

@@ -21,8 +21,7 @@ layout(set = 0, binding = 11) uniform sampler2D shadow_1;
 layout(set = 0, binding = 12) uniform sampler2D shadow_2;
 layout(set = 0, binding = 13) uniform sampler2D shadow_3;
 
-// Radiance around the scene: azimuth pi ... -pi along a row, the top row up.
-layout(set = 0, binding = 14) uniform sampler2D surroundings;
+#include "surroundings.glsl"
 
 layout(location = 0) in vec3 view;
 layout(location = 1) in vec2 pigment_uv;
@@ -91,7 +90,7 @@ vec3 toward(int light) {
     return is_lamp(light) ? frame.lights[light].xyz - world : frame.lights[light].xyz;
 }
 
-// How bright a light is here, beside how bright it is at distance 1 straight before it: `Place::falloff` of src/scene/light.rs.
+// How bright a light is here, beside how bright it is at distance 1 straight before it: `Place::falloff` of src/scene/incident.rs.
 float falloff(int light) {
     vec3 from = -toward(light);
     vec4 emitter = frame.emitters[light];
@@ -145,14 +144,9 @@ vec3 mirrored_radiance(Face face) {
     if (dot(face.mirrored, face.normal) <= 0.0) {
         return vec3(0.0);
     }
-    vec2 turned = mat2(frame.surroundings.x, -frame.surroundings.y, frame.surroundings.y, frame.surroundings.x) * face.mirrored.xy;
-    vec2 place = vec2(0.5 - atan(turned.y, turned.x) / (2.0 * PI), acos(clamp(face.mirrored.z, -1.0, 1.0)) / PI);
-    // A Gaussian of (u, v) is one of directions, wider by the cosine along the plane of incidence. Linear interpolation between texels of side t,
-    // each a mean over its square, averages over a variance of t^2/4.
+    // A Gaussian of (u, v) is one of directions, wider by the cosine along the plane of incidence.
     float cosine = max(dot(face.mirrored, normalize(world_normal)) * (face.back ? -1.0 : 1.0), 0.1);
-    float deviation = sqrt(face.spread + frame.surroundings.w / cosine);
-    float texel = PI / float(textureSize(surroundings, 0).y);
-    return textureLod(surroundings, place, max(log2(2.0 * deviation / texel), 0.0)).rgb * frame.surroundings.z;
+    return radiance_around(face.mirrored, sqrt(face.spread + frame.surroundings.w / cosine));
 }
 
 // Light that does not reach the surface is stored as light from below.

@@ -18,7 +18,7 @@ use crate::picture_file::{self, Format, Notes};
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::picture::Picture;
-use crate::render::reference_picture::{self, displayed, reference_mean};
+use crate::render::reference_picture::{self, displayed_of, reference_mean};
 use crate::render::sampling::{Sample, Sampling};
 use crate::render::source::{ClassicalGrating, Source};
 use crate::scene::Scene;
@@ -291,6 +291,6 @@ fn reference_picture(
     let chosen = |pixel| chosen.as_ref().is_none_or(|chosen| chosen.binary_search(&pixel).is_ok());
     let shading = &settings.optics.shading;
     let radiance = reference_mean(field, shading, view, sampling, &mut directions, &chosen, progress)?;
-    let display = displayed(&radiance, shown);
+    let display = displayed_of(view, settings.size, &radiance, shown);
     Ok(Picture { size: settings.size, radiance, display })
 }

@@ -40,6 +40,8 @@ pub struct View {
     pub lights: Vec<Light>,
     /// Surroundings, from which each sample draws one light more.
     pub environment: Option<Environment>,
+    /// Whether the surroundings, where there are any, are displayed as the background.
+    pub shows_surroundings: bool,
     /// Albedo of the pigment.
     pub base_color: Vec3,
     /// Whether the pigment texture counts.
@@ -51,7 +53,11 @@ impl View {
     pub fn under(scene: &Scene, lights: &[Light], coherence: &Coherence) -> Self {
         let room = Self::of(scene, Vec::new()).room();
         let lights = lights.iter().map(|light| light.beyond(coherence, &room)).collect();
-        Self { environment: scene.environment.clone(), ..Self::of(scene, lights) }
+        Self {
+            environment: scene.environment.clone(),
+            shows_surroundings: scene.shows_surroundings,
+            ..Self::of(scene, lights)
+        }
     }
 
     /// `scene` under `lights` alone, without surroundings and without its pigment texture.
@@ -64,6 +70,7 @@ impl View {
             unit: scene.unit,
             lights,
             environment: None,
+            shows_surroundings: false,
             base_color: scene.base_color,
             pigment: false,
         }
@@ -393,14 +400,8 @@ impl DisplayPass {
     }
 
     fn draw(&self, draw: &Recorder<'_>, samples: u32, shown: Shown) {
-        let block = DisplayBlock {
-            background: color::map_to_gamut(shown.background).as_vec3().to_array(),
-            exposure: shown.exposure as f32,
-            samples: samples as f32,
-            neutral: (shown.tone == Tone::Neutral).into(),
-        };
         draw.bind(&self.pipeline, &[&self.descriptors]);
-        draw.push(&self.pipeline, bytemuck::bytes_of(&block));
+        draw.push(&self.pipeline, bytemuck::bytes_of(&DisplayBlock::new(samples, shown)));
         draw.draw(3);
     }
 }
@@ -428,14 +429,26 @@ impl Shown {
     }
 }
 
-/// Push constants of `display.frag`.
+/// Push constants of `displayed.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct DisplayBlock {
+pub(super) struct DisplayBlock {
     background: [f32; 3],
     exposure: f32,
     samples: f32,
     neutral: u32,
+}
+
+impl DisplayBlock {
+    /// For the mean of `samples` samples.
+    pub(super) fn new(samples: u32, shown: Shown) -> Self {
+        Self {
+            background: color::map_to_gamut(shown.background).as_vec3().to_array(),
+            exposure: shown.exposure as f32,
+            samples: samples as f32,
+            neutral: (shown.tone == Tone::Neutral).into(),
+        }
+    }
 }
 
 /// What a display pass clears to: the code of `background`, which no exposure changes.

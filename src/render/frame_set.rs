@@ -8,7 +8,7 @@ use super::upload;
 use crate::error::Result;
 use crate::scene::MAX_LIGHTS;
 use crate::scene::environment::Environment;
-use crate::scene::light::{Emits, Place};
+use crate::scene::incident::{Emits, Place};
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;

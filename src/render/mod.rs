@@ -2,6 +2,7 @@
 //! floor knows both sides.
 
 pub mod accumulate;
+mod around;
 pub mod device_brdf;
 pub mod device_mesh;
 pub mod difference;

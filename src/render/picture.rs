@@ -1,6 +1,7 @@
 //! One picture, offscreen: what `diffract render` writes.
 
 use super::accumulate::Accumulation;
+use super::around::AroundPass;
 use super::device_mesh::DeviceMesh;
 use super::evaluator::{Asker, Query};
 use super::frame::{DisplayPass, GeometryPass, PixelPass, Probe, Shown, View};
@@ -21,12 +22,14 @@ use std::ops::Range;
 use std::sync::Arc;
 
 mod directions;
+mod display;
 pub mod samples;
 mod tiles;
 pub mod timing;
 
 use directions::Part;
 pub use directions::{Directions, Pixel};
+use display::Display;
 use tiles::Tiles;
 
 /// Draws pictures of one mesh with one surface.
@@ -50,6 +53,8 @@ pub struct Painter {
     shows: Content,
     // Made with the first picture of several samples.
     accumulation: Option<Accumulation>,
+    // Made with the first picture that shows its surroundings.
+    around: Option<AroundPass>,
     // What the samples in its sum are of.
     summed: Option<samples::Summed>,
     // What the `Frame` block is of, and what the geometry images hold.
@@ -145,6 +150,7 @@ impl Painter {
             pixel_time: None,
             shows: Content::Nothing,
             accumulation: None,
+            around: None,
             summed: None,
             written: None,
             found: None,
@@ -169,6 +175,7 @@ impl Painter {
             if let Some(accumulation) = &mut self.accumulation {
                 accumulation.resize(&self.device, &self.target)?;
             }
+            self.point_around();
         }
         Ok(())
     }
@@ -236,7 +243,21 @@ impl Painter {
             lamps: view.has_lamps(),
             ..self.geometry.settings
         })?;
-        around.map_or(Ok(0.0), |environment| self.frame.surround(&self.device, environment))
+        let shown = view.surroundings().filter(|_| view.shows_surroundings);
+        if shown.is_some() && self.around.is_none() {
+            self.around = Some(AroundPass::new(&self.device, &self.frame)?);
+            self.point_around();
+        }
+        around.or(shown).map_or(Ok(0.0), |environment| self.frame.surround(&self.device, environment))
+    }
+
+    /// Points what displays the surroundings at the images of the pictures.
+    fn point_around(&self) {
+        if let Some(around) = &self.around {
+            let sum =
+                self.accumulation.as_ref().map_or(&self.target.radiance, |accumulation| &accumulation.sum);
+            around.read_from(sum);
+        }
     }
 
     fn find_by(&mut self, settings: GeometrySettings) -> Result<()> {
@@ -329,23 +350,28 @@ impl Painter {
     /// # Errors
     /// Where the device is lost.
     pub fn display_again(&mut self, size: [u32; 2], shown: Shown) -> Result<bool> {
-        let (geometry, target, display) = (&self.geometry, &self.target, &self.display);
+        let target = &self.target;
+        let display = Display {
+            geometry: &self.geometry,
+            target: &self.target,
+            pass: &self.display,
+            around: display::around(self.written.as_ref(), self.around.as_ref()),
+            frame: &self.frame.descriptors,
+        };
         let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
         match self.shows {
             Content::Nothing | Content::Part => return Ok(false),
             Content::Sample => self.commands.run(|record| {
                 record.images(&[(&target.radiance, Access::ShaderRead, Access::ColorAttachment)]);
                 let all = record.within(size, 0..size[1]);
-                record_display(&all, target, |all| {
-                    display.record(all, (geometry, target), &target.display, shown);
-                });
+                record_display(&all, target, |all| display.sample(all, shown));
                 Ok(())
             })?,
             Content::Mean => self.commands.run(|record| {
                 let all = record.within(size, 0..size[1]);
                 if let Some((accumulation, summed)) = sum {
                     record_display(&all, target, |all| {
-                        accumulation.record_display(all, &target.display, summed.samples, shown);
+                        display.mean(all, accumulation, summed.samples, shown);
                     });
                 }
                 Ok(())
@@ -363,7 +389,14 @@ impl Painter {
         shown: Shown,
     ) -> Result<[f64; 2]> {
         let (geometry, target) = (&self.geometry, &self.target);
-        let (display, accumulation) = (&self.display, &self.accumulation);
+        let accumulation = &self.accumulation;
+        let display = Display {
+            geometry: &self.geometry,
+            target: &self.target,
+            pass: &self.display,
+            around: display::around(self.written.as_ref(), self.around.as_ref()),
+            frame: &self.frame.descriptors,
+        };
         let frame = &self.frame.descriptors;
         let sets = [frame, &self.source.descriptors];
         let first = tile.iter().all(|range| range.start == 0);
@@ -389,12 +422,10 @@ impl Painter {
                 (Finish::Add(before), Some(accumulation)) if last => {
                     accumulation.record(&all, (geometry, target), before == 0);
                     record_display(&all, target, |all| {
-                        accumulation.record_display(all, &target.display, before + 1, shown);
+                        display.mean(all, accumulation, before + 1, shown);
                     });
                 }
-                _ if last => record_display(&all, target, |all| {
-                    display.record(all, (geometry, target), &target.display, shown);
-                }),
+                _ if last => record_display(&all, target, |all| display.sample(all, shown)),
                 _ => {}
             }
             record.timestamp(&self.timestamps, 2);

@@ -190,9 +190,34 @@ pub fn covered(directions: &[Directions]) -> Vec<usize> {
 
 /// What a display shows of `radiance`, whose colours are premultiplied by their alpha, by the f64 twin of the display pass.
 pub fn displayed(radiance: &[[f32; 4]], shown: Shown) -> Vec<[u8; 4]> {
-    let Shown { exposure, tone, background } = shown;
-    let code = |pixel: &[f32; 4]| {
+    displayed_before(radiance, shown, &|_| shown.background)
+}
+
+/// The same before the surroundings of `view`, of `size` pixels, where it shows them.
+pub fn displayed_of(view: &View, size: [u32; 2], radiance: &[[f32; 4]], shown: Shown) -> Vec<[u8; 4]> {
+    let Some(environment) = view.surroundings().filter(|_| view.shows_surroundings) else {
+        return displayed(radiance, shown);
+    };
+    let world = view.camera.clip_from_world(size, view.centre, view.radius).as_dmat4().inverse();
+    let eye = view.camera.eye().as_dvec3();
+    displayed_before(radiance, shown, &|i| {
+        let place = [i % size[0] as usize, i / size[0] as usize];
+        let [x, y] = [0, 1].map(|axis| (place[axis] as f64 + 0.5) / f64::from(size[axis]) * 2.0 - 1.0);
+        let toward = (world.project_point3(DVec3::new(x, y, 0.5)) - eye).normalize();
+        shown.tone.map(environment.radiance(toward) * shown.exposure.exp2())
+    })
+}
+
+/// `background`: linear sRGB behind each pixel, as it is displayed.
+fn displayed_before(
+    radiance: &[[f32; 4]],
+    shown: Shown,
+    background: &dyn Fn(usize) -> DVec3,
+) -> Vec<[u8; 4]> {
+    let Shown { exposure, tone, .. } = shown;
+    let code = |(i, pixel): (usize, &[f32; 4])| {
         let [r, g, b, coverage] = pixel.map(f64::from);
+        let background = background(i);
         let [r, g, b] = if coverage > 0.0 {
             color::display_over(DVec3::new(r, g, b) / coverage, exposure, tone, coverage, background)
         } else {
@@ -200,7 +225,7 @@ pub fn displayed(radiance: &[[f32; 4]], shown: Shown) -> Vec<[u8; 4]> {
         };
         [r, g, b, 255]
     };
-    radiance.iter().map(code).collect()
+    radiance.iter().enumerate().map(code).collect()
 }
 
 /// The mean of `sampling`'s samples, each shaded in f64, for the pixels that are `chosen` by their number; the others stay empty.

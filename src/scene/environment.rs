@@ -3,7 +3,7 @@
 //! The picture's middle column stands at azimuth 0, the world's +x; azimuth grows to the left, as for one who stands inside and looks
 //! out. Its top row is up, +z. A radiance of 1 is that of a white diffuse surface that faces a light of intensity 1.
 
-use super::light::{Incident, WIDER};
+use super::incident::{Incident, WIDER};
 use crate::error::{Error, Result};
 use crate::input::PictureFile;
 use crate::memory;
@@ -193,6 +193,17 @@ impl Environment {
     /// Whether both have the very same picture.
     pub fn shares_picture_with(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.picture, &other.picture)
+    }
+
+    /// Radiance from the unit vector `toward`, linear sRGB: that of the pixel there.
+    pub fn radiance(&self, toward: DVec3) -> DVec3 {
+        let picture = &*self.picture;
+        let azimuth = toward.y.atan2(toward.x) - self.placement.rotation.to_radians();
+        let across = ((PI - azimuth) / TAU).rem_euclid(1.0);
+        let down = toward.z.clamp(-1.0, 1.0).acos() / PI;
+        let at = |share: f64, count: usize| ((share * count as f64) as usize).min(count - 1);
+        let pixel = at(down, picture.height) * picture.width + at(across, picture.width);
+        picture.radiance[pixel].as_dvec3() * self.placement.exposure.exp2()
     }
 
     /// Irradiance over π of a surface that faces `normal`, linear sRGB.

@@ -1,6 +1,6 @@
 //! Lamps: spheres and rectangles that stand in the scene, near enough that pixels see them in different directions and at different distances.
 
-use super::light::{Emits, Incident, Place, WIDER, concentric, spread_of};
+use super::incident::{Emits, Incident, Place, WIDER, concentric, spread_of};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::units;
@@ -151,7 +151,7 @@ impl Lamp {
 
     /// What the sample at `point` (uniform in 0 … 1) of `count` samples gets: a point of the lamp, which stands for a part of it that has the same
     /// variance along both axes. Points are drawn from a lamp that is smaller by as much, as those of
-    /// [`super::light::FarLight::incident`]. Those of a sphere are of the disc that the middle of `room` sees.
+    /// [`super::far_light::FarLight::incident`]. Those of a sphere are of the disc that the middle of `room` sees.
     pub fn incident(&self, point: [f64; 2], count: u32, room: &Room) -> Incident {
         let share = (WIDER / f64::from(count.max(1))).min(1.0);
         let normal = self.normal(room);

@@ -64,6 +64,8 @@ pub struct Scene {
     pub tone: Tone,
     /// What is displayed where nothing is covered, linear sRGB.
     pub background: DVec3,
+    /// Whether the surroundings, where there are any, are displayed there instead.
+    pub shows_surroundings: bool,
     /// Length of one unit of the scene's coordinates \[m\].
     pub unit: f64,
     /// The files that the scene consists of: its own, those of mesh, surface and pigment.
@@ -91,7 +93,7 @@ struct File {
     #[serde(default)]
     tone: ToneName,
     #[serde(default = "dark_grey")]
-    background: Triple<f64>,
+    background: Background,
     scale: Option<String>,
     environment: Option<FileEnvironment>,
     #[serde(default = "yes")]
@@ -176,8 +178,31 @@ fn black() -> Triple<f32> {
     Triple([0.0; 3])
 }
 
-fn dark_grey() -> Triple<f64> {
-    Triple([0.01; 3])
+/// Linear sRGB.
+const DARK_GREY: [f64; 3] = [0.01; 3];
+
+fn dark_grey() -> Background {
+    Background::Color(Triple(DARK_GREY))
+}
+
+/// What is behind the mesh: a colour, or `surroundings`.
+#[derive(Clone, Copy)]
+enum Background {
+    Color(Triple<f64>),
+    Surroundings,
+}
+
+impl<'de> Deserialize<'de> for Background {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
+        use serde::de::Error;
+        match toml::Value::deserialize(from)? {
+            toml::Value::String(name) if name == "surroundings" => Ok(Self::Surroundings),
+            toml::Value::String(name) => Err(D::Error::custom(format!(
+                "the background `{name}` is neither a colour nor \"surroundings\""
+            ))),
+            color => Triple::deserialize(color).map(Self::Color).map_err(D::Error::custom),
+        }
+    }
 }
 
 impl Scene {
@@ -241,7 +266,11 @@ impl Scene {
                 e.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
             Error::failed(format!("line {line}: {}", e.message()), "see assets/scenes for whole examples")
         })?;
-        let (Triple(base_color), Triple(background)) = (file.base_color, file.background);
+        let Triple(base_color) = file.base_color;
+        let (background, shows_surroundings) = match file.background {
+            Background::Color(Triple(color)) => (color, false),
+            Background::Surroundings => (DARK_GREY, true),
+        };
         let numbers = base_color.iter().map(|&c| f64::from(c)).chain(background);
         if !numbers.clone().all(|c| (0.0..=1.0).contains(&c)) {
             return Err(Error::failed("a colour is not within 0 to 1", "give linear sRGB from 0 to 1"));
@@ -287,6 +316,7 @@ impl Scene {
             exposure: file.exposure,
             tone: file.tone.0,
             background: background.into(),
+            shows_surroundings,
             unit: file.scale.as_deref().map_or(Ok(UNIT), units::length)? * METRES_PER_MICROMETRE,
         })
     }

@@ -61,6 +61,11 @@ impl Device {
     ) -> Result<Arc<Self>> {
         let (index, reason) = selection::choose(&candidates, wish)?;
         let candidate = candidates.swap_remove(index);
+        if candidate.kind == vk::PhysicalDeviceType::CPU {
+            /// What lavapipe takes for itself and for the shaders of a picture, 130 MiB, and a little \[bytes\].
+            const SOFTWARE_DEVICE: u64 = 144 << 20;
+            memory::ensure_room(SOFTWARE_DEVICE, "a software device")?;
+        }
         let queue_family = candidate.queue_family.unwrap_or(0); // `choose` takes none without
         let priorities = [1.0];
         let queues = [vk::DeviceQueueCreateInfo::default()

@@ -10,7 +10,7 @@ use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
-use diffract::render::reference_picture::reference_picture;
+use diffract::render::reference_picture::{displayed_of, reference_picture};
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
@@ -190,6 +190,44 @@ fn pictures_under_a_lamp_are_those_of_the_reference() {
             let error = (difference / whole).sqrt();
             eprintln!("a sphere below two lamps by {}: {error:.4}", method.name());
             assert!(error < 0.03, "{}: {error}", method.name());
+        }
+    });
+}
+
+#[test]
+fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
+    use diffract::optics::color::display_over;
+    let scene = Scene::open("sphere").unwrap();
+    let mut view = View::of(&scene, scene.lights[..1].to_vec());
+    view.environment = Some(Environment::open("studio").unwrap());
+    view.shows_surroundings = true;
+    let shading = Shading::default();
+    let source = Source::ClassicalGrating(ClassicalGrating::default());
+    let size = [160, 120];
+    let shown = Shown { exposure: -1.0, tone: Tone::Neutral, background: DVec3::ZERO };
+    with_device(|device| {
+        let mut painter =
+            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), size, view.light_count())
+                .unwrap();
+        for count in [1, 8] {
+            let sampling = Sampling { count, seed: 1 };
+            let picture = painter.paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
+            let expected = displayed_of(&view, size, &picture.radiance, shown);
+            let (mut apart, mut behind) = (0, 0);
+            for ((radiance, found), expected) in picture.radiance.iter().zip(&picture.display).zip(&expected)
+            {
+                behind += usize::from(radiance[3] == 0.0 && found[..3] != [0, 0, 0]);
+                // The device reads the picture of the surroundings between its pixels.
+                apart += usize::from(found.iter().zip(expected).any(|(a, b)| a.abs_diff(*b) > 3));
+            }
+            assert!(behind > 4000, "{count} samples: {behind} pixels of the surroundings");
+            assert!(apart < expected.len() / 12, "{count} samples: {apart} pixels are others");
+            // Before a colour again.
+            let plain = View { shows_surroundings: false, ..view.clone() };
+            let picture = painter.paint_samples(&plain, &sampling, shown, &mut |_| Ok(())).unwrap();
+            let black = display_over(DVec3::ZERO, 0.0, Tone::None, 0.0, DVec3::ZERO);
+            let uncovered = picture.radiance.iter().zip(&picture.display).filter(|(r, _)| r[3] == 0.0);
+            assert!(uncovered.map(|(_, code)| [code[0], code[1], code[2]]).all(|code| code == black));
         }
     });
 }

@@ -51,9 +51,35 @@ pub struct ViewOptions {
     /// Vertical field of view, as in 35deg, instead of the scene's
     #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true)]
     pub field_of_view: Option<f64>,
+    /// What is behind the mesh, instead of what the scene says: a colour, linear sRGB from 0 to 1, or the surroundings. An EXR has none
+    #[arg(long, value_name = "R,G,B|surroundings", value_parser = Background::parse, allow_hyphen_values = true)]
+    pub background: Option<Background>,
     /// Albedo of the pigment, linear sRGB from 0 to 1, instead of the scene's
     #[arg(long, value_name = "R,G,B", value_parser = units::color, allow_hyphen_values = true)]
     pub base_color: Option<[f64; 3]>,
+}
+
+/// What is behind the mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Background {
+    /// A colour, linear sRGB.
+    Color([f64; 3]),
+    /// What surrounds the scene.
+    Surroundings,
+}
+
+impl Background {
+    fn parse(text: &str) -> Result<Self> {
+        if text == "surroundings" {
+            return Ok(Self::Surroundings);
+        }
+        units::color(text).map(Self::Color).map_err(|_| {
+            Error::usage(
+                format!("'{text}' is no background"),
+                "give R,G,B from 0 to 1 each, linear sRGB, as in 0.8,0.2,0.1, or surroundings",
+            )
+        })
+    }
 }
 
 impl ViewOptions {
@@ -72,6 +98,19 @@ impl ViewOptions {
         }
         if let Some(color) = self.base_color {
             scene.base_color = color.map(|c| c as f32).into();
+        }
+        match self.background {
+            None => {}
+            Some(Background::Color(color)) => {
+                (scene.background, scene.shows_surroundings) = (color.into(), false);
+            }
+            Some(Background::Surroundings) if scene.environment.is_some() => scene.shows_surroundings = true,
+            Some(Background::Surroundings) => {
+                return Err(Error::usage(
+                    "there are no surroundings to be the background",
+                    "add --environment sky, or give --background a colour",
+                ));
+            }
         }
         let vector = |v: [f64; 3]| Vec3::from(v.map(|x| x as f32));
         if self.eye.is_some() || self.target.is_some() || self.field_of_view.is_some() {

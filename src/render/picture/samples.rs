@@ -71,6 +71,7 @@ impl Painter {
     ) -> Result<Option<Added>> {
         if self.accumulation.is_none() {
             self.accumulation = Some(Accumulation::new(&self.device, &self.target)?);
+            self.point_around();
         }
         let before = self.samples_of(view, sampling, size);
         if before >= sampling.count {

@@ -1,0 +1,13 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// One triangle that covers the target, as far away as depth is cleared to, and what is seen there.
+#include "frame.glsl"
+
+layout(location = 0) out vec3 toward; // from the viewer, in the world; of no length in particular
+
+void main() {
+    vec2 corner = vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 2.0;
+    gl_Position = vec4(corner * 2.0 - 1.0, 1.0, 1.0);
+    vec4 far = inverse(frame.clip_from_world) * gl_Position;
+    toward = far.xyz / far.w - frame.eye.xyz;
+}

@@ -1,0 +1,106 @@
+//! The surroundings as the background of a picture. Its shaders are `around.vert` and `around.frag`.
+
+use super::frame::{DisplayBlock, Shown};
+use super::frame_set::FrameSet;
+use super::shader;
+use super::target::{self, Geometry};
+use crate::error::Result;
+use crate::vk::access::Access;
+use crate::vk::commands::Recorder;
+use crate::vk::descriptors::{Binding, Descriptors};
+use crate::vk::device::Device;
+use crate::vk::image::Image;
+use crate::vk::pipeline::{Constant, Drawing, Pipeline};
+use crate::vk::sampler::Sampler;
+use ash::vk;
+use std::sync::Arc;
+
+/// Displays the surroundings behind what the mesh covers.
+pub struct AroundPass {
+    sample: Pipeline,
+    mean: Pipeline,
+    sum: Descriptors,
+    sampler: Sampler,
+}
+
+impl AroundPass {
+    /// A pass over pictures that `frame` describes.
+    ///
+    /// # Errors
+    /// Where the device refuses.
+    pub fn new(device: &Arc<Device>, frame: &FrameSet) -> Result<Self> {
+        let binding = Binding {
+            number: 0,
+            kind: vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
+            stages: vk::ShaderStageFlags::FRAGMENT,
+        };
+        let sum = Descriptors::new(device, "set of surroundings", &[binding])?;
+        let pipeline = |mean: bool| {
+            // Where depth is what it was cleared to, nothing covers.
+            let depth = (!mean).then_some((vk::CompareOp::EQUAL, false));
+            let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::DISPLAY], depth };
+            /// `constant_id` of `around.frag`.
+            const MEAN: u32 = 0;
+            let constants = [Constant::new(MEAN, mean)];
+            let fragment = Some(shader!("around.frag").with(&constants));
+            let sets = [&frame.descriptors, &sum];
+            let push_bytes = size_of::<DisplayBlock>() as u32;
+            Pipeline::graphics(device, shader!("around.vert"), fragment, &drawing, &sets, push_bytes)
+        };
+        Ok(Self {
+            sample: pipeline(false)?,
+            mean: pipeline(true)?,
+            sampler: Sampler::nearest(device, "sampler of sums")?,
+            sum,
+        })
+    }
+
+    /// Points the pass at what stands before the surroundings: a sum of samples, or anything readable where there is none. The device must not be using the pass.
+    pub fn read_from(&self, sum: &Image) {
+        self.sum.image(0, sum, &self.sampler);
+    }
+
+    /// Records the surroundings behind the one sample that is displayed in `into` (a colour attachment, which it stays), where `geometry` does not
+    /// cover.
+    pub fn record(
+        &self,
+        record: &Recorder<'_>,
+        geometry: &Geometry,
+        into: &Image,
+        (frame, shown): (&Descriptors, Shown),
+    ) {
+        record.images(&[
+            (into, Access::ColorAttachment, Access::ColorAttachment),
+            (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
+        ]);
+        record.render_over(&[(into, None)], &geometry.depth, |draw| {
+            self.draw(draw, &self.sample, frame, (1, shown));
+        });
+    }
+
+    /// Records the mean of `samples` samples before the surroundings into `into`, which it leaves a colour attachment.
+    pub fn record_mean(
+        &self,
+        record: &Recorder<'_>,
+        into: &Image,
+        frame: &Descriptors,
+        (samples, shown): (u32, Shown),
+    ) {
+        record.images(&[(into, Access::Nothing, Access::ColorAttachment)]);
+        record.render(&[(into, Some([0.0; 4]))], None, |draw| {
+            self.draw(draw, &self.mean, frame, (samples, shown));
+        });
+    }
+
+    fn draw(
+        &self,
+        draw: &Recorder<'_>,
+        pipeline: &Pipeline,
+        frame: &Descriptors,
+        (samples, shown): (u32, Shown),
+    ) {
+        draw.bind(pipeline, &[frame, &self.sum]);
+        draw.push(pipeline, bytemuck::bytes_of(&DisplayBlock::new(samples, shown)));
+        draw.draw(3);
+    }
+}
