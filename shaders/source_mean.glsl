@@ -137,6 +137,19 @@ float rays_of(float own) {
     return source.rays * inversesqrt(source.finest * source.orders + source.middle * own);
 }
 
+// The sum over wavelengths at one tap, which averages over the variance `own`.
+vec3 colour_at(Pair pair, vec2 toward, float rays, float own) {
+    ivec2 comb = comb_of(length(toward) * rays);
+    vec3 colour = vec3(0.0);
+    for (int j = 0; j < comb.y; ++j) {
+        vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
+        float q = node.w;
+        float ratio = source.orders + q * q * own / source.finest;
+        colour += node.rgb * (reflectance_at(pair, q) * averaged_power(pair, toward, q, ratio));
+    }
+    return colour;
+}
+
 const bool SOURCE_READS_FOOTPRINT = true;
 
 vec3 source_xyz(Pair pair, Footprint footprint) {
@@ -147,26 +160,21 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     float coarsest = (exp2(2.0 * source.last_level) - source.orders) * source.finest / source.middle;
     float read = clamp(coarsest, 0.0, own);
     // Samples do not share taps: the wavelengths of several are not the same.
-    Row row = row_of(spaced_taps(ellipse, own, read, source.blur, TAP_SPACING), 0);
-    float rays = rays_of(own);
-    vec3 sum = vec3(0.0);
-    float norm = 0.0;
-    for (float n = row.first; n < row.last; n += 1.0) {
-        float weight = exp(-row.fall * n * n);
-        vec2 toward = pair.toward + n * row.step;
-        ivec2 comb = comb_of(length(toward) * rays);
-        vec3 colour = vec3(0.0);
-        for (int j = 0; j < comb.y; ++j) {
-            vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
-            float q = node.w;
-            float ratio = source.orders + q * q * own / source.finest;
-            float power = averaged_power(pair, toward, q, ratio);
-            colour += node.rgb * reflectance_at(pair, q) * power;
+    Taps taps = spaced_taps(ellipse, own, read, source.blur, TAP_SPACING);
+    float rays = rays_of(read);
+    vec3 average = vec3(0.0);
+    for (int number = 0; number < taps.rows; ++number) {
+        Row row = row_of(taps, number);
+        vec3 sum = vec3(0.0);
+        float norm = 0.0;
+        for (float n = row.first; n < row.last; n += 1.0) {
+            float weight = exp(-row.fall * n * n);
+            sum += weight * colour_at(pair, pair.toward + row.aside + n * row.step, rays, own);
+            norm += weight;
         }
-        sum += weight * colour;
-        norm += weight;
+        average += sum * (row.weight / norm);
     }
-    return sum * (pair.factor / (4.0 * PI) / norm);
+    return average * (pair.factor / (4.0 * PI));
 }
 
 // The specular order, in closed form over the whole footprint.

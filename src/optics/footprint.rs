@@ -181,11 +181,6 @@ impl Taps {
         (longer * (REACH / (SPACING * MOST_SIDES as f64)).powi(2) - blur).max(0.0)
     }
 
-    /// The same taps without the rows beside the one along the longer axis.
-    pub fn one_row(&self) -> Self {
-        Self { across: DVec2::ZERO, ..*self }
-    }
-
     /// Displacement from the middle of the footprint and weight of each tap; the weights add up to 1.
     pub fn each(&self) -> impl Iterator<Item = (DVec2, f64)> {
         let along = self.along;

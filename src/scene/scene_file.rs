@@ -415,6 +415,19 @@ mod tests {
     }
 
     #[test]
+    fn a_scene_stands_before_a_colour_or_before_its_surroundings() {
+        let plate = BUILT_IN[1].1;
+        let scene = |line: &str| Scene::parse(&format!("{line}\n{plate}"), Path::new(""));
+        let shows = |line: &str| scene(line).unwrap().shows_surroundings;
+        assert!(
+            !shows("") && !shows("background = [0.1, 0.2, 0.3]") && shows("background = \"surroundings\"")
+        );
+        for wrong in ["background = \"sky\"", "background = 1", "background = [1, 2]"] {
+            assert!(scene(wrong).unwrap_err().to_string().contains("line 1"), "{wrong}");
+        }
+    }
+
+    #[test]
     fn a_scene_names_a_tone_or_has_none() {
         let plate = BUILT_IN[1].1;
         let tone = |line: &str| Scene::parse(&format!("{line}\n{plate}"), Path::new("")).map(|s| s.tone);

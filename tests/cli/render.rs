@@ -299,6 +299,40 @@ fn a_snake_casts_shadows_and_a_sky_lights_them() {
 }
 
 #[test]
+fn a_lamp_lights_what_is_near_it_and_surroundings_stand_behind_the_mesh() {
+    let sandbox = Sandbox::with_small_surface();
+    let halves = |lamp: &str| -> [f64; 2] {
+        let more = ["--tolerance", "1e-1", "--samples", "4", "--base-color", "1,1,1", "--light", lamp];
+        render(&sandbox, "plate", "out.exr", &more);
+        let (width, _, pixels) = exr(&sandbox, "out.exr");
+        let half = |right: bool| {
+            let of = |(i, p): (usize, &[f32; 4])| {
+                f64::from(p[1]) * f64::from(u8::from((2 * (i % width as usize) >= width as usize) == right))
+            };
+            pixels.iter().enumerate().map(of).sum::<f64>()
+        };
+        [half(false), half(true)]
+    };
+    let [left, right] = halves("sphere:0.1:0.8,0,0.5");
+    assert!(right > 2.0 * left && left > 0.0, "{left}, {right}");
+    let [left, right] = halves("rectangle:0.3x0.1:-0.8,0,0.5:0,0,0");
+    assert!(left > 2.0 * right && right > 0.0, "{left}, {right}");
+    let ([weak, _], [strong, _]) = (halves("sphere:0.1:0,0,1,10"), halves("sphere:0.1:0,0,1,20"));
+    assert!((strong / weak - 2.0).abs() < 1e-3, "{weak}, {strong}");
+    let refused = |more: &[&str], said: &str| {
+        let line = sandbox.run2(&["render", "plate", "-o", "no.png"], more).refused(2);
+        assert!(line.contains(said), "{line}");
+    };
+    refused(&["--light", "sphere:0:1,1,1"], "size '0'");
+    refused(&["--light", "rectangle:1x1:1,1"], "write rectangle:WIDTHxHEIGHT");
+    refused(&["--light", "sphere:1:0,0,1,-3W"], "strength '-3W'");
+    let lights = ["--light", "1,0", "--light", "2,0", "--light", "3,0", "--light", "sphere:1:0,0,3"];
+    refused(&lights, "where one is a lamp");
+    refused(&["--light", "1,0", "--background", "surroundings"], "no surroundings to be the background");
+    refused(&["--background", "blue"], "no background");
+}
+
+#[test]
 fn a_scene_prepares_its_surface_and_the_command_line_does_it_instead() {
     let sandbox = Sandbox::with_small_surface();
     let scene = |prepare: &str| {

@@ -217,10 +217,10 @@ impl Mean {
                 let own = shorter.max(Taps::least_own(&around, coherence));
                 let coarsest = MIDDLE.powi(2) * (finest * 4f64.powi(header.grid.levels as i32 - 1) - orders);
                 let read = coarsest.clamp(0.0, own);
-                let taps = Taps::unshared(&around, [own, read], coherence).one_row();
+                let taps = Taps::unshared(&around, [own, read], coherence);
                 let direction = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
                 let toward = DVec2::new(direction(0), direction(1));
-                let rays = (finest / (orders + own / MIDDLE.powi(2))).sqrt();
+                let rays = (finest / (orders + read / MIDDLE.powi(2))).sqrt();
                 for (place, _) in taps.each() {
                     let nodes = combs.nodes_at((toward + place).length() * rays);
                     let levels = |node: &[f32; 4]| {
