@@ -31,13 +31,25 @@ layout(constant_id = 24) const float ROUND = 0.0;
 layout(constant_id = 25) const float NARROW = 0.0;
 layout(constant_id = 26) const float MOST_SHARED = 1.0;
 
+// What a tap averages over: `Levels` of src/optics/footprint.rs.
+struct Levels {
+    float read;
+    float next; // of the next coarser level; no more than `read` where there is none
+    float blur;
+};
+
 // Places in a footprint, whose weighted sum stands for the average over it: `Taps` of src/optics/footprint.rs.
 struct Taps {
-    float sides;  // taps on either side of the middle one, in the row along the longer axis
-    vec2 along;   // the longer axis, as long as the standard deviation that is left to the row
-    vec2 across;  // the same of the shorter axis
-    float offset; // by how many steps the taps of a row are moved
-    int rows;     // 1 or 3
+    Levels levels;
+    vec2 axis;     // unit vector along the longer axis
+    float longer;  // variance along it
+    float rest;    // variance across it that is left
+    float coarser; // weight of the row of the next coarser level, the first of three; or 0
+    float aside;   // distance of the other rows from the middle
+    float offset;  // by how many steps the taps of a row are moved
+    float spacing; // of the taps, at most [standard deviations of what one averages over]
+    float fewest;  // taps on either side, where there are any
+    int rows;      // 1 or 3
 };
 
 // Taps in a line.
@@ -48,48 +60,73 @@ struct Row {
     float fall;   // the weight of a tap n steps from the middle is exp(-fall n^2)
     vec2 aside;   // from the middle of the footprint to that of the row
     float weight; // share of the row in the average
+    float coarser; // 1 where it reads the next coarser level
 };
 
-// For a footprint of which the variance `own` is left to the shorter axis, where a tap averages over the variance `read`, and all is blurred by
-// the variance `blur` already. Taps stand `spacing` standard deviations of what one averages over apart.
-Taps spaced_taps(Ellipse ellipse, float own, float read, float blur, float spacing) {
-    float left = sqrt(max(ellipse.longer - read, 0.0));
-    float tap = sqrt(read + blur);
-    float rest = sqrt(max(own - read, 0.0));
-    Taps taps;
-    taps.sides = left > ROUND * tap ? min(ceil(TAP_REACH * left / (spacing * tap)), MOST_SIDES) : 0.0;
-    taps.along = ellipse.axis * left;
-    taps.across = vec2(-ellipse.axis.y, ellipse.axis.x) * rest;
-    taps.offset = 0.0;
-    taps.rows = rest > NARROW * tap ? 3 : 1;
+const float ASIDE = 1.7320508, WEIGHT_ASIDE = 1.0 / 6.0, OFFSET_ASIDE = 0.5, LN_4 = 1.3862944;
+
+// The weight of the coarser of two levels, and the square of the distance at which the finer one is read on either side over the difference of their
+// variances: `between_levels` of src/optics/footprint.rs.
+vec2 between_levels(float s) {
+    return vec2(s * s * (1.6 - 0.6 * s), s * (1.0 - 0.6 * s) / (1.0 + s - 0.6 * s * s));
+}
+
+// For a footprint of which the variance `own` is left to the shorter axis.
+Taps unshared_taps(Ellipse ellipse, float own, Levels levels) {
+    Taps taps = Taps(levels, ellipse.axis, ellipse.longer, max(own - levels.read, 0.0), 0.0, 0.0, 0.0, TAP_SPACING, 0.0, 1);
+    if (taps.rest > NARROW * NARROW * (levels.read + levels.blur)) {
+        taps.rows = 3;
+        taps.aside = ASIDE * sqrt(taps.rest);
+        if (levels.next > levels.read) {
+            float between = levels.next - levels.read;
+            vec2 parts = between_levels(min(taps.rest / between, 1.0));
+            taps.coarser = parts.x;
+            taps.aside = sqrt(parts.y * between);
+        }
+    }
     return taps;
 }
 
 // The taps of one of the samples that share them.
-Taps shared_taps(Footprint footprint, Ellipse ellipse, float own, float read, float blur) {
-    Taps taps = spaced_taps(ellipse, own, read, blur, TAP_SPACING * min(footprint.samples, MOST_SHARED));
-    if (taps.sides > 0.0 && footprint.samples > 1.0) {
-        taps.sides = max(taps.sides, FEWEST_SIDES);
+Taps shared_taps(Footprint footprint, Ellipse ellipse, float own, Levels levels) {
+    Taps taps = unshared_taps(ellipse, own, levels);
+    taps.spacing *= min(footprint.samples, MOST_SHARED);
+    if (footprint.samples > 1.0) {
+        taps.fewest = FEWEST_SIDES;
         taps.offset = footprint.tap_offset;
     }
     return taps;
 }
 
-// Row number `row`: 0 along the longer axis, 1 and 2 beside it by the rule of Gauss and Hermite, with fewer taps.
+// Row number `row`.
 Row row_of(Taps taps, int row) {
-    const float ASIDE = 1.7320508, WEIGHT_ASIDE = 1.0 / 6.0, SPARSER_ASIDE = 1.5, OFFSET_ASIDE = 0.5, LN_4 = 1.3862944;
-    float side = row == 0 ? 0.0 : row == 1 ? 1.0 : -1.0;
-    float sides = row == 0 ? taps.sides : ceil(taps.sides / SPARSER_ASIDE);
-    float offset = row == 0 ? taps.offset : sides > 1.0 ? fract(taps.offset + OFFSET_ASIDE + 0.5) - 0.5 : 0.0;
+    bool mixed = taps.coarser > 0.0;
+    bool coarser = mixed && row == 0;
+    float read = coarser ? taps.levels.next : taps.levels.read;
+    float left = taps.longer - read;
+    float weight = taps.rows == 1 ? 1.0 : row == 0 ? 1.0 - 2.0 * WEIGHT_ASIDE : WEIGHT_ASIDE;
+    if (mixed) {
+        weight = row == 0 ? taps.coarser : 0.5 * (1.0 - taps.coarser);
+        // All rows together have the variance of the longer axis.
+        float whole = (taps.longer - taps.coarser * max(taps.longer, taps.levels.next)) / max(1.0 - taps.coarser, 1e-3);
+        left = row == 0 ? left : whole - read;
+    }
+    left = sqrt(max(left, 0.0));
+    float tap = sqrt(read + taps.levels.blur);
+    float sides = left > ROUND * tap ? max(min(ceil(TAP_REACH * left / (taps.spacing * tap)), MOST_SIDES), taps.fewest) : 0.0;
+    float moved = row == 0 || (mixed && row == 1) ? 0.0 : OFFSET_ASIDE;
+    float offset = sides > 1.0 ? fract(taps.offset + moved + 0.5) - 0.5 : 0.0;
     // Three taps are those of Gauss and Hermite, too.
     float step = sides > 1.0 ? TAP_REACH / sides : ASIDE;
+    float side = row == 0 ? 0.0 : row == 1 ? 1.0 : -1.0;
     Row own;
     own.first = sides > 0.0 ? offset - sides : 0.0;
     own.last = own.first + 2.0 * sides + 0.5;
-    own.step = taps.along * step;
+    own.step = taps.axis * (left * step);
     own.fall = sides > 1.0 ? 0.5 * step * step : LN_4;
-    own.aside = taps.across * (side * ASIDE);
-    own.weight = row > 0 ? WEIGHT_ASIDE : taps.rows > 1 ? 1.0 - 2.0 * WEIGHT_ASIDE : 1.0;
+    own.aside = vec2(-taps.axis.y, taps.axis.x) * (side * taps.aside);
+    own.weight = weight;
+    own.coarser = coarser ? 1.0 : 0.0;
     return own;
 }
 

@@ -117,14 +117,14 @@ float averaged_power(Pair pair, vec2 toward, float q, float ratio) {
     if (s <= 0.0) {
         return mean_power(pair, f, q, level);
     }
-    float coarser = s * s * (1.6 - 0.6 * s);
+    vec2 parts = between_levels(s);
     // The variance along an axis that is left to the corners is half the square of their distance.
-    float left = source.finest * exp2(2.0 * level) * 3.0 * s * (1.0 - 0.6 * s) / (1.0 + s - 0.6 * s * s);
+    float left = parts.y * source.finest * exp2(2.0 * level) * 3.0;
     vec2 along = f * (sqrt(2.0 * left) * inversesqrt(max(dot(f, f), 1e-20)));
     vec2 across = vec2(-along.y, along.x) * 0.8660254;
     float finer = mean_power(pair, f + along, q, level) + mean_power(pair, f - 0.5 * along + across, q, level)
         + mean_power(pair, f - 0.5 * along - across, q, level);
-    return mix(finer / 3.0, mean_power(pair, f, q, level + 1.0), coarser);
+    return mix(finer / 3.0, mean_power(pair, f, q, level + 1.0), parts.x);
 }
 
 // The comb of wavelengths for |(u, v)| in units of the blur.
@@ -160,7 +160,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     float coarsest = (exp2(2.0 * source.last_level) - source.orders) * source.finest / source.middle;
     float read = clamp(coarsest, 0.0, own);
     // Samples do not share taps: the wavelengths of several are not the same.
-    Taps taps = spaced_taps(ellipse, own, read, source.blur, TAP_SPACING);
+    Taps taps = unshared_taps(ellipse, own, Levels(read, 0.0, source.blur));
     float rays = rays_of(read);
     vec3 average = vec3(0.0);
     for (int number = 0; number < taps.rows; ++number) {

@@ -80,7 +80,8 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     float own = max(max(ellipse.shorter, source.finest), least_own(ellipse, source.coherence));
     float level = min(level_of_ratio((own - source.finest) * source.per_growth + 1.0), source.last_level);
     float read = source.finest + (exp2(2.0 * level) - 1.0) / source.per_growth;
-    Taps taps = shared_taps(footprint, ellipse, own, read, source.coherence);
+    float next = level < source.last_level ? source.finest + (exp2(2.0 * level + 2.0) - 1.0) / source.per_growth : 0.0;
+    Taps taps = shared_taps(footprint, ellipse, own, Levels(read, next, source.coherence));
     Piece piece = piece_of(pair.w);
     vec2 middle = pair.toward * source.texture_per_uv + 0.5;
     vec3 average = vec3(0.0);
@@ -92,7 +93,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
         float norm = 0.0;
         for (float n = row.first; n < row.last; n += 1.0) {
             float weight = exp(-row.fall * n * n);
-            sum += weight * read_table(piece, place + n * step, level);
+            sum += weight * read_table(piece, place + n * step, level + row.coarser);
             norm += weight;
         }
         average += sum * (row.weight / norm);

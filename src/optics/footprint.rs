@@ -86,31 +86,51 @@ impl Share {
     }
 }
 
-/// Places in a footprint, whose weighted sum stands for the average over it: a row along the longer axis, and two beside it where what a tap
-/// averages over is narrower than the shorter axis.
+/// What a tap averages over, beside a blur that all have: the variance of the level that is read, and of the next coarser one, where there is one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Levels {
+    /// Of the level that is read.
+    pub read: f64,
+    /// Of the next coarser one.
+    pub next: Option<f64>,
+    /// What all is blurred by already.
+    pub blur: f64,
+}
+
+/// Places in a footprint, whose weighted sum stands for the average over it: a row along the longer axis; or, where what a tap averages over is
+/// narrower than the shorter axis, two rows beside it and one of the next coarser level between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Taps {
-    /// Taps on either side of the middle one, in the row along the longer axis.
-    pub sides: usize,
-    /// The longer axis, as long as the standard deviation that is left to the row.
-    along: DVec2,
-    /// The same of the shorter axis; 0 where there is one row.
-    across: DVec2,
-    /// By how many steps the taps of a row are moved.
-    offset: f64,
+    rows: [Row; 3],
+    count: usize,
+}
+
+/// Where one tap stands, and what it counts for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tap {
+    /// Displacement from the middle of the footprint.
+    pub place: DVec2,
+    /// Share of the average; all add up to 1.
+    pub weight: f64,
+    /// Whether it is of the next coarser level.
+    pub coarser: bool,
 }
 
 /// Taps in a line.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Row {
     /// Taps on either side of the middle one.
     sides: usize,
+    /// The longer axis, as long as the standard deviation that is left to the row.
+    along: DVec2,
     /// Steps from the middle of the row to its middle tap.
     offset: f64,
     /// From the middle of the footprint to that of the row.
     aside: DVec2,
     /// Share of the row in the average.
     weight: f64,
+    /// Whether it reads the next coarser level.
+    coarser: bool,
 }
 
 /// The taps of a sample stand so many standard deviations of what one of them averages over apart, at most. A row of Gaussians h apart is even to
@@ -129,50 +149,33 @@ pub const MOST_SIDES: usize = 36;
 pub const FEWEST_SIDES: usize = 2;
 /// A footprint whose longer axis adds less than this share to the standard deviation of a tap is a tap.
 pub const ROUND: f64 = 0.2;
-/// A footprint whose shorter axis adds less than this share to the standard deviation of a tap is one row. With 0.7
-/// instead a tenth less is read: relative L2 on the snake is nearly the same, and on a sphere 0.013 instead of 0.006.
+/// A footprint whose shorter axis adds less than this share to the standard deviation of a tap is one row.
 pub const NARROW: f64 = 0.3;
-/// Rows beside the one along the longer axis stand so many standard deviations of the shorter axis away from it and have this weight each: with them
-/// the average has the first five moments of a Gaussian (Gauss and Hermite's rule of three places).
+/// Below the coarsest level, rows beside the one along the longer axis stand so many standard deviations of the shorter axis away from it and have this
+/// weight each: the rule of Gauss and Hermite of three places. Three taps in a row are those, too.
 const ASIDE: f64 = 1.732_050_807_568_877_2;
 const WEIGHT_ASIDE: f64 = 1.0 / 6.0;
-/// The taps of these rows are so much farther apart, and moved by half a step: a seventh less is read for nearly the same error. Twice as far apart, relative L2 on a
-/// sphere is three times as large.
-const SPARSER_ASIDE: f64 = 1.5;
+/// The taps of one of two rows beside each other are moved by half a step.
 const OFFSET_ASIDE: f64 = 0.5;
 
+/// Between two levels of variances 1 and r ≤ 4, a Gaussian whose variance is at the place `s` (0 … 1) between them: the weight of the coarser level in
+/// the middle, and the square of the distance on either side at which the finer one is read, over r − 1. Relative L2 across the axis is 0.034 at
+/// most; a mixture of the two levels in the middle errs by 0.14.
+pub fn between_levels(s: f64) -> [f64; 2] {
+    [s * s * (1.6 - 0.6 * s), s * (1.0 - 0.6 * s) / (1.0 + s - 0.6 * s * s)]
+}
+
 impl Taps {
-    /// For the footprint `around`, of which the variance `own` is left to the shorter axis, where a tap averages over the variance `read` ≤ `own`,
-    /// and all is blurred by the variance `blur` already.
-    pub fn new(around: &Covariance, [own, read]: [f64; 2], blur: f64, share: Share) -> Self {
-        let shared = f64::from(share.count.min(MOST_SHARED));
-        let mut taps = Self::spaced(around, [own, read], blur, SPACING * shared);
-        if taps.sides > 0 && share.count > 1 {
-            taps.sides = taps.sides.max(FEWEST_SIDES);
-            taps.offset = share.offset();
-        }
-        taps
+    /// For the footprint `around`, of which the variance `own` ≥ that of the level that is read is left to the shorter axis.
+    pub fn new(around: &Covariance, own: f64, levels: Levels, share: Share) -> Self {
+        let maker =
+            Maker { around, levels, spacing: SPACING * f64::from(share.count.min(MOST_SHARED)), share };
+        maker.taps(own)
     }
 
     /// The same for a sample that shares its taps with none.
-    pub fn unshared(around: &Covariance, [own, read]: [f64; 2], blur: f64) -> Self {
-        Self::spaced(around, [own, read], blur, SPACING)
-    }
-
-    fn spaced(around: &Covariance, [own, read]: [f64; 2], blur: f64, spacing: f64) -> Self {
-        let [longer, _] = around.axes();
-        let axis = around.longer_axis();
-        let left = (longer - read).max(0.0).sqrt();
-        let tap = (read + blur).sqrt();
-        let mut taps = Self { sides: 0, along: axis * left, across: DVec2::ZERO, offset: 0.0 };
-        if left > ROUND * tap {
-            taps.sides = (REACH * left / (spacing * tap)).ceil().min(MOST_SIDES as f64) as usize;
-        }
-        let rest = (own - read).max(0.0).sqrt();
-        if rest > NARROW * tap {
-            taps.across = axis.perp() * rest;
-        }
-        taps
+    pub fn unshared(around: &Covariance, own: f64, levels: Levels) -> Self {
+        Self::new(around, own, levels, Share::ALL)
     }
 
     /// The least variance that a tap has to average over, so that [`MOST_SIDES`] suffice.
@@ -181,11 +184,9 @@ impl Taps {
         (longer * (REACH / (SPACING * MOST_SIDES as f64)).powi(2) - blur).max(0.0)
     }
 
-    /// Displacement from the middle of the footprint and weight of each tap; the weights add up to 1.
-    pub fn each(&self) -> impl Iterator<Item = (DVec2, f64)> {
-        let along = self.along;
-        self.rows().flat_map(move |row| {
-            // Three taps are those of Gauss and Hermite, too.
+    /// The taps.
+    pub fn each(&self) -> impl Iterator<Item = Tap> {
+        self.rows.into_iter().take(self.count).flat_map(|row| {
             let (step, fall) = match row.sides {
                 0 => (0.0, 0.0),
                 1 => (ASIDE, ((1.0 - 2.0 * WEIGHT_ASIDE) / WEIGHT_ASIDE).ln()),
@@ -194,33 +195,81 @@ impl Taps {
             let places = move || (-(row.sides as i64)..=row.sides as i64).map(move |k| k as f64 + row.offset);
             let weight = move |n: f64| (-fall * n * n).exp();
             let norm: f64 = places().map(weight).sum();
-            places().map(move |n| (along * (step * n) + row.aside, row.weight * weight(n) / norm))
+            places().map(move |n| Tap {
+                place: row.along * (step * n) + row.aside,
+                weight: row.weight * weight(n) / norm,
+                coarser: row.coarser,
+            })
         })
     }
 
     /// Number of taps.
     pub fn count(&self) -> usize {
-        self.rows().map(|row| 2 * row.sides + 1).sum()
+        self.rows.iter().take(self.count).map(|row| 2 * row.sides + 1).sum()
+    }
+}
+
+/// What all rows of a footprint follow from.
+struct Maker<'a> {
+    around: &'a Covariance,
+    levels: Levels,
+    spacing: f64,
+    share: Share,
+}
+
+impl Maker<'_> {
+    fn taps(&self, own: f64) -> Taps {
+        let Levels { read, next, blur } = self.levels;
+        let [longer, _] = self.around.axes();
+        let across = self.around.longer_axis().perp();
+        let one = Row { weight: 1.0, ..self.row(longer - read, read, 0.0) };
+        let rest = (own - read).max(0.0);
+        if rest.sqrt() <= NARROW * (read + blur).sqrt() {
+            return Taps { rows: [one, Row::default(), Row::default()], count: 1 };
+        }
+        let rows = match next.filter(|next| *next > read) {
+            Some(next) => {
+                let [coarser, aside] = between_levels((rest / (next - read)).min(1.0));
+                let aside = across * (aside * (next - read)).sqrt();
+                // All rows together have the variance of the longer axis.
+                let left = (longer - coarser * longer.max(next)) / (1.0 - coarser).max(1e-3) - read;
+                let middle = Row { weight: coarser, coarser: true, ..self.row(longer - next, next, 0.0) };
+                let beside = |side: f64, moved: f64| Row {
+                    aside: aside * side,
+                    weight: 0.5 * (1.0 - coarser),
+                    ..self.row(left, read, moved)
+                };
+                [middle, beside(1.0, 0.0), beside(-1.0, OFFSET_ASIDE)]
+            }
+            None => {
+                let aside = across * (ASIDE * rest.sqrt());
+                let middle = Row { weight: 1.0 - 2.0 * WEIGHT_ASIDE, ..one };
+                let beside = |side: f64| Row {
+                    aside: aside * side,
+                    weight: WEIGHT_ASIDE,
+                    ..self.row(longer - read, read, OFFSET_ASIDE)
+                };
+                [middle, beside(1.0), beside(-1.0)]
+            }
+        };
+        Taps { rows, count: 3 }
     }
 
-    fn rows(&self) -> impl Iterator<Item = Row> {
-        let one = self.across == DVec2::ZERO;
-        let middle = Row {
-            sides: self.sides,
-            offset: self.offset,
-            aside: DVec2::ZERO,
-            weight: if one { 1.0 } else { 1.0 - 2.0 * WEIGHT_ASIDE },
-        };
-        let moved = (self.offset + OFFSET_ASIDE + 0.5).fract() - 0.5;
-        let sides = (self.sides as f64 / SPARSER_ASIDE).ceil() as usize;
-        let aside = |side: f64| Row {
-            sides,
-            offset: if sides > 1 { moved } else { 0.0 },
-            aside: self.across * (side * ASIDE),
-            weight: WEIGHT_ASIDE,
-        };
-        let beside = [1.0, -1.0].map(aside);
-        std::iter::once(middle).chain(beside.into_iter().take(if one { 0 } else { 2 }))
+    /// A row to which the variance `left` is left, of taps that average over `read`, moved by `moved` steps.
+    fn row(&self, left: f64, read: f64, moved: f64) -> Row {
+        let left = left.max(0.0).sqrt();
+        let tap = (read + self.levels.blur).sqrt();
+        let mut row = Row { along: self.around.longer_axis() * left, ..Row::default() };
+        if left > ROUND * tap {
+            row.sides = (REACH * left / (self.spacing * tap)).ceil().min(MOST_SIDES as f64) as usize;
+            if self.share.count > 1 {
+                row.sides = row.sides.max(FEWEST_SIDES);
+            }
+        }
+        if row.sides > 1 {
+            row.offset = (self.share.offset() + moved + 0.5).rem_euclid(1.0) - 0.5;
+        }
+        row
     }
 }
 
@@ -244,28 +293,33 @@ mod tests {
     fn taps_and_what_each_averages_over_have_the_covariance_of_the_footprint() {
         // Of a Gaussian that ends at 2.6 standard deviations 8 % of the variance are missing.
         let within = 1.0 - 2.0 * REACH * (-0.5 * REACH * REACH).exp() / (2.0 * PI).sqrt() - 0.0093;
-        let [longer, shorter] = LONG.axes();
-        let axis = LONG.longer_axis();
-        for (part, count, blur) in [
-            (1.0, 1, 0.0),
-            (0.3, 1, 0.0),
+        let round = Covariance { uu: 1e-4, uv: 0.0, vv: 1e-4 };
+        for (around, part, count, blur) in [
+            (LONG, 1.0, 1, 0.0),
+            (LONG, 0.3, 1, 0.0),
             // So wide that a row has three taps, and five.
-            (1.0, 1, 1e-3),
-            (0.3, 1, 1.5e-4),
-            (1.0, 16, 0.0),
-            (0.3, 16, 0.0),
-            (0.5, 64, 0.0),
+            (LONG, 1.0, 1, 1e-3),
+            (LONG, 0.3, 1, 1.5e-4),
+            (round, 0.3, 1, 0.0),
+            (round, 0.7, 1, 1e-5),
+            (LONG, 1.0, 16, 0.0),
+            (LONG, 0.3, 16, 0.0),
+            (LONG, 0.5, 64, 0.0),
         ] {
+            let [longer, shorter] = around.axes();
+            let axis = around.longer_axis();
             let read = part * shorter;
             let (mut mean, mut along, mut across, mut norm) = (DVec2::ZERO, 0.0, 0.0, 0.0);
-            for index in 0..count {
-                let taps = Taps::new(&LONG, [shorter, read], blur, Share { index, count });
-                assert!(taps.count() == taps.each().count() && taps.sides <= MOST_SIDES);
-                for (place, weight) in taps.each() {
-                    let weight = weight / f64::from(count);
+            for (index, next) in (0..count).flat_map(|i| [(i, None), (i, Some(4.0 * read + 3.0 * blur))]) {
+                let levels = Levels { read, next, blur };
+                let taps = Taps::new(&around, shorter, levels, Share { index, count });
+                assert!(taps.count() == taps.each().count());
+                for Tap { place, weight, coarser } in taps.each() {
+                    let weight = weight / f64::from(2 * count);
+                    let own = if coarser { next.unwrap() } else { read };
                     mean += place * weight;
-                    along += weight * place.dot(axis).powi(2);
-                    across += weight * place.dot(axis.perp()).powi(2);
+                    along += weight * (place.dot(axis).powi(2) + own);
+                    across += weight * (place.dot(axis.perp()).powi(2) + own);
                     norm += weight;
                 }
             }
@@ -274,15 +328,37 @@ mod tests {
                 "{part} {count}: {mean}"
             );
             // Steps of 1.3 standard deviations, of which the last ones count or not, leave a few per cent of the variance open.
-            let left = along / (longer - read);
-            assert!(left > within - 0.03 && left < 1.03, "{part} {count}: {left}");
+            let least = read + (within - 0.03) * (longer - read);
+            assert!(along > least && along < 1.03 * longer, "{part} {count} {blur}: {along}, {longer}");
             // Where there is one row, up to NARROW² of what a tap averages over is left out.
-            let found = (across + read) / shorter;
-            assert!(if across > 0.0 {
-                (found - 1.0).abs() < 1e-9
+            let rest = (shorter - read).sqrt() / (read + blur).sqrt();
+            if rest > NARROW {
+                assert!((across / shorter - 1.0).abs() < 1e-9, "{part} {count} {blur}: {across}");
             } else {
-                found >= 1.0 / (1.0 + NARROW * NARROW)
-            });
+                assert!((across / read - 1.0).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn between_two_levels_the_average_is_a_gaussian() {
+        // A Gaussian of variance `a` at `x` against one of `b`, integrated over the axis.
+        let product = |a: f64, b: f64, x: f64| (-x * x / (2.0 * (a + b))).exp() / (2.0 * PI * (a + b)).sqrt();
+        for i in 1..30 {
+            let s = f64::from(i) / 30.0;
+            let [coarser, aside] = between_levels(s);
+            let (variance, d) = (1.0 + 3.0 * s, (3.0 * aside).sqrt());
+            assert!((coarser * 4.0 + (1.0 - coarser) * (1.0 + d * d) - variance).abs() < 1e-12);
+            let parts =
+                [(0.5 * (1.0 - coarser), 1.0, d), (0.5 * (1.0 - coarser), 1.0, -d), (coarser, 4.0, 0.0)];
+            let own: f64 = parts
+                .iter()
+                .flat_map(|p| parts.iter().map(move |q| p.0 * q.0 * product(p.1, q.1, p.2 - q.2)))
+                .sum();
+            let mixed: f64 = parts.iter().map(|p| p.0 * product(p.1, variance, p.2)).sum();
+            let exact = product(variance, variance, 0.0);
+            let error = ((own - 2.0 * mixed + exact).max(0.0) / exact).sqrt();
+            assert!(error < 0.035, "{s}: {error}");
         }
     }
 
@@ -299,9 +375,10 @@ mod tests {
     #[test]
     fn three_rows_have_the_fourth_moment_of_a_gaussian() {
         let [_, shorter] = LONG.axes();
-        let taps = Taps::new(&LONG, [shorter, 0.25 * shorter], 0.0, Share::ALL);
+        let levels = Levels { read: 0.25 * shorter, next: None, blur: 0.0 };
+        let taps = Taps::new(&LONG, shorter, levels, Share::ALL);
         let across = LONG.longer_axis().perp();
-        let moment = |n| taps.each().map(|(place, weight)| weight * place.dot(across).powi(n)).sum::<f64>();
+        let moment = |n| taps.each().map(|tap| tap.weight * tap.place.dot(across).powi(n)).sum::<f64>();
         let rest = 0.75 * shorter;
         assert!(
             (moment(2) / rest - 1.0).abs() < 1e-9 && (moment(4) / (3.0 * rest * rest) - 1.0).abs() < 1e-9
@@ -310,12 +387,13 @@ mod tests {
 
     #[test]
     fn a_round_footprint_is_one_tap_and_a_very_long_one_is_read_coarser() {
+        let at = |read| Levels { read, next: None, blur: 0.0 };
         let round = Covariance { uu: 1e-4, uv: 0.0, vv: 1e-4 };
-        assert_eq!(Taps::new(&round, [1e-4; 2], 0.0, Share::ALL).count(), 1);
+        assert_eq!(Taps::new(&round, 1e-4, at(1e-4), Share::ALL).count(), 1);
         let very_long = Covariance { uu: 1.0, uv: 0.0, vv: 1e-8 };
         let own = Taps::least_own(&very_long, 0.0);
         assert!(own > 1e-8);
-        assert!(Taps::new(&very_long, [own; 2], 0.0, Share::ALL).count() <= 2 * MOST_SIDES + 1);
+        assert!(Taps::new(&very_long, own, at(own), Share::ALL).count() <= 2 * MOST_SIDES + 1);
         assert!(Taps::least_own(&round, 0.0) < 1e-6);
     }
 }

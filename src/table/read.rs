@@ -2,7 +2,7 @@
 
 use super::{ColorTable, LARGEST_W, SPECULAR_SAMPLES};
 use crate::optics::brdf::{schlick, schlick_from};
-use crate::optics::footprint::{Covariance, Share, Taps};
+use crate::optics::footprint::{Covariance, Levels, Share, Tap, Taps};
 use crate::optics::geometry::Pair;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -26,8 +26,9 @@ impl<'a> TableReader<'a> {
         let grid = &header.grid;
         let own = shorter.max(grid.finest.powi(2)).max(Taps::least_own(around, header.coherence_blur));
         let level = grid.level(own) as usize;
-        let taps = Taps::new(around, [own, grid.variance(level)], header.coherence_blur, share);
-        (level, taps)
+        let next = (level + 1 < grid.levels).then(|| grid.variance(level + 1));
+        let levels = Levels { read: grid.variance(level), next, blur: header.coherence_blur };
+        (level, Taps::new(around, own, levels, share))
     }
 
     /// XYZ of f cos θ_i \[sr⁻¹\] of one pair, averaged over `around`, on a surface whose R is Schlick's for the index `ior`; a table that was
@@ -39,7 +40,8 @@ impl<'a> TableReader<'a> {
         let uvw = pair.uvw();
         let (toward, w) = (-uvw.truncate(), uvw.z.abs());
         let (level, taps) = self.taps(around, Share::ALL);
-        let sum: DVec3 = taps.each().map(|(place, weight)| self.at(toward + place, w, level) * weight).sum();
+        let read = |tap: Tap| self.at(toward + tap.place, w, level + usize::from(tap.coarser)) * tap.weight;
+        let sum: DVec3 = taps.each().map(read).sum();
         let colour = sum * (w * w) + self.specular(toward, w, around);
         let normal = self.table.header.normal_reflectance.unwrap_or_else(|| schlick(ior, 1.0));
         let reflectance = schlick_from(normal, pair.cos_half_angle());

@@ -5,7 +5,7 @@ use super::cost::Cost;
 use super::spectra::numbers;
 use super::{Extent, Summary, reflectance, stages, taps_constants};
 use crate::error::Result;
-use crate::optics::footprint::Taps;
+use crate::optics::footprint::{Levels, Taps};
 use crate::optics::spectrum::{BLUE, MIDDLE};
 use crate::precompute::kernel::Kernel;
 use crate::render::picture::Directions;
@@ -217,12 +217,12 @@ impl Mean {
                 let own = shorter.max(Taps::least_own(&around, coherence));
                 let coarsest = MIDDLE.powi(2) * (finest * 4f64.powi(header.grid.levels as i32 - 1) - orders);
                 let read = coarsest.clamp(0.0, own);
-                let taps = Taps::unshared(&around, [own, read], coherence);
+                let taps = Taps::unshared(&around, own, Levels { read, next: None, blur: coherence });
                 let direction = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
                 let toward = DVec2::new(direction(0), direction(1));
                 let rays = (finest / (orders + read / MIDDLE.powi(2))).sqrt();
-                for (place, _) in taps.each() {
-                    let nodes = combs.nodes_at((toward + place).length() * rays);
+                for tap in taps.each() {
+                    let nodes = combs.nodes_at((toward + tap.place).length() * rays);
                     let levels = |node: &[f32; 4]| {
                         let ratio = (orders + f64::from(node[3]).powi(2) * own) / finest;
                         // The corners of a triangle and a coarser level, unless the blur is that of a level.
