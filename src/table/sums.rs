@@ -4,6 +4,7 @@
 //! polynomials at all |w|: a matrix product in which neighbouring texels share what they read.
 
 use super::{LARGEST_W, TableSettings};
+use crate::optics::footprint::between_levels;
 use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::MIDDLE;
@@ -105,6 +106,7 @@ pub struct Sums<'a> {
 pub struct Scratch {
     rows: Vec<Vec4>,
     terms: Vec<Vec4>,
+    corner: Vec<Vec4>,
     /// `[texel][channel][w]`, w padded to [`LANES`].
     sums: Vec<Vec4>,
 }
@@ -155,8 +157,7 @@ impl<'a> Sums<'a> {
         let layers = terms / PER_TEXEL;
         for (j, (q, weight)) in comb.wavenumbers.iter().zip(&comb.weights).enumerate() {
             let square = tile.scaled(*q);
-            let level = self.reader.level(q * q * self.spectrum.variance) + dither(j);
-            self.reader.read(&square, level as usize, &mut scratch.rows, &mut scratch.terms);
+            self.read(&square, q * q * self.spectrum.variance, scratch);
             let weight = weight.as_vec3().to_array();
             let matrix = &self.polynomials[number][j * per_node..(j + 1) * per_node];
             let reflectance = self.spectrum.reflectances.get(number).map(|rows| &rows[j]);
@@ -173,6 +174,39 @@ impl<'a> Sums<'a> {
                     }
                 }
             }
+        }
+    }
+
+    /// The coefficients at every frequency of `square`, averaged over a spread of variance `variance` \[µm⁻²\] around each, into `scratch.terms`. Between
+    /// two levels: the finer one at the corners of a triangle around the frequency, and the coarser one, as `averaged_power` of
+    /// `source_mean.glsl` has it.
+    fn read(&self, square: &Square, variance: f64, scratch: &mut Scratch) {
+        let Scratch { rows, terms, corner, .. } = scratch;
+        let place = self.reader.level(variance);
+        let (level, s) = (place.floor(), place.fract());
+        if s == 0.0 {
+            self.reader.read(square, level as usize, rows, terms);
+            return;
+        }
+        let [coarser, aside] = between_levels(s);
+        let finest = self.reader.header.grid.blur.variance;
+        let left = aside * 3.0 * 4f64.powf(level) * 0.5 * (finest[0] + finest[1]);
+        // The variance along an axis is half the square of the corners' distance.
+        let along = square.middle().try_normalize().unwrap_or(DVec2::X) * (2.0 * left).sqrt();
+        let across = along.perp() * 0.75f64.sqrt();
+        let moved = |by: DVec2| Square { first: square.first + by, ..*square };
+        let share = (1.0 - coarser) / 3.0;
+        let parts = [
+            (moved(along), level, share),
+            (moved(-0.5 * along + across), level, share),
+            (moved(-0.5 * along - across), level, share),
+            (*square, level + 1.0, coarser),
+        ];
+        corner.resize(terms.len(), Vec4::ZERO);
+        terms.fill(Vec4::ZERO);
+        for (square, level, share) in parts {
+            self.reader.read(&square, level as usize, rows, corner);
+            terms.iter_mut().zip(&*corner).for_each(|(sum, part)| *sum += *part * share as f32);
         }
     }
 
@@ -208,13 +242,6 @@ fn product(series: &[Vec4], factors: &[Vec4]) -> Vec4 {
         sum += factors[0] * terms.x + factors[1] * terms.y + factors[2] * terms.z + factors[3] * terms.w;
     }
     sum.max(Vec4::ZERO)
-}
-
-/// Share of a level that node `j` adds before it is rounded down: neighbouring wavelengths then mix two levels as interpolation between
-/// the levels would, for half the reads. Multiples of the golden ratio spread evenly however many there are.
-fn dither(j: usize) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
-    (0.5 + j as f64 * GOLDEN).fract()
 }
 
 /// Takes values at the four Chebyshev nodes of −1 … 1 to the coefficients of 1, t, t², t³.

@@ -156,6 +156,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--eye", &[NO_NUMBER, NO_TRIPLE, &["0,0,1e10"]]),
     ("--target", &[NO_NUMBER, NO_TRIPLE]),
     ("--field-of-view", &[NO_NUMBER, &["35", "0deg", "-35deg", "171deg", "35um", "nandeg"]]),
+    ("--background", &[NO_NUMBER, NO_TRIPLE, &["-0.1,0,0", "0,0,1.1", "sky"]]),
     ("--base-color", &[NO_NUMBER, NO_TRIPLE, &["-0.1,0,0", "0,0,1.1"]]),
     (
         "--level",

@@ -313,9 +313,9 @@ fn a_lamp_lights_what_is_near_it_and_surroundings_stand_behind_the_mesh() {
         };
         [half(false), half(true)]
     };
-    let [left, right] = halves("sphere:0.1:0.8,0,0.5");
+    let [left, right] = halves("sphere:0.1:0,0.6,0.2");
     assert!(right > 2.0 * left && left > 0.0, "{left}, {right}");
-    let [left, right] = halves("rectangle:0.3x0.1:-0.8,0,0.5:0,0,0");
+    let [left, right] = halves("rectangle:0.3x0.1:0,-0.6,0.2:0,0,0");
     assert!(left > 2.0 * right && right > 0.0, "{left}, {right}");
     let ([weak, _], [strong, _]) = (halves("sphere:0.1:0,0,1,10"), halves("sphere:0.1:0,0,1,20"));
     assert!((strong / weak - 2.0).abs() < 1e-3, "{weak}, {strong}");

@@ -26,8 +26,8 @@ impl Reader {
         }
     }
 
-    /// The level, with a fraction, whose blur is that of the orders and of a spread of variance `variance` \[µm⁻²\] around each frequency: a
-    /// linear mixture of two blurs has the mean of their variances.
+    /// The level, with the place by variance to the next as its fraction, whose blur is that of the orders and of a spread of variance `variance`
+    /// \[µm⁻²\] around each frequency.
     pub fn level(&self, variance: f64) -> f64 {
         let (finest, orders) = (self.header.grid.blur.variance, self.header.orders_blur.variance);
         let ratio = 0.5 * ((orders[0] + variance) / finest[0] + (orders[1] + variance) / finest[1]);
@@ -129,6 +129,11 @@ impl Square {
     /// Point number `i`, row by row.
     pub fn place(&self, i: usize) -> DVec2 {
         self.first + self.step * DVec2::new((i % self.side) as f64, (i / self.side) as f64)
+    }
+
+    /// Halfway between the first point and the last.
+    pub fn middle(&self) -> DVec2 {
+        0.5 * (self.first + self.last())
     }
 
     fn last(&self) -> DVec2 {
