@@ -113,7 +113,7 @@ pub fn clip_from_world(
 }
 
 /// World to the clip space of the depth map of a lamp at `place`, which looks at the middle of a sphere of `radius` around `centre`. The map
-/// holds the sphere, unless the lamp is in or next to it: then what is within [`WIDEST`] of the direction to the middle. `size` and `jitter` as
+/// holds the sphere, unless the lamp is in or next to it: then what is within 75° of the direction to the middle. `size` and `jitter` as
 /// of [`clip_from_world`].
 pub fn clip_from_lamp(place: Vec3, centre: Vec3, radius: f32, size: [u32; 2], jitter: [f64; 2]) -> Mat4 {
     /// A little more than the sphere, so that nothing ends at the edge of the map.

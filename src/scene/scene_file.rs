@@ -46,7 +46,7 @@ pub struct Scene {
     pub prepare: Vec<Step>,
     /// The camera.
     pub camera: Camera,
-    /// The lights, at most [`MAX_LIGHTS`].
+    /// The lights, at most [`most_lights`].
     pub lights: Vec<Light>,
     /// Surroundings that light the scene beside the lights.
     pub environment: Option<Environment>,
