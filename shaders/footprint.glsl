@@ -65,10 +65,12 @@ struct Row {
 
 const float ASIDE = 1.7320508, WEIGHT_ASIDE = 1.0 / 6.0, OFFSET_ASIDE = 0.5, LN_4 = 1.3862944;
 
-// The weight of the coarser of two levels, and the square of the distance at which the finer one is read on either side over the difference of their
-// variances: `between_levels` of src/optics/footprint.rs.
-vec2 between_levels(float s) {
-    return vec2(s * s * (1.6 - 0.6 * s), s * (1.0 - 0.6 * s) / (1.0 + s - 0.6 * s * s));
+const float BEND_OF_ROWS = 0.6;
+
+// The weight of the coarser of two levels, and the variance that is left to where the finer one is read over the difference of their variances:
+// `between_levels` of src/optics/footprint.rs.
+vec2 between_levels(float s, float bend) {
+    return vec2(s * s * (1.0 + bend - bend * s), s * (1.0 - bend * s) / (1.0 + s - bend * s * s));
 }
 
 // For a footprint of which the variance `own` is left to the shorter axis.
@@ -79,7 +81,7 @@ Taps unshared_taps(Ellipse ellipse, float own, Levels levels) {
         taps.aside = ASIDE * sqrt(taps.rest);
         if (levels.next > levels.read) {
             float between = levels.next - levels.read;
-            vec2 parts = between_levels(min(taps.rest / between, 1.0));
+            vec2 parts = between_levels(min(taps.rest / between, 1.0), BEND_OF_ROWS);
             taps.coarser = parts.x;
             taps.aside = sqrt(parts.y * between);
         }

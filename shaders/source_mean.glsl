@@ -7,6 +7,10 @@
 
 layout(constant_id = 10) const bool CUBIC = true; // cubic B-spline, else linear
 layout(constant_id = 11) const int LAYERS = 3;    // four terms each
+// Between two levels: `Polygon` of src/optics/footprint.rs.
+layout(constant_id = 12) const int CORNERS = 4;
+layout(constant_id = 13) const float MIDDLE_SHARE = 0.0;
+layout(constant_id = 14) const float BEND = 0.5;
 
 layout(set = 1, binding = 0, std140) uniform Mean {
     vec2 texels;             // of the finest level
@@ -106,9 +110,8 @@ float mean_power(Pair pair, vec2 f, float q, float level) {
     return held(f) ? q * q * z * z * source.unit * fluctuation(f, z, level) : 0.0;
 }
 
-// The same averaged over a blur of `ratio` times the finest level's variance. Between two levels: the finer one at the corners of a triangle around
-// the frequency, and the coarser one, so that all together have this variance. Across the ray, where no sum over wavelengths blurs, that is a
-// Gaussian within 2 % (relative L2); a mixture of the two levels alone errs by 14 %.
+// The same averaged over a blur of `ratio` times the finest level's variance. Between two levels a polygon of reads around the frequency stands for
+// it: `Polygon` of src/optics/footprint.rs.
 float averaged_power(Pair pair, vec2 toward, float q, float ratio) {
     vec2 f = toward * q;
     float level = min(level_of_ratio(ratio), source.last_level);
@@ -117,14 +120,22 @@ float averaged_power(Pair pair, vec2 toward, float q, float ratio) {
     if (s <= 0.0) {
         return mean_power(pair, f, q, level);
     }
-    vec2 parts = between_levels(s);
-    // The variance along an axis that is left to the corners is half the square of their distance.
-    float left = parts.y * source.finest * exp2(2.0 * level) * 3.0;
-    vec2 along = f * (sqrt(2.0 * left) * inversesqrt(max(dot(f, f), 1e-20)));
-    vec2 across = vec2(-along.y, along.x) * 0.8660254;
-    float finer = mean_power(pair, f + along, q, level) + mean_power(pair, f - 0.5 * along + across, q, level)
-        + mean_power(pair, f - 0.5 * along - across, q, level);
-    return mix(finer / 3.0, mean_power(pair, f, q, level + 1.0), parts.x);
+    vec2 parts = between_levels(s, BEND);
+    // Along each axis, the variance of the corners is half the square of their distance.
+    float left = 3.0 * parts.y * source.finest * exp2(2.0 * level);
+    vec2 corner = f * (sqrt(2.0 * left / (1.0 - MIDDLE_SHARE)) * inversesqrt(max(dot(f, f), 1e-20)));
+    float angle = 2.0 * PI / float(CORNERS);
+    mat2 turn = mat2(cos(angle), sin(angle), -sin(angle), cos(angle));
+    float around = 0.0;
+    for (int k = 0; k < CORNERS; ++k) {
+        around += mean_power(pair, f + corner, q, level);
+        corner = turn * corner;
+    }
+    float finer = around * ((1.0 - MIDDLE_SHARE) / float(CORNERS));
+    if (MIDDLE_SHARE > 0.0) {
+        finer += MIDDLE_SHARE * mean_power(pair, f, q, level);
+    }
+    return mix(finer, mean_power(pair, f, q, level + 1.0), parts.x);
 }
 
 // The comb of wavelengths for |(u, v)| in units of the blur.

@@ -324,9 +324,8 @@ impl Settings {
     }
 
     /// How much more reading between texels may err in a picture than in single directions, relative L2: pixels average it along footprints that are
-    /// long beside what a single reading is blurred by. On the snake, whose footprints are, it is 0.006 times the squared ratio of spacing and
-    /// blur, of 0.046 at single points. On a plate that shows the few orders of a sinusoid and has short footprints, 3.9 times the error of
-    /// directions was 1.35 times the tolerance; on a sphere whose footprints are wide along both axes, four times the tolerance.
+    /// long beside what a single reading is blurred by, and over many orders. On the snake it is 0.006 times the squared ratio of spacing and
+    /// blur, of 0.046 at single points. Where orders are few, the table takes less of it.
     fn over_footprints(&self) -> f64 {
         const LONG: f64 = 2.0;
         const AVERAGED_BY_LONG: f64 = 3.9;
@@ -365,7 +364,8 @@ impl Settings {
             reflectance: Some(&self.shading.reflectance).filter(|r| r.is_spectral()).cloned(),
             wavelengths: self.shading.wavelengths,
             quadrature_error: self.shading.quadrature(),
-            reading_error: READING_SHARE * self.shading.gain() * self.over_footprints() * tolerance,
+            reading_error: READING_SHARE * tolerance,
+            averaging: self.shading.gain() * self.over_footprints(),
             cubic_error: CUBIC_SHARE * tolerance,
             finest: self.finest(),
             side_limit: limits.max_side as usize,

@@ -32,10 +32,9 @@ pub fn bake(
     let orders = reader.header.orders_blur.variance;
     let coherence_blur = BLUE * BLUE * 0.5 * (orders[0] + orders[1]);
     let blur = settings.finest.powi(2) + coherence_blur;
-    let spacing = (blur * settings.reading_error / LINEAR_ERROR).sqrt();
-    let grid = Grid::new(spacing, settings.finest);
     let spectrum = Spectrum::new(&reader, settings);
     let (pieces, cubic_error) = choose_pieces(&reader, &spectrum, settings)?;
+    let grid = choose_grid(&reader, settings, blur, pieces);
     check_room(&grid, pieces, settings)?;
     let sums = Sums::new(&reader, &spectrum, pieces);
     let width = pieces * 3 * CUBIC;
@@ -62,6 +61,24 @@ pub fn bake(
     let header = Header { grid, pieces, unit, specular, coherence_blur, cubic_error, normal_reflectance };
     Ok(ColorTable { header, levels })
 }
+
+/// Texels for a table of `pieces` cubics whose finest level averages over `blur`. The errors of orders are independent, so that what is shown of many errs by less
+/// than a single point, up to [`TableSettings::averaging`] times less. What is shown of few gets more texels, as far as they take no more than
+/// [`ROOM_OF_FEW`].
+fn choose_grid(reader: &Reader, settings: &TableSettings, blur: f64, pieces: usize) -> Grid {
+    let most = settings.averaging.max(1.0);
+    let grid = |averaging: f64| {
+        Grid::new((blur * settings.reading_error * averaging / LINEAR_ERROR).sqrt(), settings.finest)
+    };
+    let own = (reader.effective_orders() / UNAVERAGED).sqrt().clamp(1.0, most);
+    let over_room = grid(own).bytes(pieces) as f64 / ROOM_OF_FEW;
+    grid((own * over_room.max(1.0)).min(most))
+}
+
+/// Orders of which a picture errs as much as a single point does: by pictures of a sinusoid on a compact disc.
+const UNAVERAGED: f64 = 0.4;
+/// Bytes up to which a table grows where orders are few.
+const ROOM_OF_FEW: f64 = 256.0 * 1024.0 * 1024.0;
 
 /// Sums the texels of `rows`, the first of which is row `first`.
 fn bake_rows(sums: &Sums<'_>, grid: &Grid, first: usize, rows: &mut [f32], width: usize) {

@@ -4,7 +4,7 @@
 //! polynomials at all |w|: a matrix product in which neighbouring texels share what they read.
 
 use super::{LARGEST_W, TableSettings};
-use crate::optics::footprint::between_levels;
+use crate::optics::footprint::Polygon;
 use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::MIDDLE;
@@ -14,6 +14,7 @@ use crate::spectra::power::texture::PER_TEXEL;
 use glam::{DVec2, Vec4};
 use rayon::prelude::*;
 use std::f64::consts::PI;
+use std::f64::consts::TAU;
 
 /// Coefficients of a cubic.
 pub const CUBIC: usize = 4;
@@ -178,8 +179,7 @@ impl<'a> Sums<'a> {
     }
 
     /// The coefficients at every frequency of `square`, averaged over a spread of variance `variance` \[µm⁻²\] around each, into `scratch.terms`. Between
-    /// two levels: the finer one at the corners of a triangle around the frequency, and the coarser one, as `averaged_power` of
-    /// `source_mean.glsl` has it.
+    /// two levels a [`Polygon`] of reads stands for it, as in `averaged_power` of `source_mean.glsl`.
     fn read(&self, square: &Square, variance: f64, scratch: &mut Scratch) {
         let Scratch { rows, terms, corner, .. } = scratch;
         let place = self.reader.level(variance);
@@ -188,23 +188,20 @@ impl<'a> Sums<'a> {
             self.reader.read(square, level as usize, rows, terms);
             return;
         }
-        let [coarser, aside] = between_levels(s);
+        const POLYGON: Polygon = Polygon::HEXAGON;
         let finest = self.reader.header.grid.blur.variance;
-        let left = aside * 3.0 * 4f64.powf(level) * 0.5 * (finest[0] + finest[1]);
-        // The variance along an axis is half the square of the corners' distance.
-        let along = square.middle().try_normalize().unwrap_or(DVec2::X) * (2.0 * left).sqrt();
-        let across = along.perp() * 0.75f64.sqrt();
-        let moved = |by: DVec2| Square { first: square.first + by, ..*square };
-        let share = (1.0 - coarser) / 3.0;
-        let parts = [
-            (moved(along), level, share),
-            (moved(-0.5 * along + across), level, share),
-            (moved(-0.5 * along - across), level, share),
-            (*square, level + 1.0, coarser),
-        ];
+        let (coarser, distance) = POLYGON.place(s, 4f64.powf(level) * 0.5 * (finest[0] + finest[1]));
+        let finer = 1.0 - coarser;
+        let first = square.middle().try_normalize().unwrap_or(DVec2::X) * distance;
+        let corners = (0..POLYGON.corners).map(|k| {
+            let by = DVec2::from_angle(TAU * k as f64 / POLYGON.corners as f64).rotate(first);
+            let moved = Square { first: square.first + by, ..*square };
+            (moved, level, finer * (1.0 - POLYGON.middle) / POLYGON.corners as f64)
+        });
+        let middle = [(*square, level, finer * POLYGON.middle), (*square, level + 1.0, coarser)];
         corner.resize(terms.len(), Vec4::ZERO);
         terms.fill(Vec4::ZERO);
-        for (square, level, share) in parts {
+        for (square, level, share) in corners.chain(middle) {
             self.reader.read(&square, level as usize, rows, corner);
             terms.iter_mut().zip(&*corner).for_each(|(sum, part)| *sum += *part * share as f32);
         }

@@ -10,6 +10,7 @@ mod display;
 mod evaluation;
 mod extremes;
 mod faults;
+mod few_orders;
 mod hazards;
 mod interface;
 mod lamps;

@@ -77,6 +77,7 @@ fn table(field: &HeightField) -> Result<ColorTable> {
         wavelengths: None,
         quadrature_error: ERROR,
         reading_error: ERROR,
+        averaging: 1.0,
         cubic_error: ERROR,
         finest: SPREAD,
         side_limit: MOST_TEXELS,

@@ -5,7 +5,7 @@ use super::cost::Cost;
 use super::spectra::numbers;
 use super::{Extent, Summary, reflectance, stages, taps_constants};
 use crate::error::Result;
-use crate::optics::footprint::{Levels, Taps};
+use crate::optics::footprint::{Levels, Polygon, Share, Taps};
 use crate::optics::spectrum::{BLUE, MIDDLE};
 use crate::precompute::kernel::Kernel;
 use crate::render::picture::Directions;
@@ -91,11 +91,18 @@ impl Mean {
     pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
         const CUBIC: u32 = 10;
         const LAYERS: u32 = 11;
+        const CORNERS: u32 = 12;
+        const MIDDLE_SHARE: u32 = 13;
+        const BEND: u32 = 14;
         let header = &self.spectra.header;
         let layers = header.terms.div_ceil(4) as u32;
         let mut constants = taps_constants();
         constants.push(Constant::new(CUBIC, header.grid.kernel == Kernel::Cubic));
         constants.push(Constant::new(LAYERS, layers));
+        let polygon = Polygon::of_tolerance(shading.tolerance);
+        constants.push(Constant::new(CORNERS, polygon.corners as u32));
+        constants.push(Constant::float(MIDDLE_SHARE, polygon.middle as f32));
+        constants.push(Constant::float(BEND, polygon.bend as f32));
         constants.push(reflectance::constant(shading));
         let of = &shading.reflectance;
         let mut bound = BoundSource::new(device, "mean set", &KINDS, stages!("mean"), constants, of)?;
@@ -206,6 +213,7 @@ impl Mean {
         let combs = self.combs(shading);
         let per_wavelength = header.terms.div_ceil(4) * header.grid.kernel.samples().pow(2) as usize;
         let mean = |v: [f64; 2]| 0.5 * (v[0] + v[1]);
+        let between = Polygon::of_tolerance(shading.tolerance).reads();
         let (finest, orders) = (mean(header.grid.blur.variance), mean(header.orders_blur.variance));
         let mut cost = Cost::default();
         for (index, seen) in directions.iter().enumerate() {
@@ -217,7 +225,7 @@ impl Mean {
                 let own = shorter.max(Taps::least_own(&around, coherence));
                 let coarsest = MIDDLE.powi(2) * (finest * 4f64.powi(header.grid.levels as i32 - 1) - orders);
                 let read = coarsest.clamp(0.0, own);
-                let taps = Taps::unshared(&around, own, Levels { read, next: None, blur: coherence });
+                let taps = Taps::new(&around, own, Levels { read, next: None, blur: coherence }, Share::ALL);
                 let direction = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
                 let toward = DVec2::new(direction(0), direction(1));
                 let rays = (finest / (orders + read / MIDDLE.powi(2))).sqrt();
@@ -225,8 +233,8 @@ impl Mean {
                     let nodes = combs.nodes_at((toward + tap.place).length() * rays);
                     let levels = |node: &[f32; 4]| {
                         let ratio = (orders + f64::from(node[3]).powi(2) * own) / finest;
-                        // The corners of a triangle and a coarser level, unless the blur is that of a level.
-                        if level_of_ratio(ratio, header.grid.levels).fract() > 0.0 { 4 } else { 1 }
+                        // One, where the blur is that of a level.
+                        if level_of_ratio(ratio, header.grid.levels).fract() > 0.0 { between } else { 1 }
                     };
                     cost.wavelengths += nodes.len();
                     cost.samples += nodes.iter().map(levels).sum::<usize>() * per_wavelength;
