@@ -4,7 +4,6 @@
 //! Every function is a plain `&str -> Result`, so that it can be an argument's value parser.
 
 use crate::error::{Error, Result};
-use std::fmt;
 
 /// Units of length in micrometres. Both micro signs, U+00B5 and the Greek letter U+03BC, are common.
 const LENGTHS: [(&str, f64); 6] =
@@ -35,39 +34,6 @@ pub const MAX_PIXELS: u32 = 16_384;
 
 /// Largest number of copies or windows along one axis.
 pub const MAX_COUNT: u32 = 10_000;
-
-/// Largest intensity of a light.
-const MAX_INTENSITY: f64 = 1e6;
-
-/// A light from far away: `THETA,PHI[,INTENSITY]`, a point of the sky; `sun:THETA,PHI[,INTENSITY]`, the sun's disc; or
-/// `disc:SIZE:THETA,PHI[,INTENSITY]`, a disc of this angular diameter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FarLight {
-    /// Angle from the surface normal \[degrees\], 0 ≤ theta ≤ 90.
-    pub theta: f64,
-    /// Angle from +x toward +y \[degrees\], −360 ≤ phi ≤ 360.
-    pub phi: f64,
-    /// Relative intensity, above 0; 1 by default.
-    pub intensity: f64,
-    /// Angular diameter of its disc \[degrees\]; 0 for a point.
-    pub size: f64,
-}
-
-/// Mean angular diameter of the sun seen from the earth \[degrees\].
-pub const SUN: f64 = 0.533;
-/// Largest angular diameter of a light \[degrees\]: half of the sky.
-const LARGEST_DISC: f64 = 180.0;
-
-impl fmt::Display for FarLight {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.size == SUN {
-            write!(f, "sun:")?;
-        } else if self.size > 0.0 {
-            write!(f, "disc:{}deg:", self.size)?;
-        }
-        write!(f, "{},{},{}", self.theta, self.phi, self.intensity)
-    }
-}
 
 /// A positive length such as `65um`, `434.7nm`, `0.5mm` or `1µm` \[µm\].
 ///
@@ -101,64 +67,6 @@ pub fn length_pair(text: &str) -> Result<[f64; 2]> {
 /// No number, a missing or unknown unit, a number that is not finite.
 pub fn angle(text: &str) -> Result<f64> {
     with_unit(text, &ANGLES, "30deg")
-}
-
-/// A light `THETA,PHI` or `THETA,PHI,INTENSITY`, angles in plain degrees.
-///
-/// # Errors
-/// Another number of fields, 0 ≤ theta ≤ 90, |phi| ≤ 360 or 0 < intensity ≤ 10⁶ violated.
-pub fn light(text: &str) -> Result<FarLight> {
-    const FORM: &str =
-        "write THETA,PHI or THETA,PHI,INTENSITY in plain degrees, as in 30,90, sun:30,90 or disc:5deg:30,90";
-    let (size, place) = match text.split_once(':') {
-        None => (0.0, text),
-        Some((kind, place)) if kind.trim() == "sun" => (SUN, place),
-        Some((kind, rest)) if kind.trim() == "disc" => {
-            let (size, place) =
-                rest.split_once(':').ok_or_else(|| Error::usage(format!("'{text}' is not a light"), FORM))?;
-            (disc(size, text)?, place)
-        }
-        Some(_) => return Err(Error::usage(format!("'{text}' is not a light"), FORM)),
-    };
-    let fields: Vec<&str> = place.split(',').map(str::trim).collect();
-    let (theta, phi, intensity) = match fields[..] {
-        [theta, phi] => (theta, phi, "1"),
-        [theta, phi, intensity] => (theta, phi, intensity),
-        _ => return Err(Error::usage(format!("'{text}' is not a light"), FORM)),
-    };
-    let number = |field: &str| {
-        number(field)
-            .ok_or_else(|| Error::usage(format!("'{field}' in the light '{text}' is not a number"), FORM))
-    };
-    let light = FarLight { theta: number(theta)?, phi: number(phi)?, intensity: number(intensity)?, size };
-    let refuse = |what: String, remedy: &'static str| {
-        Err(Error::usage(what + &format!(" in the light '{text}'"), remedy))
-    };
-    if !(0.0..=90.0).contains(&light.theta) {
-        return refuse(
-            format!("the angle THETA of {theta} degrees"),
-            "give 0 (straight above) to 90 (grazing)",
-        );
-    }
-    if !(-360.0..=360.0).contains(&light.phi) {
-        return refuse(format!("the angle PHI of {phi} degrees"), "give -360 to 360");
-    }
-    if !(light.intensity > 0.0 && light.intensity <= MAX_INTENSITY) {
-        return refuse(format!("the intensity {intensity}"), "give a number above 0, at most 1000000");
-    }
-    Ok(light)
-}
-
-/// Angular diameter of a light that is a disc, as in `5deg` \[degrees\].
-fn disc(size: &str, light: &str) -> Result<f64> {
-    let degrees = angle(size).map_err(|e| e.at(format!("'{light}'")))?;
-    if degrees > 0.0 && degrees <= LARGEST_DISC {
-        return Ok(degrees);
-    }
-    Err(Error::usage(
-        format!("the size {size} in the light '{light}'"),
-        format!("give a diameter above 0deg, at most {LARGEST_DISC}deg"),
-    ))
 }
 
 /// Three finite numbers such as `0.3,1.7,-2`.
@@ -375,48 +283,6 @@ mod tests {
         assert_eq!(angle("0deg").unwrap(), 0.0);
         for text in ["", "deg", "30um", "infdeg", "1e400deg"] {
             assert!(angle(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn a_light_has_two_or_three_fields_in_range() {
-        assert_eq!(light("30,90").unwrap(), FarLight { theta: 30.0, phi: 90.0, intensity: 1.0, size: 0.0 });
-        assert_eq!(light("sun:30,90").unwrap().size, SUN);
-        let disc = light("disc:5deg:30,90,2").unwrap();
-        assert_eq!(disc, FarLight { theta: 30.0, phi: 90.0, intensity: 2.0, size: 5.0 });
-        assert_eq!(
-            light(" 0 , -180 , 2.5 ").unwrap(),
-            FarLight { theta: 0.0, phi: -180.0, intensity: 2.5, size: 0.0 }
-        );
-        assert!(light("90,360").is_ok());
-        for text in [
-            "",
-            "30",
-            "30,",
-            ",",
-            "1,2,3,4",
-            "91,0",
-            "-1,0",
-            "0,361",
-            "0,0,0",
-            "0,0,-1",
-            "0,0,1e7",
-            "NaN,0",
-            "0,inf",
-            "30deg,0",
-            "0,0,NaN",
-            "sun",
-            "sun:",
-            "sun:30",
-            "moon:30,90",
-            "disc:30,90",
-            "disc:0deg:30,90",
-            "disc:181deg:30,90",
-            "disc:5:30,90",
-            "disc:5deg",
-            ":30,90",
-        ] {
-            assert_eq!(light(text).unwrap_err().exit_code(), 2, "{text}");
         }
     }
 

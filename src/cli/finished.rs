@@ -40,8 +40,7 @@ impl Origin {
         ];
         let pigment = scene.pigment.as_deref().map(Pigment::read).transpose()?;
         let pigment = pigment.map(|pigment| (pigment.size, hash(&pigment.texels)));
-        let shown =
-            (scene.exposure, measured, scene.tone, scene.background, scene.shows_surroundings, scene.shadows);
+        let shown = (scene.exposure, measured, scene.tone, scene.background, scene.shadows);
         // Rust writes numbers so that they are read back exactly.
         let turned = (sequence.motion, sequence.count, first);
         let settings = format!("{:?}", (turned, shown, mesh, pigment, settings));

@@ -14,7 +14,7 @@ use crate::optics::spectrum::Illuminant;
 use crate::precompute::Layers;
 use crate::render::pigment::Pigment;
 use crate::scene::environment::Environment;
-use crate::scene::{Scene, obj};
+use crate::scene::{Background, Light, Scene, obj};
 use crate::spectra::power::{self, PowerSpectra};
 use crate::surface::files::{self, scan::Scan, sidecar::Sidecar};
 use crate::table::{ColorTable, TableReader};
@@ -202,7 +202,8 @@ fn values(bytes: &[u8]) -> Result<()> {
         units::length(text).map(drop),
         units::length_pair(text).map(drop),
         units::angle(text).map(drop),
-        units::light(text).map(drop),
+        Light::parse(text).map(drop),
+        Background::parse(text).map(drop),
         units::triple(text).map(drop),
         units::color(text).map(drop),
         units::counts(text).map(drop),

@@ -30,12 +30,7 @@ impl Accumulation {
     /// # Errors
     /// Where the device has no room.
     pub fn new(device: &Arc<Device>, target: &Target) -> Result<Self> {
-        let binding = Binding {
-            number: 0,
-            kind: vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
-            stages: vk::ShaderStageFlags::FRAGMENT,
-        };
-        let descriptors = Descriptors::new(device, "accumulation set", &[binding])?;
+        let descriptors = Descriptors::new(device, "accumulation set", &[Binding::texture(0)])?;
         let drawing =
             Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth: COVERED };
         let (vertex, fragment) = (shader!("display.vert"), shader!("accumulate.frag"));

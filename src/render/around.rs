@@ -29,12 +29,7 @@ impl AroundPass {
     /// # Errors
     /// Where the device refuses.
     pub fn new(device: &Arc<Device>, frame: &FrameSet) -> Result<Self> {
-        let binding = Binding {
-            number: 0,
-            kind: vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
-            stages: vk::ShaderStageFlags::FRAGMENT,
-        };
-        let sum = Descriptors::new(device, "set of surroundings", &[binding])?;
+        let sum = Descriptors::new(device, "set of surroundings", &[Binding::texture(0)])?;
         let pipeline = |mean: bool| {
             // Where depth is what it was cleared to, nothing covers.
             let depth = (!mean).then_some((vk::CompareOp::EQUAL, false));

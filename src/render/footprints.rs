@@ -10,8 +10,8 @@ use super::source::{ClassicalGrating, Source};
 use crate::error::Result;
 use crate::optics::footprint::FootprintSizes;
 use crate::scene::Mesh;
+use crate::scene::camera::pixel_in_clip;
 use crate::vk::device::Device;
-use glam::DVec3;
 use std::sync::Arc;
 
 /// The semi-axes of the footprints of a frame: singular values of the Jacobian of (u, v), per pixel, over all lights. A pixel filter of
@@ -132,9 +132,8 @@ fn pixel_areas(view: &View, size: [u32; 2], depth: &[f32], to_view: &[[f32; 4]])
         if covered == 0.0 || cosine <= 0.0 {
             return None;
         }
-        let place = [pixel % size[0] as usize, pixel / size[0] as usize];
-        let [x, y] = [0, 1].map(|axis| (place[axis] as f64 + 0.5) / f64::from(size[axis]) * 2.0 - 1.0);
-        let seen = world_from_clip.project_point3(DVec3::new(x, y, (*depth).into())) - eye;
+        let place = pixel_in_clip(pixel, size).extend((*depth).into());
+        let seen = world_from_clip.project_point3(place) - eye;
         // A pixel `side` wide at distance 1 takes the solid angle side² cos³ of the angle from the axis, and the distance from the eye is
         // `along` over that cosine.
         let along = seen.dot(forward);
@@ -148,6 +147,7 @@ fn pixel_areas(view: &View, size: [u32; 2], depth: &[f32], to_view: &[[f32; 4]])
 mod tests {
     use super::*;
     use crate::optics::footprint::Share;
+    use glam::DVec3;
 
     #[test]
     fn semi_axes_are_singular_values() {

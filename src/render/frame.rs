@@ -12,7 +12,9 @@ use crate::optics::coherence::Coherence;
 use crate::optics::color::{self, Tone};
 use crate::scene::environment::Placement;
 use crate::scene::light::most_lights;
-use crate::scene::{Camera, Environment, Incident, Light, MAX_LIGHTS, Room, Scene, Vertex, camera};
+use crate::scene::{
+    Background, Camera, Environment, Incident, Light, MAX_LIGHTS, Room, Scene, Vertex, camera,
+};
 use crate::vk::access::Access;
 use crate::vk::commands::Recorder;
 use crate::vk::descriptors::{Binding, Descriptors};
@@ -55,7 +57,7 @@ impl View {
         let lights = lights.iter().map(|light| light.beyond(coherence, &room)).collect();
         Self {
             environment: scene.environment.clone(),
-            shows_surroundings: scene.shows_surroundings,
+            shows_surroundings: scene.background == Background::Surroundings,
             ..Self::of(scene, lights)
         }
     }
@@ -344,12 +346,7 @@ impl DisplayPass {
     }
 
     fn with(device: &Arc<Device>, format: vk::Format, mean: bool) -> Result<Self> {
-        let binding = Binding {
-            number: 0,
-            kind: vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
-            stages: vk::ShaderStageFlags::FRAGMENT,
-        };
-        let descriptors = Descriptors::new(device, "display set", &[binding])?;
+        let descriptors = Descriptors::new(device, "display set", &[Binding::texture(0)])?;
         let depth = if mean { None } else { COVERED };
         let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[format], depth };
         /// `constant_id` of `display.frag`.
@@ -420,7 +417,7 @@ pub struct Shown {
 impl Shown {
     /// As `scene` says.
     pub fn of(scene: &Scene) -> Self {
-        Self { exposure: scene.exposure, tone: scene.tone, background: scene.background }
+        Self { exposure: scene.exposure, tone: scene.tone, background: scene.background.color() }
     }
 
     /// At `exposure` over `background`, without a tone.

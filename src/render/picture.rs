@@ -350,14 +350,11 @@ impl Painter {
     /// # Errors
     /// Where the device is lost.
     pub fn display_again(&mut self, size: [u32; 2], shown: Shown) -> Result<bool> {
+        self.write_shown()?;
         let target = &self.target;
-        let display = Display {
-            geometry: &self.geometry,
-            target: &self.target,
-            pass: &self.display,
-            around: display::around(self.written.as_ref(), self.around.as_ref()),
-            frame: &self.frame.descriptors,
-        };
+        let frame = &self.frame.descriptors;
+        let (around, written) = (self.around.as_ref(), self.written.as_ref());
+        let display = Display::new((&self.geometry, target), &self.display, around, frame, written);
         let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
         match self.shows {
             Content::Nothing | Content::Part => return Ok(false),
@@ -390,14 +387,9 @@ impl Painter {
     ) -> Result<[f64; 2]> {
         let (geometry, target) = (&self.geometry, &self.target);
         let accumulation = &self.accumulation;
-        let display = Display {
-            geometry: &self.geometry,
-            target: &self.target,
-            pass: &self.display,
-            around: display::around(self.written.as_ref(), self.around.as_ref()),
-            frame: &self.frame.descriptors,
-        };
         let frame = &self.frame.descriptors;
+        let (around, written) = (self.around.as_ref(), self.written.as_ref());
+        let display = Display::new((geometry, target), &self.display, around, frame, written);
         let sets = [frame, &self.source.descriptors];
         let first = tile.iter().all(|range| range.start == 0);
         let last = tile.iter().zip(size).all(|(range, end)| range.end == end);
@@ -541,6 +533,19 @@ impl Painter {
         self.frame.write(&block)?;
         self.written = Some(Written { view: view.clone(), sample: *sample, size });
         Ok(())
+    }
+
+    /// Writes the `Frame` block of what is shown, where that of a picture that was given up took its place.
+    fn write_shown(&mut self) -> Result<()> {
+        let shown = match self.shows {
+            Content::Nothing | Content::Part => None,
+            Content::Sample => self.found.clone(),
+            Content::Mean => self.summed.as_ref().map(samples::Summed::last),
+        };
+        match shown.filter(|shown| self.written.as_ref() != Some(shown)) {
+            Some(Written { view, sample, size }) => self.write(&view, size, &sample),
+            None => Ok(()),
+        }
     }
 }
 

@@ -14,6 +14,7 @@ use crate::optics::geometry::Pair;
 use crate::optics::nufft::{self, Progress};
 use crate::optics::reference::Reference;
 use crate::optics::spectrum::SHORTEST;
+use crate::scene::camera::pixel_in_clip;
 use crate::surface::HeightField;
 use glam::{DVec3, DVec4};
 use std::f64::consts::PI;
@@ -201,9 +202,9 @@ pub fn displayed_of(view: &View, size: [u32; 2], radiance: &[[f32; 4]], shown: S
     let world = view.camera.clip_from_world(size, view.centre, view.radius).as_dmat4().inverse();
     let eye = view.camera.eye().as_dvec3();
     displayed_before(radiance, shown, &|i| {
-        let place = [i % size[0] as usize, i / size[0] as usize];
-        let [x, y] = [0, 1].map(|axis| (place[axis] as f64 + 0.5) / f64::from(size[axis]) * 2.0 - 1.0);
-        let toward = (world.project_point3(DVec3::new(x, y, 0.5)) - eye).normalize();
+        /// Any depth: the ray from the eye is the same.
+        const DEPTH: f64 = 0.5;
+        let toward = (world.project_point3(pixel_in_clip(i, size).extend(DEPTH)) - eye).normalize();
         shown.tone.map(environment.radiance(toward) * shown.exposure.exp2())
     })
 }

@@ -149,30 +149,23 @@ mod tests {
     fn a_map_holds_the_sphere_and_what_is_nearer_to_the_light_has_less_depth() {
         let (direction, centre, radius) = (DVec3::new(0.6, 0.0, 0.8), Vec3::new(3.0, -2.0, 1.0), 2.5);
         let size = [640, 480];
-        let clip = clip_from_world(direction, centre, radius, size, [0.0; 2]);
-        for toward in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::new(-0.6, 0.0, -0.8)] {
-            let place = clip.project_point3(centre + toward * radius);
-            assert!(
-                place.x.abs() <= 1.0 && place.y.abs() <= 1.0 && (0.0..=1.0).contains(&place.z),
-                "{place}"
-            );
-        }
-        let depth = |p: Vec3| clip.project_point3(p).z;
-        assert!(depth(centre + direction.as_vec3()) < depth(centre) && (depth(centre) - 0.5).abs() < 1e-6);
+        let toward = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::new(-0.6, 0.0, -0.8)];
+        let depth = |clip: Mat4, p: Vec3| clip.project_point3(p).z;
+        let far = clip_from_world(direction, centre, radius, size, [0.0; 2]);
         let lamp = centre + direction.as_vec3() * 6.0;
-        let clip = clip_from_lamp(lamp, centre, radius, size, [0.0; 2]);
-        for toward in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::new(-0.6, 0.0, -0.8)] {
-            let place = clip.project_point3(centre + toward * radius);
-            assert!(
-                place.x.abs() <= 1.0 && place.y.abs() <= 1.0 && (0.0..=1.0).contains(&place.z),
-                "{place}"
-            );
+        let near = clip_from_lamp(lamp, centre, radius, size, [0.0; 2]);
+        for clip in [far, near] {
+            for toward in toward {
+                let place = clip.project_point3(centre + toward * radius);
+                let held = place.x.abs() <= 1.0 && place.y.abs() <= 1.0 && (0.0..=1.0).contains(&place.z);
+                assert!(held, "{place}");
+            }
+            assert!(depth(clip, centre + direction.as_vec3()) < depth(clip, centre));
         }
-        let depth = |p: Vec3| clip.project_point3(p).z;
-        assert!(depth(centre + direction.as_vec3()) < depth(centre));
+        assert!((depth(far, centre) - 0.5).abs() < 1e-6);
         // What the shader takes for B of the depth A + B/distance.
-        let reach = (clip * lamp.extend(1.0)).z;
-        let at = |distance: f32| depth(lamp - direction.as_vec3() * distance);
+        let reach = (near * lamp.extend(1.0)).z;
+        let at = |distance: f32| depth(near, lamp - direction.as_vec3() * distance);
         assert!((at(4.0) - at(8.0) - reach * (1.0 / 4.0 - 1.0 / 8.0)).abs() < 1e-5);
         let moved = clip_from_lamp(lamp, centre, radius, size, [1.0, 0.0]).project_point3(centre);
         assert!((moved.x * side(size) as f32 / 2.0 - 1.0).abs() < 1e-3);

@@ -83,10 +83,5 @@ impl WindowPass {
 
 /// A set with two images for the fragment stage.
 pub(super) fn bindings(device: &Arc<Device>) -> Result<Descriptors> {
-    let binding = |number| Binding {
-        number,
-        kind: vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
-        stages: vk::ShaderStageFlags::FRAGMENT,
-    };
-    Descriptors::new(device, "two pictures", &[binding(0), binding(1)])
+    Descriptors::new(device, "two pictures", &[Binding::texture(0), Binding::texture(1)])
 }

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use glam::camera::rh::{proj::vulkan, view::look_at_mat4};
-use glam::{Mat4, Vec3};
+use glam::{DVec2, Mat4, Vec3};
 
 /// A perspective camera that orbits a target. The world's up is +z.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,6 +65,12 @@ impl Camera {
         let projection = vulkan::perspective(self.field_of_view, aspect, near, far * 1.01);
         projection * look_at_mat4(eye, self.target, Vec3::Z)
     }
+}
+
+/// Where in clip space the centre of pixel number `pixel` of a picture of `size` pixels is, row by row from the top.
+pub fn pixel_in_clip(pixel: usize, size: [u32; 2]) -> DVec2 {
+    let place = DVec2::new((pixel % size[0] as usize) as f64, (pixel / size[0] as usize) as f64);
+    (place + 0.5) / DVec2::new(size[0].into(), size[1].into()) * 2.0 - 1.0
 }
 
 /// `clip_from_world` of a picture of `size` pixels, moved so that the centre of each pixel shows what lies `jitter` pixels from

@@ -403,6 +403,31 @@ mod tests {
     }
 
     #[test]
+    fn radiance_over_the_directions_is_the_irradiance_however_it_is_turned() {
+        for name in BUILT_IN {
+            let mut environment = Environment::open(name).unwrap();
+            for rotation in [0.0, 77.0] {
+                environment.placement = Placement { rotation, exposure: 1.0 };
+                for normal in [DVec3::X, DVec3::new(0.6, -0.5, 0.62).normalize()] {
+                    let side = 512;
+                    // Points that are even over the sphere.
+                    let sum: DVec3 = points(side)
+                        .map(|[x, y]| {
+                            let (z, azimuth) = (1.0 - 2.0 * y, TAU * x);
+                            let flat = (1.0 - z * z).sqrt();
+                            let toward = DVec3::new(flat * azimuth.cos(), flat * azimuth.sin(), z);
+                            environment.radiance(toward) * toward.dot(normal).max(0.0)
+                        })
+                        .sum();
+                    let found = sum * (4.0 / f64::from(side * side));
+                    let exact = environment.irradiance(normal);
+                    assert!((found - exact).length() < 0.01 * exact.length(), "{name}: {found} {exact}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn drawn_light_adds_up_to_the_light_of_all_pixels_however_it_is_turned() {
         for name in BUILT_IN {
             let mut environment = Environment::open(name).unwrap();

@@ -1,12 +1,82 @@
 //! Lights that are far away: points and discs of the sky.
 
 use super::incident::{Incident, WIDER, concentric, spread_of};
+use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::optics::geometry::direction;
-pub use crate::units::FarLight;
+use crate::units;
 use glam::Vec3;
+use std::fmt;
+
+/// Largest intensity of a light.
+const MAX_INTENSITY: f64 = 1e6;
+
+/// A light from far away: `THETA,PHI[,INTENSITY]`, a point of the sky; `sun:THETA,PHI[,INTENSITY]`, the sun's disc; or
+/// `disc:SIZE:THETA,PHI[,INTENSITY]`, a disc of this angular diameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FarLight {
+    /// Angle from the surface normal \[degrees\], 0 ≤ theta ≤ 90.
+    pub theta: f64,
+    /// Angle from +x toward +y \[degrees\], −360 ≤ phi ≤ 360.
+    pub phi: f64,
+    /// Relative intensity, above 0; 1 by default.
+    pub intensity: f64,
+    /// Angular diameter of its disc \[degrees\]; 0 for a point.
+    pub size: f64,
+}
+
+/// Mean angular diameter of the sun seen from the earth \[degrees\].
+pub const SUN: f64 = 0.533;
+/// Largest angular diameter of a light \[degrees\]: half of the sky.
+const LARGEST_DISC: f64 = 180.0;
 
 impl FarLight {
+    /// A light `THETA,PHI` or `THETA,PHI,INTENSITY`, angles in plain degrees.
+    ///
+    /// # Errors
+    /// Another number of fields, 0 ≤ theta ≤ 90, |phi| ≤ 360 or 0 < intensity ≤ 10⁶ violated.
+    pub fn parse(text: &str) -> Result<Self> {
+        const FORM: &str = "write THETA,PHI or THETA,PHI,INTENSITY in plain degrees, as in 30,90, sun:30,90 or disc:5deg:30,90";
+        let (size, place) = match text.split_once(':') {
+            None => (0.0, text),
+            Some((kind, place)) if kind.trim() == "sun" => (SUN, place),
+            Some((kind, rest)) if kind.trim() == "disc" => {
+                let (size, place) = rest
+                    .split_once(':')
+                    .ok_or_else(|| Error::usage(format!("'{text}' is not a light"), FORM))?;
+                (disc(size, text)?, place)
+            }
+            Some(_) => return Err(Error::usage(format!("'{text}' is not a light"), FORM)),
+        };
+        let fields: Vec<&str> = place.split(',').map(str::trim).collect();
+        let (theta, phi, intensity) = match fields[..] {
+            [theta, phi] => (theta, phi, "1"),
+            [theta, phi, intensity] => (theta, phi, intensity),
+            _ => return Err(Error::usage(format!("'{text}' is not a light"), FORM)),
+        };
+        let number = |field: &str| {
+            units::number(field)
+                .ok_or_else(|| Error::usage(format!("'{field}' in the light '{text}' is not a number"), FORM))
+        };
+        let light = Self { theta: number(theta)?, phi: number(phi)?, intensity: number(intensity)?, size };
+        let refuse = |what: String, remedy: &'static str| {
+            Err(Error::usage(what + &format!(" in the light '{text}'"), remedy))
+        };
+        if !(0.0..=90.0).contains(&light.theta) {
+            return refuse(
+                format!("the angle THETA of {theta} degrees"),
+                "give 0 (straight above) to 90 (grazing)",
+            );
+        }
+        if !(-360.0..=360.0).contains(&light.phi) {
+            return refuse(format!("the angle PHI of {phi} degrees"), "give -360 to 360");
+        }
+        if !(light.intensity > 0.0 && light.intensity <= MAX_INTENSITY) {
+            return refuse(format!("the intensity {intensity}"), "give a number above 0, at most 1000000");
+        }
+        Ok(light)
+    }
+
     /// The unit vector to the light's centre, `theta` from the world's up (+z), `phi` from +x toward +y. Its intensity is the irradiance
     /// over π: a white diffuse surface that faces a light of intensity 1 has a radiance of 1.
     pub fn direction(&self) -> Vec3 {
@@ -50,17 +120,39 @@ impl FarLight {
     }
 }
 
+impl fmt::Display for FarLight {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.size == SUN {
+            write!(f, "sun:")?;
+        } else if self.size > 0.0 {
+            write!(f, "disc:{}deg:", self.size)?;
+        }
+        write!(f, "{},{},{}", self.theta, self.phi, self.intensity)
+    }
+}
+
+/// Angular diameter of a light that is a disc, as in `5deg` \[degrees\].
+fn disc(size: &str, light: &str) -> Result<f64> {
+    let degrees = units::angle(size).map_err(|e| e.at(format!("'{light}'")))?;
+    if degrees > 0.0 && degrees <= LARGEST_DISC {
+        return Ok(degrees);
+    }
+    Err(Error::usage(
+        format!("the size {size} in the light '{light}'"),
+        format!("give a diameter above 0deg, at most {LARGEST_DISC}deg"),
+    ))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::optics::spectrum::MIDDLE;
-    use crate::units;
     use glam::DVec3;
     use std::f64::consts::PI;
 
     #[test]
     fn samples_of_a_disc_cover_its_solid_angle_evenly() {
-        let light = units::light("disc:40deg:30,70").unwrap();
+        let light = FarLight::parse("disc:40deg:30,70").unwrap();
         let centre = light.direction().as_dvec3();
         let side = 200;
         let place = |i: usize| (i as f64 + 0.5) / f64::from(side);
@@ -89,13 +181,58 @@ mod tests {
 
     #[test]
     fn the_sun_is_no_more_than_what_the_coherence_of_sunlight_holds() {
-        let sun = units::light("sun:30,70").unwrap();
+        let sun = FarLight::parse("sun:30,70").unwrap();
         assert_eq!(sun.beyond(&Coherence::SUNLIGHT).size, 0.0);
         assert_eq!(sun.beyond(&Coherence::Repeats([3, 3])), sun);
-        let disc = units::light("disc:5deg:30,70").unwrap();
+        let disc = FarLight::parse("disc:5deg:30,70").unwrap();
         let left = disc.beyond(&Coherence::SUNLIGHT);
         let held = (MIDDLE / (8f64.sqrt() * PI * 65.0 / 4.0)).powi(2);
         assert!((left.variance() + held - disc.variance()).abs() < 1e-3 * held, "{left:?}");
-        assert_eq!(units::light("30,70").unwrap().beyond(&Coherence::SUNLIGHT).size, 0.0);
+        assert_eq!(FarLight::parse("30,70").unwrap().beyond(&Coherence::SUNLIGHT).size, 0.0);
+    }
+
+    #[test]
+    fn a_light_has_two_or_three_fields_in_range() {
+        assert_eq!(
+            FarLight::parse("30,90").unwrap(),
+            FarLight { theta: 30.0, phi: 90.0, intensity: 1.0, size: 0.0 }
+        );
+        assert_eq!(FarLight::parse("sun:30,90").unwrap().size, SUN);
+        let disc = FarLight::parse("disc:5deg:30,90,2").unwrap();
+        assert_eq!(disc, FarLight { theta: 30.0, phi: 90.0, intensity: 2.0, size: 5.0 });
+        assert_eq!(
+            FarLight::parse(" 0 , -180 , 2.5 ").unwrap(),
+            FarLight { theta: 0.0, phi: -180.0, intensity: 2.5, size: 0.0 }
+        );
+        assert!(FarLight::parse("90,360").is_ok());
+        for text in [
+            "",
+            "30",
+            "30,",
+            ",",
+            "1,2,3,4",
+            "91,0",
+            "-1,0",
+            "0,361",
+            "0,0,0",
+            "0,0,-1",
+            "0,0,1e7",
+            "NaN,0",
+            "0,inf",
+            "30deg,0",
+            "0,0,NaN",
+            "sun",
+            "sun:",
+            "sun:30",
+            "moon:30,90",
+            "disc:30,90",
+            "disc:0deg:30,90",
+            "disc:181deg:30,90",
+            "disc:5:30,90",
+            "disc:5deg",
+            ":30,90",
+        ] {
+            assert_eq!(FarLight::parse(text).unwrap_err().exit_code(), 2, "{text}");
+        }
     }
 }

@@ -103,16 +103,14 @@ impl Lamp {
         }
     }
 
-    /// The lamp in `room`, its strength as a radiance.
-    #[must_use]
-    pub fn in_room(self, room: &Room) -> Self {
-        let radiance = match self.strength {
+    /// Its radiance in `room`, where a light of intensity 1 gives an irradiance of π.
+    pub fn radiance(&self, room: &Room) -> f64 {
+        match self.strength {
             Strength::Radiance(radiance) => radiance,
             Strength::Suited => PI * self.distance(room).powi(2) / self.outline(),
             // Lambert's emitter radiates π per unit of its radiance and of its area.
             Strength::Power(power) => power / (PI * self.surface() * room.unit.powi(2)),
-        };
-        Self { strength: Strength::Radiance(radiance), ..self }
+        }
     }
 
     /// The lamp without the extent that `coherence` holds already, as the middle of `room` sees it; its irradiance stays.
@@ -130,9 +128,9 @@ impl Lamp {
                 Shape::Rectangle { size: size.map(|side| side * left(variance_of_side(side))), faces }
             }
         };
-        let Strength::Radiance(radiance) = self.in_room(room).strength else { return self };
-        let own = Self { shape, ..self };
-        Self { strength: Strength::Radiance(radiance * self.outline() / own.outline()), ..own }
+        let smaller = Self { shape, ..self };
+        let radiance = self.radiance(room) * self.outline() / smaller.outline();
+        Self { strength: Strength::Radiance(radiance), ..smaller }
     }
 
     /// The lamp turned by `degrees` about the vertical through the middle of `room`.
@@ -171,11 +169,10 @@ impl Lamp {
             }
         };
         let place = self.middle + across * at.x + up * at.y;
-        let Strength::Radiance(radiance) = self.in_room(room).strength else { unreachable!() };
         Incident {
             direction: (place - room.centre).try_normalize().unwrap_or(-normal),
             place: Some(Place { point: place, emits }),
-            irradiance: Vec3::splat((radiance * self.outline() / PI) as f32),
+            irradiance: Vec3::splat((self.radiance(room) * self.outline() / PI) as f32),
             variance,
         }
     }
@@ -379,6 +376,7 @@ mod tests {
         };
         let held = spread_of(&Coherence::Gaussian { length: 20.0 }) * lamp.distance(&ROOM).powi(2);
         assert!((variance_of_disc(left) + held - variance_of_disc(whole)).abs() < 1e-9);
-        assert_eq!(lamp.beyond(&Coherence::Repeats([3, 3]), &ROOM), lamp.in_room(&ROOM));
+        let same = Lamp { strength: Strength::Radiance(lamp.radiance(&ROOM)), ..lamp };
+        assert_eq!(lamp.beyond(&Coherence::Repeats([3, 3]), &ROOM), same);
     }
 }

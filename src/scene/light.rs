@@ -5,7 +5,6 @@ use super::incident::Incident;
 use super::lamp::{Lamp, Room};
 use crate::error::Result;
 use crate::optics::coherence::Coherence;
-use crate::units;
 use std::fmt;
 
 /// A light of a scene.
@@ -32,12 +31,12 @@ impl Light {
     /// A lamp, or `THETA,PHI[,INTENSITY]`, a point of the sky, `sun:…` or `disc:SIZE:…`.
     ///
     /// # Errors
-    /// As [`Lamp::parse`] and [`units::light`].
+    /// As [`Lamp::parse`] and [`FarLight::parse`].
     pub fn parse(text: &str) -> Result<Self> {
         if Lamp::is_named_by(text) {
             Lamp::parse(text).map(Self::Lamp)
         } else {
-            units::light(text).map(Self::Far)
+            FarLight::parse(text).map(Self::Far)
         }
     }
 

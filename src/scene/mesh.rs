@@ -47,6 +47,7 @@ pub struct Bounds {
 pub struct Mesh {
     vertices: Vec<Vertex>,
     indices: Vec<u32>,
+    bounds: Bounds,
 }
 
 impl Mesh {
@@ -101,7 +102,7 @@ impl Mesh {
 
     /// A mesh with known frames. The caller guarantees the invariants of [`Mesh`].
     pub(super) fn from_parts(vertices: Vec<Vertex>, indices: Vec<u32>) -> Self {
-        Self { vertices, indices }
+        Self { bounds: Bounds::of(&vertices), vertices, indices }
     }
 
     /// The mesh in another frame: `turn` is a rotation, applied to positions, normals and tangents.
@@ -112,6 +113,7 @@ impl Mesh {
             let [tx, ty, tz] = turn([x, y, z]);
             (v.position, v.normal, v.tangent) = (turn(v.position), turn(v.normal), [tx, ty, tz, w]);
         }
+        self.bounds = Bounds::of(&self.vertices);
         self
     }
 
@@ -132,11 +134,17 @@ impl Mesh {
 
     /// A sphere around everything.
     pub fn bounds(&self) -> Bounds {
-        let points = || self.vertices.iter().map(|v| Vec3::from(v.position));
+        self.bounds
+    }
+}
+
+impl Bounds {
+    fn of(vertices: &[Vertex]) -> Self {
+        let points = || vertices.iter().map(|v| Vec3::from(v.position));
         let low = points().fold(Vec3::INFINITY, Vec3::min);
         let high = points().fold(Vec3::NEG_INFINITY, Vec3::max);
         let centre = (low + high) * 0.5;
-        Bounds { centre, radius: points().map(|p| p.distance(centre)).fold(0.0, f32::max) }
+        Self { centre, radius: points().map(|p| p.distance(centre)).fold(0.0, f32::max) }
     }
 }
 
@@ -171,18 +179,18 @@ fn has_area(triangle: &[Corner; 3]) -> bool {
 /// Merges equal vertices.
 fn weld(corners: impl Iterator<Item = Vertex>) -> Mesh {
     let mut known: HashMap<[u32; 12], u32> = HashMap::new();
-    let mut mesh = Mesh { vertices: Vec::new(), indices: Vec::new() };
+    let (mut vertices, mut indices) = (Vec::new(), Vec::new());
     for mut vertex in corners {
         // −0 and 0 are the same place.
         let floats: &mut [f32; 12] = bytemuck::cast_mut(&mut vertex);
         floats.iter_mut().for_each(|v| *v += 0.0);
         let index = *known.entry(floats.map(f32::to_bits)).or_insert_with(|| {
-            mesh.vertices.push(vertex);
-            (mesh.vertices.len() - 1) as u32
+            vertices.push(vertex);
+            (vertices.len() - 1) as u32
         });
-        mesh.indices.push(index);
+        indices.push(index);
     }
-    mesh
+    Mesh::from_parts(vertices, indices)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The scene: meshes with tangent frames, camera, lights, scene files.
 
+pub mod background;
 pub mod camera;
 pub mod corner;
 pub mod environment;
@@ -16,6 +17,7 @@ pub mod snake;
 
 mod tangents;
 
+pub use background::Background;
 pub use camera::Camera;
 pub use corner::Corner;
 pub use environment::Environment;

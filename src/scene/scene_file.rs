@@ -1,5 +1,6 @@
 //! Scene files: TOML, with the built-in scenes as examples (`assets/scenes`).
 
+use super::background::Background;
 use super::camera::Camera;
 use super::environment::{self, Environment, Placement};
 use super::light::{Light, most_lights};
@@ -11,7 +12,7 @@ use crate::optics::material::Material;
 use crate::optics::reflectance::{Film, Reflectance};
 use crate::surface::prepare::Step;
 use crate::units;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use serde::Deserialize;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -62,10 +63,8 @@ pub struct Scene {
     pub exposure: f64,
     /// What the display makes of highlights.
     pub tone: Tone,
-    /// What is displayed where nothing is covered, linear sRGB.
-    pub background: DVec3,
-    /// Whether the surroundings, where there are any, are displayed there instead.
-    pub shows_surroundings: bool,
+    /// What is displayed where nothing is covered.
+    pub background: Background,
     /// Length of one unit of the scene's coordinates \[m\].
     pub unit: f64,
     /// The files that the scene consists of: its own, those of mesh, surface and pigment.
@@ -92,7 +91,7 @@ struct File {
     exposure: f64,
     #[serde(default)]
     tone: ToneName,
-    #[serde(default = "dark_grey")]
+    #[serde(default)]
     background: Background,
     scale: Option<String>,
     environment: Option<FileEnvironment>,
@@ -178,20 +177,6 @@ fn black() -> Triple<f32> {
     Triple([0.0; 3])
 }
 
-/// Linear sRGB.
-const DARK_GREY: [f64; 3] = [0.01; 3];
-
-fn dark_grey() -> Background {
-    Background::Color(Triple(DARK_GREY))
-}
-
-/// What is behind the mesh: a colour, or `surroundings`.
-#[derive(Clone, Copy)]
-enum Background {
-    Color(Triple<f64>),
-    Surroundings,
-}
-
 impl<'de> Deserialize<'de> for Background {
     fn deserialize<D: serde::Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
         use serde::de::Error;
@@ -200,7 +185,10 @@ impl<'de> Deserialize<'de> for Background {
             toml::Value::String(name) => Err(D::Error::custom(format!(
                 "the background `{name}` is neither a colour nor \"surroundings\""
             ))),
-            color => Triple::deserialize(color).map(Self::Color).map_err(D::Error::custom),
+            color => {
+                let color = Triple::deserialize(color).map_err(D::Error::custom)?;
+                Ok(Self::Color(color.0.into()))
+            }
         }
     }
 }
@@ -267,12 +255,8 @@ impl Scene {
             Error::failed(format!("line {line}: {}", e.message()), "see assets/scenes for whole examples")
         })?;
         let Triple(base_color) = file.base_color;
-        let (background, shows_surroundings) = match file.background {
-            Background::Color(Triple(color)) => (color, false),
-            Background::Surroundings => (DARK_GREY, true),
-        };
-        let numbers = base_color.iter().map(|&c| f64::from(c)).chain(background);
-        if !numbers.clone().all(|c| (0.0..=1.0).contains(&c)) {
+        let background = file.background.color().to_array();
+        if !base_color.map(f64::from).into_iter().chain(background).all(|c| (0.0..=1.0).contains(&c)) {
             return Err(Error::failed("a colour is not within 0 to 1", "give linear sRGB from 0 to 1"));
         }
         if !(-40.0..=40.0).contains(&file.exposure) {
@@ -315,8 +299,7 @@ impl Scene {
             reflectance: reflectance(file.material.as_deref(), file.film.as_deref(), folder)?,
             exposure: file.exposure,
             tone: file.tone.0,
-            background: background.into(),
-            shows_surroundings,
+            background: file.background,
             unit: file.scale.as_deref().map_or(Ok(UNIT), units::length)? * METRES_PER_MICROMETRE,
         })
     }
@@ -418,10 +401,13 @@ mod tests {
     fn a_scene_stands_before_a_colour_or_before_its_surroundings() {
         let plate = BUILT_IN[1].1;
         let scene = |line: &str| Scene::parse(&format!("{line}\n{plate}"), Path::new(""));
-        let shows = |line: &str| scene(line).unwrap().shows_surroundings;
-        assert!(
-            !shows("") && !shows("background = [0.1, 0.2, 0.3]") && shows("background = \"surroundings\"")
+        let background = |line: &str| scene(line).unwrap().background;
+        assert_eq!(background(""), Background::default());
+        assert_eq!(
+            background("background = [0.1, 0.2, 0.3]"),
+            Background::Color(glam::DVec3::new(0.1, 0.2, 0.3))
         );
+        assert_eq!(background("background = \"surroundings\""), Background::Surroundings);
         for wrong in ["background = \"sky\"", "background = 1", "background = [1, 2]"] {
             assert!(scene(wrong).unwrap_err().to_string().contains("line 1"), "{wrong}");
         }

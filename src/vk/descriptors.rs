@@ -23,6 +23,14 @@ pub struct Binding {
     pub stages: vk::ShaderStageFlags,
 }
 
+impl Binding {
+    /// A texture that fragment shaders read.
+    pub const fn texture(number: u32) -> Self {
+        let (kind, stages) = (vk::DescriptorType::COMBINED_IMAGE_SAMPLER, vk::ShaderStageFlags::FRAGMENT);
+        Self { number, kind, stages }
+    }
+}
+
 /// A set, its layout and its pool.
 pub struct Descriptors {
     set: vk::DescriptorSet,

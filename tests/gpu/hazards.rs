@@ -12,7 +12,7 @@ use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
-use diffract::scene::{Light, Scene};
+use diffract::scene::{Environment, Light, Scene};
 use diffract::setup::Method;
 use diffract::surface::synth::Kind;
 use diffract::vk::access::Access;
@@ -159,6 +159,36 @@ fn without_color_source(mut event: Event) -> Event {
         scopes.source = (PipelineStageFlags2::NONE, AccessFlags2::NONE);
     }
     event
+}
+
+#[test]
+fn a_picture_before_its_surroundings_and_under_a_lamp_has_all_its_barriers() {
+    let scene = Scene::open("sphere").unwrap();
+    let lamp = Light::parse("sphere:0.3:2,-1,2").unwrap();
+    let mut view = View::of(&scene, vec![lamp]);
+    view.environment = Some(Environment::open("studio").unwrap());
+    view.shows_surroundings = true;
+    let field = patch(Kind::Bumps, 2.0);
+    with_device(|device| {
+        let source =
+            source(device, &field, &mean(), Method::Table, FootprintSizes { shorter: 1e-2, longer: 1e-2 });
+        let events = recorded(device, || {
+            let mut painter =
+                Painter::new(device, &source, &mean(), &scene.mesh, &Pigment::white(), SIZE, 2).unwrap();
+            painter.cast_shadows().unwrap();
+            painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
+            painter.paint_samples(&view, &Sampling { count: 3, seed: 1 }, SHOWN, &mut |_| Ok(())).unwrap();
+            painter.display_again(SIZE, Shown { exposure: 1.0, ..SHOWN }).unwrap();
+            painter.picture().unwrap();
+        });
+        use Access::{
+            ColorAttachment, DepthAttachment, HostRead, ShaderRead, TransferRead, TransferWrite, VertexRead,
+        };
+        let drawing = [ColorAttachment, DepthAttachment, ShaderRead, VertexRead];
+        assert_clean(&events, &[&drawing[..], &[TransferWrite, TransferRead, HostRead]].concat());
+        let without_source: Vec<Event> = events.iter().cloned().map(without_color_source).collect();
+        assert!(!check(&without_source).is_empty(), "barriers from attachments are not looked at");
+    });
 }
 
 #[test]

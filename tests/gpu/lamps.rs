@@ -14,6 +14,7 @@ use diffract::render::reference_picture::{displayed_of, reference_picture};
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
+use diffract::scene::environment::Placement;
 use diffract::scene::{Camera, Environment, Lamp, Light, Scene};
 use diffract::setup::Method;
 use diffract::surface::synth::Kind;
@@ -199,7 +200,9 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
     use diffract::optics::color::display_over;
     let scene = Scene::open("sphere").unwrap();
     let mut view = View::of(&scene, scene.lights[..1].to_vec());
-    view.environment = Some(Environment::open("studio").unwrap());
+    let mut studio = Environment::open("studio").unwrap();
+    studio.placement = Placement::new(70.0, 0.5).unwrap();
+    view.environment = Some(studio);
     view.shows_surroundings = true;
     let shading = Shading::default();
     let source = Source::ClassicalGrating(ClassicalGrating::default());
@@ -222,6 +225,12 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
             }
             assert!(behind > 4000, "{count} samples: {behind} pixels of the surroundings");
             assert!(apart < expected.len() / 12, "{count} samples: {apart} pixels are others");
+            // A picture of another view that is given up changes nothing of what is shown.
+            let elsewhere = Camera { phi: view.camera.phi + 1.0, ..view.camera };
+            let other = View { camera: elsewhere, ..view.clone() };
+            assert!(painter.draw_while(&other, shown, size, &mut || false).unwrap().is_none());
+            assert!(painter.display_again(size, shown).unwrap());
+            assert!(painter.picture().unwrap() == picture, "another view is behind {count} samples");
             // Before a colour again.
             let plain = View { shows_surroundings: false, ..view.clone() };
             let picture = painter.paint_samples(&plain, &sampling, shown, &mut |_| Ok(())).unwrap();

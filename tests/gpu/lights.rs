@@ -22,7 +22,6 @@ use diffract::scene::{Camera, Corner, Environment, FarLight, Light, Mesh, Scene}
 use diffract::setup::Method;
 use diffract::surface::HeightField;
 use diffract::surface::synth::Kind;
-use diffract::units;
 use diffract::vk::device::Device;
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::PI;
@@ -214,7 +213,7 @@ fn albedo(field: &HeightField, shading: &Shading, theta: f64) -> DVec3 {
 fn a_disc_of_light_is_the_mean_over_its_points() {
     let field = patch(Kind::Blaze, 10.0);
     let shading = shading(16.0, MIRROR);
-    let disc = units::light("disc:12deg:35,180").unwrap();
+    let disc = FarLight::parse("disc:12deg:35,180").unwrap();
     with_device(|device| {
         let scene = plate(0.3, vec![disc.into()], None);
         let samplings = [64, 1024].map(|count| Sampling { count, seed: 5 });

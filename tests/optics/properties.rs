@@ -2,6 +2,7 @@
 
 use diffract::optics::brdf::schlick;
 use diffract::optics::geometry::{Pair, direction};
+use diffract::scene::FarLight;
 use diffract::units;
 use glam::DVec3;
 use proptest::prelude::*;
@@ -86,7 +87,7 @@ proptest! {
             units::length(&text).map(|_| ()).err(),
             units::length_pair(&text).map(|_| ()).err(),
             units::angle(&text).map(|_| ()).err(),
-            units::light(&text).map(|_| ()).err(),
+            FarLight::parse(&text).map(|_| ()).err(),
             units::counts(&text).map(|_| ()).err(),
             units::size(&text).map(|_| ()).err(),
         ];

@@ -59,7 +59,7 @@ pub struct Arguments {
     compare: Option<[Variant; 2]>,
     /// Where the light stands, in degrees from the normal and from +x toward +y; up to four
     #[arg(
-        long, value_name = "THETA,PHI[,INTENSITY]", value_parser = units::light, allow_hyphen_values = true,
+        long, value_name = "THETA,PHI[,INTENSITY]", value_parser = FarLight::parse, allow_hyphen_values = true,
         required = true
     )]
     light: Vec<FarLight>,

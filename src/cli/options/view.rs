@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::optics::color::Tone;
 use crate::scene::environment::{self, Placement};
 use crate::scene::light::most_lights;
-use crate::scene::{Camera, Environment, Light, MAX_LIGHTS, Scene};
+use crate::scene::{Background, Camera, Environment, Light, MAX_LIGHTS, Scene};
 use crate::units;
 use clap::Args;
 use glam::Vec3;
@@ -59,29 +59,6 @@ pub struct ViewOptions {
     pub base_color: Option<[f64; 3]>,
 }
 
-/// What is behind the mesh.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Background {
-    /// A colour, linear sRGB.
-    Color([f64; 3]),
-    /// What surrounds the scene.
-    Surroundings,
-}
-
-impl Background {
-    fn parse(text: &str) -> Result<Self> {
-        if text == "surroundings" {
-            return Ok(Self::Surroundings);
-        }
-        units::color(text).map(Self::Color).map_err(|_| {
-            Error::usage(
-                format!("'{text}' is no background"),
-                "give R,G,B from 0 to 1 each, linear sRGB, as in 0.8,0.2,0.1, or surroundings",
-            )
-        })
-    }
-}
-
 impl ViewOptions {
     /// Changes what the options name in `scene`.
     ///
@@ -99,18 +76,14 @@ impl ViewOptions {
         if let Some(color) = self.base_color {
             scene.base_color = color.map(|c| c as f32).into();
         }
-        match self.background {
-            None => {}
-            Some(Background::Color(color)) => {
-                (scene.background, scene.shows_surroundings) = (color.into(), false);
-            }
-            Some(Background::Surroundings) if scene.environment.is_some() => scene.shows_surroundings = true,
-            Some(Background::Surroundings) => {
+        if let Some(background) = self.background {
+            if background == Background::Surroundings && scene.environment.is_none() {
                 return Err(Error::usage(
                     "there are no surroundings to be the background",
                     "add --environment sky, or give --background a colour",
                 ));
             }
+            scene.background = background;
         }
         let vector = |v: [f64; 3]| Vec3::from(v.map(|x| x as f32));
         if self.eye.is_some() || self.target.is_some() || self.field_of_view.is_some() {

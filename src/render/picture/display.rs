@@ -3,28 +3,35 @@
 use super::Written;
 use crate::render::accumulate::Accumulation;
 use crate::render::around::AroundPass;
-use crate::render::frame::{DisplayPass, Shown};
+use crate::render::frame::{DisplayPass, Shown, View};
 use crate::render::target::{Geometry, Target};
 use crate::vk::commands::Recorder;
 use crate::vk::descriptors::Descriptors;
 
 /// What the display of a picture takes.
 pub(super) struct Display<'a> {
-    pub geometry: &'a Geometry,
-    pub target: &'a Target,
-    pub pass: &'a DisplayPass,
+    geometry: &'a Geometry,
+    target: &'a Target,
+    pass: &'a DisplayPass,
     /// Where the picture shows its surroundings.
-    pub around: Option<&'a AroundPass>,
-    pub frame: &'a Descriptors,
+    around: Option<&'a AroundPass>,
+    frame: &'a Descriptors,
 }
 
-/// The pass that displays the surroundings, where what was written shows them.
-pub(super) fn around<'a>(written: Option<&Written>, pass: Option<&'a AroundPass>) -> Option<&'a AroundPass> {
-    let view = &written?.view;
-    pass.filter(|_| view.shows_surroundings && view.surroundings().is_some())
-}
+impl<'a> Display<'a> {
+    /// Of what was `written`: `around` displays its surroundings, where it shows them.
+    pub fn new(
+        (geometry, target): (&'a Geometry, &'a Target),
+        pass: &'a DisplayPass,
+        around: Option<&'a AroundPass>,
+        frame: &'a Descriptors,
+        written: Option<&Written>,
+    ) -> Self {
+        let shows = |view: &View| view.shows_surroundings && view.surroundings().is_some();
+        let around = around.filter(|_| written.is_some_and(|written| shows(&written.view)));
+        Self { geometry, target, pass, around, frame }
+    }
 
-impl Display<'_> {
     /// Records the display of the one sample that the target holds.
     pub fn sample(&self, record: &Recorder<'_>, shown: Shown) {
         let (geometry, into) = (self.geometry, &self.target.display);

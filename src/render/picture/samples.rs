@@ -1,6 +1,6 @@
 //! Pictures that are the mean of samples, one sample after the other.
 
-use super::{Content, Finish, Painter, Picture};
+use super::{Content, Finish, Painter, Picture, Written};
 use crate::error::Result;
 use crate::render::accumulate::Accumulation;
 use crate::render::frame::{Shown, View};
@@ -14,6 +14,14 @@ pub(super) struct Summed {
     pub size: [u32; 2],
     /// Samples in the sum, from the first on.
     pub samples: u32,
+}
+
+impl Summed {
+    /// The sample that was added last.
+    pub fn last(&self) -> Written {
+        let sample = self.sampling.sample(self.samples.saturating_sub(1));
+        Written { view: self.view.clone(), sample, size: self.size }
+    }
 }
 
 /// What a picture has after a sample was added.

@@ -66,7 +66,7 @@ rows! {
     LENGTH = Row::setting("length", "--coherence gaussian:", "Coherence length on the surface in micrometres. Sunlight: 65 µm.");
     COPIES = Row::setting("copies", "--coherence grating:", "Number of copies of the patch along x and y.");
     INDEX = Row::setting("refractive index", "--ior", "Refractive index of the surface, for how much it reflects. --material names one with its spectrum.");
-    LIGHT = Row::setting("light", "--light", "θ: degrees from up. φ: degrees from +x toward +y. ×: irradiance over π. Of a lamp in the scene: where it stands, and its radiance L or power W. A right drag on the picture moves the first light.");
+    LIGHT = Row::setting("light", "--light", "θ: degrees from up. φ: degrees from +x toward +y. ×: irradiance over π. Of a lamp in the scene: where it stands, its diameter ⌀ or its width and height, its radiance L or power W. A right drag on the picture moves the first light.");
     ADD_LIGHT = Row::setting("add a light", "--light", "Four lights at most, three beside surroundings.");
     ADD_LAMP = Row::setting("add a lamp", "--light sphere:", "A sphere that shines, above the scene. Three lights at most where one is a lamp, two beside surroundings.");
     DEVICE = Row::setting("device", "--device, --present", "The device that draws, and how frames reach the display.");

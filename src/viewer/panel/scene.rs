@@ -6,7 +6,7 @@ use crate::optics::color::Tone;
 use crate::scene::lamp::{Lamp, Shape, Strength};
 use crate::scene::light::most_lights;
 use crate::scene::scene_file::BUILT_IN;
-use crate::scene::{FarLight, Light};
+use crate::scene::{FarLight, Light, Room};
 use crate::viewer::compare::Compare;
 use crate::viewer::model::Model;
 use crate::viewer::settings::ViewSettings;
@@ -57,6 +57,7 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
     section(ui, "Lights", |ui| {
         let around = usize::from(model.loaded.scene.environment.is_some());
         let bounds = model.loaded.scene.mesh.bounds();
+        let room = Room { centre: bounds.centre.as_dvec3(), unit: model.loaded.scene.unit };
         let lights = &mut model.settings.lights;
         let several = lights.len() > 1;
         let mut removed = None;
@@ -65,7 +66,7 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
                 ui.spacing_mut().item_spacing.x = 4.0;
                 match light {
                     Light::Far(light) => angles(ui, light),
-                    Light::Lamp(lamp) => place(ui, lamp, bounds.radius.into()),
+                    Light::Lamp(lamp) => place(ui, lamp, &room, bounds.radius.into()),
                 }
                 if several && ui.small_button("remove").clicked() {
                     removed = Some(index);
@@ -75,7 +76,7 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
         if let Some(index) = removed {
             lights.remove(index);
         }
-        let (centre, radius) = (bounds.centre.as_dvec3(), f64::from(bounds.radius));
+        let radius = f64::from(bounds.radius);
         let far = || {
             let phi = match lights.last() {
                 Some(Light::Far(last)) => (last.phi + 90.0) % 360.0,
@@ -87,7 +88,8 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
         let lamp = || {
             let digits = 10f64.powf(2.0 - radius.log10().floor());
             let round = |x: f64| (x * digits).round() / digits;
-            let middle = (centre + glam::DVec3::new(0.0, -1.0, 1.5) * radius).to_array().map(round).into();
+            let middle =
+                (room.centre + glam::DVec3::new(0.0, -1.0, 1.5) * radius).to_array().map(round).into();
             let shape = Shape::Sphere { diameter: round(0.3 * radius) };
             Light::Lamp(Lamp { shape, middle, strength: Strength::Suited })
         };
@@ -107,21 +109,27 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-fn place(ui: &mut Ui, lamp: &mut Lamp, radius: f64) {
+fn place(ui: &mut Ui, lamp: &mut Lamp, room: &Room, radius: f64) {
     let [x, y, z] = &mut lamp.middle.as_mut();
     for (name, value) in [("x ", x), ("y ", y), ("z ", z)] {
         ui.add(number(value).speed(0.005 * radius).range(-1e6..=1e6).max_decimals(4).prefix(name));
     }
-    match &mut lamp.strength {
-        Strength::Suited => {}
-        Strength::Radiance(radiance) => {
-            let speed = 0.01 * *radiance;
-            ui.add(number(radiance).speed(speed).range(1e-6..=1e12).prefix("L "));
-        }
-        Strength::Power(power) => {
-            let speed = 0.01 * *power;
-            ui.add(number(power).speed(speed).range(1e-6..=1e12).suffix(" W"));
-        }
+    let sizes: &mut [(&str, &mut f64)] = match &mut lamp.shape {
+        Shape::Sphere { diameter } => &mut [("⌀ ", diameter)],
+        Shape::Rectangle { size: [width, height], .. } => &mut [("w ", width), ("h ", height)],
+    };
+    for (name, value) in sizes {
+        ui.add(number(*value).speed(0.002 * radius).range(1e-6..=1e6).max_decimals(4).prefix(*name));
+    }
+    if let Strength::Power(power) = &mut lamp.strength {
+        let speed = 0.01 * *power;
+        ui.add(number(power).speed(speed).range(1e-6..=1e12).suffix(" W"));
+        return;
+    }
+    let mut radiance = lamp.radiance(room);
+    let value = number(&mut radiance).speed(0.01 * lamp.radiance(room)).range(1e-6..=1e12);
+    if ui.add(value.prefix("L ")).changed() {
+        lamp.strength = Strength::Radiance(radiance);
     }
 }
 

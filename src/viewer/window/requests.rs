@@ -129,7 +129,7 @@ impl ViewerWindow {
             moving: false,
             again: false,
             view,
-            shown: Shown { exposure: shown.exposure, tone: shown.tone, background: scene.background },
+            shown: Shown { exposure: shown.exposure, tone: shown.tone, background: scene.background.color() },
             measured: model.measures_exposure && is_own,
             size: model.size,
             compare: if is_own { model.comparison.mode } else { Compare::Alone },

@@ -1,0 +1,49 @@
+//! What is behind the mesh.
+
+use crate::error::{Error, Result};
+use crate::units;
+use glam::DVec3;
+
+/// What is displayed where the mesh does not cover.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Background {
+    /// A colour, linear sRGB from 0 to 1.
+    Color(DVec3),
+    /// What surrounds the scene.
+    Surroundings,
+}
+
+/// Linear sRGB.
+const DARK_GREY: DVec3 = DVec3::splat(0.01);
+
+impl Background {
+    /// `R,G,B`, linear sRGB from 0 to 1 each, or `surroundings`.
+    ///
+    /// # Errors
+    /// Another form, or numbers out of range.
+    pub fn parse(text: &str) -> Result<Self> {
+        if text == "surroundings" {
+            return Ok(Self::Surroundings);
+        }
+        units::color(text).map(|color| Self::Color(color.into())).map_err(|_| {
+            Error::usage(
+                format!("'{text}' is no background"),
+                "give R,G,B from 0 to 1 each, linear sRGB, as in 0.8,0.2,0.1, or surroundings",
+            )
+        })
+    }
+
+    /// The colour, linear sRGB: a dark grey where surroundings are to be shown and there are none.
+    pub fn color(self) -> DVec3 {
+        match self {
+            Self::Color(color) => color,
+            Self::Surroundings => DARK_GREY,
+        }
+    }
+}
+
+impl Default for Background {
+    fn default() -> Self {
+        Self::Color(DARK_GREY)
+    }
+}
