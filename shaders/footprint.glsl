@@ -49,7 +49,7 @@ struct Taps {
     float offset;  // by how many steps the taps of a row are moved
     float spacing; // of the taps, at most [standard deviations of what one averages over]
     float fewest;  // taps on either side, where there are any
-    int rows;      // 1 or 3
+    int rows;      // 1, 3 or 4
 };
 
 // Taps in a line.
@@ -65,7 +65,8 @@ struct Row {
 
 const float ASIDE = 1.7320508, WEIGHT_ASIDE = 1.0 / 6.0, OFFSET_ASIDE = 0.5, LN_4 = 1.3862944;
 
-const float BEND_OF_ROWS = 0.6;
+layout(constant_id = 27) const float MIDDLE_ROW = 0.0;
+layout(constant_id = 28) const float BEND_OF_ROWS = 0.6;
 
 // The weight of the coarser of two levels, and the variance that is left to where the finer one is read over the difference of their variances:
 // `between_levels` of src/optics/footprint.rs.
@@ -83,7 +84,8 @@ Taps unshared_taps(Ellipse ellipse, float own, Levels levels) {
             float between = levels.next - levels.read;
             vec2 parts = between_levels(min(taps.rest / between, 1.0), BEND_OF_ROWS);
             taps.coarser = parts.x;
-            taps.aside = sqrt(parts.y * between);
+            taps.aside = sqrt(parts.y * between / (1.0 - MIDDLE_ROW));
+            taps.rows = MIDDLE_ROW > 0.0 ? 4 : 3;
         }
     }
     return taps;
@@ -108,7 +110,8 @@ Row row_of(Taps taps, int row) {
     float left = taps.longer - read;
     float weight = taps.rows == 1 ? 1.0 : row == 0 ? 1.0 - 2.0 * WEIGHT_ASIDE : WEIGHT_ASIDE;
     if (mixed) {
-        weight = row == 0 ? taps.coarser : 0.5 * (1.0 - taps.coarser);
+        float share = row == 3 ? MIDDLE_ROW : 0.5 * (1.0 - MIDDLE_ROW);
+        weight = row == 0 ? taps.coarser : share * (1.0 - taps.coarser);
         // All rows together have the variance of the longer axis.
         float whole = (taps.longer - taps.coarser * max(taps.longer, taps.levels.next)) / max(1.0 - taps.coarser, 1e-3);
         left = row == 0 ? left : whole - read;
@@ -116,11 +119,13 @@ Row row_of(Taps taps, int row) {
     left = sqrt(max(left, 0.0));
     float tap = sqrt(read + taps.levels.blur);
     float sides = left > ROUND * tap ? max(min(ceil(TAP_REACH * left / (taps.spacing * tap)), MOST_SIDES), taps.fewest) : 0.0;
-    float moved = row == 0 || (mixed && row == 1) ? 0.0 : OFFSET_ASIDE;
+    // Rows beside each other stand half a step apart.
+    bool even = row == 0 || row == 3 || (mixed && taps.rows == 3 && row == 1);
+    float moved = even ? 0.0 : OFFSET_ASIDE;
     float offset = sides > 1.0 ? fract(taps.offset + moved + 0.5) - 0.5 : 0.0;
     // Three taps are those of Gauss and Hermite, too.
     float step = sides > 1.0 ? TAP_REACH / sides : ASIDE;
-    float side = row == 0 ? 0.0 : row == 1 ? 1.0 : -1.0;
+    float side = row == 1 ? 1.0 : row == 2 ? -1.0 : 0.0;
     Row own;
     own.first = sides > 0.0 ? offset - sides : 0.0;
     own.last = own.first + 2.0 * sides + 0.5;

@@ -98,10 +98,10 @@ pub struct Levels {
 }
 
 /// Places in a footprint, whose weighted sum stands for the average over it: a row along the longer axis; or, where what a tap averages over is
-/// narrower than the shorter axis, two rows beside it and one of the next coarser level between them.
+/// narrower than the shorter axis, a row of the next coarser level, one on either side of it, and perhaps one between these.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Taps {
-    rows: [Row; 3],
+    rows: [Row; 4],
     count: usize,
 }
 
@@ -119,12 +119,14 @@ pub struct Tap {
 /// Taps in a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Row {
-    /// Taps on either side of the middle one.
-    sides: usize,
-    /// The longer axis, as long as the standard deviation that is left to the row.
-    along: DVec2,
-    /// Steps from the middle of the row to its middle tap.
-    offset: f64,
+    /// Steps from the middle of the row to its first tap.
+    first: f64,
+    /// Number of taps.
+    count: usize,
+    /// From one tap to the next.
+    step: DVec2,
+    /// The weight of a tap n steps from the middle is exp(−fall n²).
+    fall: f64,
     /// From the middle of the footprint to that of the row.
     aside: DVec2,
     /// Share of the row in the average.
@@ -133,17 +135,42 @@ struct Row {
     coarser: bool,
 }
 
-/// The taps of a sample stand so many standard deviations of what one of them averages over apart, at most. A row of Gaussians h apart is even to
-/// 2 exp(−2π²/h²): 1.4 %. With 3.0, 22 %, crests and troughs cancel on a surface of many orders, and a disc of few orders errs by a relative L2 of
-/// 0.12.
-pub const SPACING: f64 = 2.0;
+/// How closely the taps of a footprint stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TapRule {
+    /// Taps of a row stand so many standard deviations of what one of them averages over apart, at most.
+    pub spacing: f64,
+    /// Between two levels, share of the finer one that is read in the middle; the rest is read on either side.
+    pub middle: f64,
+    /// How the weight of the coarser level bends, for least error.
+    pub bend: f64,
+}
+
+impl TapRule {
+    /// A row of Gaussians h standard deviations apart is even to 2 exp(−2π²/h²), 1.4 %. Rows between two levels err by 0.034 across themselves (relative L2).
+    pub const COARSE: Self = Self { spacing: 2.0, middle: 0.0, bend: 0.6 };
+    /// 0.45 %, and 0.0093, for 1.6 times the taps.
+    pub const FINE: Self = Self { spacing: 1.8, middle: 0.5, bend: -0.12 };
+
+    /// What a relative error of `tolerance` asks for where the light comes from so many orders of equal power.
+    pub fn of(tolerance: f64, orders: f64) -> Self {
+        if is_within(0.034, tolerance, orders) { Self::COARSE } else { Self::FINE }
+    }
+
+    /// The least variance that a tap has to average over, so that [`MOST_SIDES`] suffice.
+    pub fn least_own(&self, around: &Covariance, blur: f64) -> f64 {
+        let [longer, _] = around.axes();
+        (longer * (REACH / (self.spacing * MOST_SIDES as f64)).powi(2) - blur).max(0.0)
+    }
+}
+
 /// Taps reach so many standard deviations of the longer axis: 0.9 % of the average lies beyond.
 pub const REACH: f64 = 2.6;
 /// So many samples of a pixel share the taps of its footprint. Four of sixteen samples that share theirs miss bright orders: relative L2 on the
 /// snake grows by 0.03.
 pub const MOST_SHARED: u32 = 2;
 /// Most taps on either side of a single sample. A longer footprint is read coarser.
-pub const MOST_SIDES: usize = 36;
+pub const MOST_SIDES: usize = 100;
 /// Fewest taps on either side of one of several samples: 1.3 standard deviations apart their weights add up to the same within 1 % wherever they
 /// stand.
 pub const FEWEST_SIDES: usize = 2;
@@ -157,10 +184,6 @@ const ASIDE: f64 = 1.732_050_807_568_877_2;
 const WEIGHT_ASIDE: f64 = 1.0 / 6.0;
 /// The taps of one of two rows beside each other are moved by half a step.
 const OFFSET_ASIDE: f64 = 0.5;
-
-/// Between two levels, the weight of the coarser one in the middle bends so, as a function of the place between them, for least error: with rows of
-/// taps, relative L2 across them is 0.034 at most.
-const BEND_OF_ROWS: f64 = 0.6;
 
 /// Between two levels of variances v and 4 v, a Gaussian whose variance is at the place `s` (0 … 1) between them: the weight of the coarser level in
 /// the middle, and the variance that is left to where the finer one is read around it, over 3 v. The weight is a fit to that of least squares.
@@ -180,16 +203,21 @@ pub struct Polygon {
     pub bend: f64,
 }
 
+/// Whether what errs by `error` for one order takes no more than its share of `tolerance` over so many orders, whose errors are independent.
+fn is_within(error: f64, tolerance: f64, orders: f64) -> bool {
+    const SHARE: f64 = 0.7;
+    error / orders.max(1.0).sqrt() <= SHARE * tolerance
+}
+
 impl Polygon {
     /// Four corners.
     pub const SQUARE: Self = Self { corners: 4, middle: 0.0, bend: 0.5 };
     /// Six corners and the middle.
     pub const HEXAGON: Self = Self { corners: 6, middle: 0.25, bend: 0.0 };
 
-    /// What a relative error of `tolerance` asks for where all light comes from few orders.
-    pub fn of_tolerance(tolerance: f64) -> Self {
-        const FINE: f64 = 1e-2;
-        if tolerance <= FINE { Self::HEXAGON } else { Self::SQUARE }
+    /// What a relative error of `tolerance` asks for where the light comes from so many orders of equal power.
+    pub fn of(tolerance: f64, orders: f64) -> Self {
+        if is_within(0.063, tolerance, orders) { Self::SQUARE } else { Self::HEXAGON }
     }
 
     /// Number of reads of both levels.
@@ -197,41 +225,28 @@ impl Polygon {
         self.corners + usize::from(self.middle > 0.0) + 1
     }
 
-    /// At the place `s` (0 … 1) between a level of the variance `finer` and the next: the weight of the coarser level, and the distance of the corners.
-    pub fn place(&self, s: f64, finer: f64) -> (f64, f64) {
+    /// At the place `s` (0 … 1) between two levels whose variances differ by `difference`: the weight of the coarser level, and the distance of the corners.
+    pub fn place(&self, s: f64, difference: f64) -> (f64, f64) {
         let [coarser, left] = between_levels(s, self.bend);
         // Along each axis, the variance of the corners is half the square of their distance.
-        (coarser, (2.0 * 3.0 * left * finer / (1.0 - self.middle)).sqrt())
+        (coarser, (2.0 * left * difference / (1.0 - self.middle)).sqrt())
     }
 }
 
 impl Taps {
-    /// For the footprint `around`, of which the variance `own` ≥ that of the level that is read is left to the shorter axis.
-    pub fn new(around: &Covariance, own: f64, levels: Levels, share: Share) -> Self {
-        let maker =
-            Maker { around, levels, spacing: SPACING * f64::from(share.count.min(MOST_SHARED)), share };
-        maker.taps(own)
-    }
-
-    /// The least variance that a tap has to average over, so that [`MOST_SIDES`] suffice.
-    pub fn least_own(around: &Covariance, blur: f64) -> f64 {
-        let [longer, _] = around.axes();
-        (longer * (REACH / (SPACING * MOST_SIDES as f64)).powi(2) - blur).max(0.0)
+    /// By `rule` for the footprint `around`, of which the variance `own` ≥ that of the level that is read is left to the shorter axis.
+    pub fn new(rule: TapRule, around: &Covariance, own: f64, levels: Levels, share: Share) -> Self {
+        Maker { rule, around, levels, share }.taps(own)
     }
 
     /// The taps.
     pub fn each(&self) -> impl Iterator<Item = Tap> {
         self.rows.into_iter().take(self.count).flat_map(|row| {
-            let (step, fall) = match row.sides {
-                0 => (0.0, 0.0),
-                1 => (ASIDE, ((1.0 - 2.0 * WEIGHT_ASIDE) / WEIGHT_ASIDE).ln()),
-                sides => (REACH / sides as f64, 0.5 * (REACH / sides as f64).powi(2)),
-            };
-            let places = move || (-(row.sides as i64)..=row.sides as i64).map(move |k| k as f64 + row.offset);
-            let weight = move |n: f64| (-fall * n * n).exp();
+            let places = move || (0..row.count).map(move |k| k as f64 + row.first);
+            let weight = move |n: f64| (-row.fall * n * n).exp();
             let norm: f64 = places().map(weight).sum();
             places().map(move |n| Tap {
-                place: row.along * (step * n) + row.aside,
+                place: row.step * n + row.aside,
                 weight: row.weight * weight(n) / norm,
                 coarser: row.coarser,
             })
@@ -240,15 +255,15 @@ impl Taps {
 
     /// Number of taps.
     pub fn count(&self) -> usize {
-        self.rows.iter().take(self.count).map(|row| 2 * row.sides + 1).sum()
+        self.rows.iter().take(self.count).map(|row| row.count).sum()
     }
 }
 
 /// What all rows of a footprint follow from.
 struct Maker<'a> {
+    rule: TapRule,
     around: &'a Covariance,
     levels: Levels,
-    spacing: f64,
     share: Share,
 }
 
@@ -256,55 +271,73 @@ impl Maker<'_> {
     fn taps(&self, own: f64) -> Taps {
         let Levels { read, next, blur } = self.levels;
         let [longer, _] = self.around.axes();
-        let across = self.around.longer_axis().perp();
         let one = Row { weight: 1.0, ..self.row(longer - read, read, 0.0) };
         let rest = (own - read).max(0.0);
         if rest.sqrt() <= NARROW * (read + blur).sqrt() {
-            return Taps { rows: [one, Row::default(), Row::default()], count: 1 };
+            return Taps { rows: [one, Row::default(), Row::default(), Row::default()], count: 1 };
         }
-        let rows = match next.filter(|next| *next > read) {
-            Some(next) => {
-                let [coarser, aside] = between_levels((rest / (next - read)).min(1.0), BEND_OF_ROWS);
-                let aside = across * (aside * (next - read)).sqrt();
-                // All rows together have the variance of the longer axis.
-                let left = (longer - coarser * longer.max(next)) / (1.0 - coarser).max(1e-3) - read;
-                let middle = Row { weight: coarser, coarser: true, ..self.row(longer - next, next, 0.0) };
-                let beside = |side: f64, moved: f64| Row {
-                    aside: aside * side,
-                    weight: 0.5 * (1.0 - coarser),
-                    ..self.row(left, read, moved)
-                };
-                [middle, beside(1.0, 0.0), beside(-1.0, OFFSET_ASIDE)]
-            }
-            None => {
-                let aside = across * (ASIDE * rest.sqrt());
-                let middle = Row { weight: 1.0 - 2.0 * WEIGHT_ASIDE, ..one };
-                let beside = |side: f64| Row {
-                    aside: aside * side,
-                    weight: WEIGHT_ASIDE,
-                    ..self.row(longer - read, read, OFFSET_ASIDE)
-                };
-                [middle, beside(1.0), beside(-1.0)]
-            }
+        match next.filter(|next| *next > read) {
+            Some(next) => self.between(rest, next),
+            None => self.beyond(rest, one),
+        }
+    }
+
+    /// Rows of two levels.
+    fn between(&self, rest: f64, next: f64) -> Taps {
+        let Levels { read, .. } = self.levels;
+        let TapRule { middle, bend, .. } = self.rule;
+        let [longer, _] = self.around.axes();
+        let [coarser, left] = between_levels((rest / (next - read)).min(1.0), bend);
+        let aside = self.around.longer_axis().perp() * (left * (next - read) / (1.0 - middle)).sqrt();
+        let has_middle = middle > 0.0;
+        // All rows together have the variance of the longer axis.
+        let along = (longer - coarser * longer.max(next)) / (1.0 - coarser).max(1e-3) - read;
+        let finer =
+            |share: f64, moved: f64| Row { weight: share * (1.0 - coarser), ..self.row(along, read, moved) };
+        let beside =
+            |side: f64, moved: f64| Row { aside: aside * side, ..finer(0.5 * (1.0 - middle), moved) };
+        let coarse = Row { weight: coarser, coarser: true, ..self.row(longer - next, next, 0.0) };
+        // Rows beside each other stand half a step apart.
+        let moved = if has_middle { OFFSET_ASIDE } else { 0.0 };
+        let rows = [coarse, beside(1.0, moved), beside(-1.0, OFFSET_ASIDE), finer(middle, 0.0)];
+        Taps { rows, count: if has_middle { 4 } else { 3 } }
+    }
+
+    /// Rows below the coarsest level, beside the row `one`.
+    fn beyond(&self, rest: f64, one: Row) -> Taps {
+        let Levels { read, .. } = self.levels;
+        let [longer, _] = self.around.axes();
+        let aside = self.around.longer_axis().perp() * (ASIDE * rest.sqrt());
+        let middle = Row { weight: 1.0 - 2.0 * WEIGHT_ASIDE, ..one };
+        let beside = |side: f64| Row {
+            aside: aside * side,
+            weight: WEIGHT_ASIDE,
+            ..self.row(longer - read, read, OFFSET_ASIDE)
         };
-        Taps { rows, count: 3 }
+        Taps { rows: [middle, beside(1.0), beside(-1.0), Row::default()], count: 3 }
     }
 
     /// A row to which the variance `left` is left, of taps that average over `read`, moved by `moved` steps.
     fn row(&self, left: f64, read: f64, moved: f64) -> Row {
         let left = left.max(0.0).sqrt();
         let tap = (read + self.levels.blur).sqrt();
-        let mut row = Row { along: self.around.longer_axis() * left, ..Row::default() };
-        if left > ROUND * tap {
-            row.sides = (REACH * left / (self.spacing * tap)).ceil().min(MOST_SIDES as f64) as usize;
-            if self.share.count > 1 {
-                row.sides = row.sides.max(FEWEST_SIDES);
-            }
+        if left <= ROUND * tap {
+            return Row { count: 1, ..Row::default() };
         }
-        if row.sides > 1 {
-            row.offset = (self.share.offset() + moved + 0.5).rem_euclid(1.0) - 0.5;
+        let spacing = self.rule.spacing * f64::from(self.share.count.min(MOST_SHARED));
+        let mut sides = (REACH * left / (spacing * tap)).ceil().min(MOST_SIDES as f64) as usize;
+        if self.share.count > 1 {
+            sides = sides.max(FEWEST_SIDES);
         }
-        row
+        let along = self.around.longer_axis() * left;
+        if sides == 1 {
+            let fall = ((1.0 - 2.0 * WEIGHT_ASIDE) / WEIGHT_ASIDE).ln();
+            return Row { first: -1.0, count: 3, step: along * ASIDE, fall, ..Row::default() };
+        }
+        let (step, offset) =
+            (REACH / sides as f64, (self.share.offset() + moved + 0.5).rem_euclid(1.0) - 0.5);
+        let first = offset - sides as f64;
+        Row { first, count: 2 * sides + 1, step: along * step, fall: 0.5 * step * step, ..Row::default() }
     }
 }
 
@@ -329,7 +362,7 @@ mod tests {
         // Of a Gaussian that ends at 2.6 standard deviations 8 % of the variance are missing.
         let within = 1.0 - 2.0 * REACH * (-0.5 * REACH * REACH).exp() / (2.0 * PI).sqrt() - 0.0093;
         let round = Covariance { uu: 1e-4, uv: 0.0, vv: 1e-4 };
-        for (around, part, count, blur) in [
+        let cases = [
             (LONG, 1.0, 1, 0.0),
             (LONG, 0.3, 1, 0.0),
             // So wide that a row has three taps, and five.
@@ -340,14 +373,17 @@ mod tests {
             (LONG, 1.0, 16, 0.0),
             (LONG, 0.3, 16, 0.0),
             (LONG, 0.5, 64, 0.0),
-        ] {
+        ];
+        let both = cases.into_iter().flat_map(|case| [(TapRule::COARSE, case), (TapRule::FINE, case)]);
+        for (rule, (around, part, count, blur)) in both {
             let [longer, shorter] = around.axes();
             let axis = around.longer_axis();
             let read = part * shorter;
             let (mut mean, mut along, mut across, mut norm) = (DVec2::ZERO, 0.0, 0.0, 0.0);
-            for (index, next) in (0..count).flat_map(|i| [(i, None), (i, Some(4.0 * read + 3.0 * blur))]) {
+            let each = (0..count).flat_map(|i| [(i, None), (i, Some(4.0 * read + 3.0 * blur))]);
+            for (index, next) in each {
                 let levels = Levels { read, next, blur };
-                let taps = Taps::new(&around, shorter, levels, Share { index, count });
+                let taps = Taps::new(rule, &around, shorter, levels, Share { index, count });
                 assert!(taps.count() == taps.each().count());
                 for Tap { place, weight, coarser } in taps.each() {
                     let weight = weight / f64::from(2 * count);
@@ -388,21 +424,29 @@ mod tests {
 
     #[test]
     fn between_two_levels_rows_are_a_gaussian_across_them() {
-        for i in 1..30 {
-            let s = f64::from(i) / 30.0;
-            let [coarser, aside] = between_levels(s, BEND_OF_ROWS);
-            let (variance, d) = (1.0 + 3.0 * s, (3.0 * aside).sqrt());
-            assert!((coarser * 4.0 + (1.0 - coarser) * (1.0 + d * d) - variance).abs() < 1e-12);
-            // A Gaussian in the plane is the product of those of its axes; along the row nothing differs.
-            let product = |sum: f64, x: f64| (-x * x / (2.0 * sum)).exp() / (2.0 * PI * sum).sqrt();
-            let finer = 0.5 * (1.0 - coarser);
-            let parts = [(finer, 1.0, d), (finer, 1.0, -d), (coarser, 4.0, 0.0)];
-            let pairs = parts.iter().flat_map(|p| parts.iter().map(move |q| (p, q)));
-            let own: f64 = pairs.map(|(p, q)| p.0 * q.0 * product(p.1 + q.1, p.2 - q.2)).sum();
-            let mixed: f64 = parts.iter().map(|p| p.0 * product(p.1 + variance, p.2)).sum();
-            let exact = product(2.0 * variance, 0.0);
-            let error = ((own - 2.0 * mixed + exact).max(0.0) / exact).sqrt();
-            assert!(error < 0.035, "{s}: {error}");
+        for (TapRule { middle, bend, .. }, most) in [(TapRule::COARSE, 0.035), (TapRule::FINE, 0.01)] {
+            for i in 1..30 {
+                let s = f64::from(i) / 30.0;
+                let [coarser, left] = between_levels(s, bend);
+                let (variance, d) = (1.0 + 3.0 * s, (3.0 * left / (1.0 - middle)).sqrt());
+                let (beside, finer) = (0.5 * (1.0 - middle), 1.0 - coarser);
+                let parts = [
+                    (finer * beside, 1.0, d),
+                    (finer * beside, 1.0, -d),
+                    (finer * middle, 1.0, 0.0),
+                    (coarser, 4.0, 0.0),
+                ];
+                let own: f64 = parts.iter().map(|p| p.0 * (p.1 + p.2 * p.2)).sum();
+                assert!((own - variance).abs() < 1e-12);
+                // A Gaussian in the plane is the product of those of its axes; along the row nothing differs.
+                let product = |sum: f64, x: f64| (-x * x / (2.0 * sum)).exp() / (2.0 * PI * sum).sqrt();
+                let pairs = parts.iter().flat_map(|p| parts.iter().map(move |q| (p, q)));
+                let own: f64 = pairs.map(|(p, q)| p.0 * q.0 * product(p.1 + q.1, p.2 - q.2)).sum();
+                let mixed: f64 = parts.iter().map(|p| p.0 * product(p.1 + variance, p.2)).sum();
+                let exact = product(2.0 * variance, 0.0);
+                let error = ((own - 2.0 * mixed + exact).max(0.0) / exact).sqrt();
+                assert!(error < most, "{bend} at {s}: {error}");
+            }
         }
     }
 
@@ -411,7 +455,7 @@ mod tests {
         for (polygon, most) in [(Polygon::SQUARE, 0.064), (Polygon::HEXAGON, 0.025)] {
             for i in 1..30 {
                 let s = f64::from(i) / 30.0;
-                let (coarser, distance) = polygon.place(s, 1.0);
+                let (coarser, distance) = polygon.place(s, 3.0);
                 let finer = 1.0 - coarser;
                 let corner = |k: usize| {
                     let place = DVec2::from_angle(2.0 * PI * k as f64 / polygon.corners as f64) * distance;
@@ -441,7 +485,7 @@ mod tests {
     fn three_rows_have_the_fourth_moment_of_a_gaussian() {
         let [_, shorter] = LONG.axes();
         let levels = Levels { read: 0.25 * shorter, next: None, blur: 0.0 };
-        let taps = Taps::new(&LONG, shorter, levels, Share::ALL);
+        let taps = Taps::new(TapRule::COARSE, &LONG, shorter, levels, Share::ALL);
         let across = LONG.longer_axis().perp();
         let moment = |n| taps.each().map(|tap| tap.weight * tap.place.dot(across).powi(n)).sum::<f64>();
         let rest = 0.75 * shorter;
@@ -454,11 +498,13 @@ mod tests {
     fn a_round_footprint_is_one_tap_and_a_very_long_one_is_read_coarser() {
         let at = |read| Levels { read, next: None, blur: 0.0 };
         let round = Covariance { uu: 1e-4, uv: 0.0, vv: 1e-4 };
-        assert_eq!(Taps::new(&round, 1e-4, at(1e-4), Share::ALL).count(), 1);
+        assert_eq!(Taps::new(TapRule::COARSE, &round, 1e-4, at(1e-4), Share::ALL).count(), 1);
         let very_long = Covariance { uu: 1.0, uv: 0.0, vv: 1e-8 };
-        let own = Taps::least_own(&very_long, 0.0);
+        let own = TapRule::COARSE.least_own(&very_long, 0.0);
         assert!(own > 1e-8);
-        assert!(Taps::new(&very_long, own, at(own), Share::ALL).count() <= 2 * MOST_SIDES + 1);
-        assert!(Taps::least_own(&round, 0.0) < 1e-6);
+        assert!(
+            Taps::new(TapRule::COARSE, &very_long, own, at(own), Share::ALL).count() <= 2 * MOST_SIDES + 1
+        );
+        assert!(TapRule::COARSE.least_own(&round, 0.0) < 1e-6);
     }
 }

@@ -58,7 +58,17 @@ pub fn bake(
     progress(side, side)?;
     let specular = Specular::new(&reader.header, settings);
     let normal_reflectance = settings.reflectance.as_ref().map(Reflectance::normal_of_tables);
-    let header = Header { grid, pieces, unit, specular, coherence_blur, cubic_error, normal_reflectance };
+    let effective_orders = reader.header.effective_orders;
+    let header = Header {
+        grid,
+        pieces,
+        unit,
+        specular,
+        coherence_blur,
+        cubic_error,
+        effective_orders,
+        normal_reflectance,
+    };
     Ok(ColorTable { header, levels })
 }
 
@@ -68,15 +78,16 @@ pub fn bake(
 fn choose_grid(reader: &Reader, settings: &TableSettings, blur: f64, pieces: usize) -> Grid {
     let most = settings.averaging.max(1.0);
     let grid = |averaging: f64| {
-        Grid::new((blur * settings.reading_error * averaging / LINEAR_ERROR).sqrt(), settings.finest)
+        let spacing = (blur * settings.reading_error * averaging / LINEAR_ERROR).sqrt();
+        Grid::new(spacing, settings.finest, blur.sqrt())
     };
-    let own = (reader.effective_orders() / UNAVERAGED).sqrt().clamp(1.0, most);
+    let own = (reader.header.effective_orders / UNAVERAGED).sqrt().clamp(1.0, most);
     let over_room = grid(own).bytes(pieces) as f64 / ROOM_OF_FEW;
     grid((own * over_room.max(1.0)).min(most))
 }
 
 /// Orders of which a picture errs as much as a single point does: by pictures of a sinusoid on a compact disc.
-const UNAVERAGED: f64 = 0.4;
+const UNAVERAGED: f64 = 0.6;
 /// Bytes up to which a table grows where orders are few.
 const ROOM_OF_FEW: f64 = 256.0 * 1024.0 * 1024.0;
 

@@ -10,7 +10,7 @@ const LARGEST_SIDE: usize = 1 << 16;
 
 impl Kept for ColorTable {
     /// The version changes whenever the table of the same key would change.
-    const FORMAT: Format = Format { name: "colours", version: 10 };
+    const FORMAT: Format = Format { name: "colours", version: 11 };
     type Header = Header;
 
     fn header(&self) -> Header {
@@ -39,11 +39,20 @@ impl Kept for ColorTable {
 /// Whether `header` is such as this program makes: what follows divides by its numbers, counts with them and makes textures of its sizes.
 /// The check sum finds accidents; it does not know who wrote it.
 fn is_sound(header: &Header) -> bool {
-    let Header { grid, pieces, unit, specular, coherence_blur, cubic_error, normal_reflectance } = header;
+    let Header {
+        grid,
+        pieces,
+        unit,
+        specular,
+        coherence_blur,
+        cubic_error,
+        effective_orders,
+        normal_reflectance,
+    } = header;
     (1..=MOST_LEVELS).contains(&grid.levels)
         && (1..=LARGEST_SIDE).contains(&grid.side)
         && grid.side.is_multiple_of(1 << (grid.levels - 1))
-        && positive(&[grid.extent, grid.growth, *unit, *coherence_blur])
+        && positive(&[grid.extent, grid.growth, *unit, *coherence_blur, *effective_orders])
         && normal_reflectance.is_none_or(|r| r > 0.0 && r <= 1.0)
         && [grid.finest, *cubic_error].into_iter().all(|x| x.is_finite() && x >= 0.0)
         && (1..=MOST_PIECES).contains(pieces)
@@ -80,6 +89,7 @@ mod tests {
             specular,
             coherence_blur: 1e-5,
             cubic_error: 1e-3,
+            effective_orders: 3.0,
             normal_reflectance: Some(0.04),
         };
         let numbers =

@@ -22,21 +22,22 @@ pub struct Grid {
 }
 
 /// Fewest texels along a side of the coarsest level, and most levels.
-const FEWEST: usize = 16;
+const FEWEST: usize = 6;
 pub(super) const MOST_LEVELS: usize = 8;
 /// |(u, v)| is at most 2.
 const REACH: f64 = 2.0;
 
 impl Grid {
-    /// Texels at most `spacing` apart, for averages over standard deviations of (u, v) from `finest` on.
-    pub fn new(spacing: f64, finest: f64) -> Self {
+    /// Texels at most `spacing` apart, for averages over standard deviations of (u, v) from `finest` on. Of all that level 0 averages over, coherence
+    /// included, the standard deviation is `blur`: levels grow by it, so that each reads as well between its texels as level 0.
+    pub fn new(spacing: f64, finest: f64, blur: f64) -> Self {
         let exact = (2.0 * REACH / spacing).ceil() as usize;
         let levels = ((exact / FEWEST).max(1).ilog2() as usize + 1).min(MOST_LEVELS);
         let side = exact.next_multiple_of(1 << (levels - 1)).max(FEWEST);
         // A blur to the next level of at least so many of its own texels leaves nothing that half as many texels cannot hold.
         const LEAST_GROWTH: f64 = 0.75;
         let own = 2.0 * REACH / side as f64;
-        Self { side, levels, extent: REACH, finest, growth: finest.max(LEAST_GROWTH * own) }
+        Self { side, levels, extent: REACH, finest, growth: blur.max(LEAST_GROWTH * own) }
     }
 
     /// Distance between the texels of `level`.

@@ -25,6 +25,7 @@ pub use specular::{BANDS, SPECULAR_SAMPLES, Specular};
 
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
+use crate::spectra::power::texture::EVEN;
 use crate::surface::MAX_SIDE;
 use half::f16;
 use serde::{Deserialize, Serialize};
@@ -103,6 +104,8 @@ pub struct Header {
     pub coherence_blur: f64,
     /// Relative error of the cubics, measured.
     pub cubic_error: f64,
+    /// How many orders share the light: that of the power spectra.
+    pub effective_orders: f64,
     /// Where R depends on the wavelength, the colours hold R over Schlick's form from this mean of it at normal incidence. The form is the larger part of how
     /// R depends on the angle, and belongs to the directions of the pixel and not to those that its footprint averages over.
     pub normal_reflectance: Option<f64>,
@@ -111,7 +114,7 @@ pub struct Header {
 impl ColorTable {
     /// The table of a surface that diffracts nothing.
     pub fn dark() -> Self {
-        let grid = Grid::new(0.25, 0.0);
+        let grid = Grid::new(0.25, 0.0, 0.0);
         let level = |level| vec![f16::ZERO; grid.side_of(level).pow(2) * 3 * sums::CUBIC];
         let specular =
             Specular { variances: vec![1.0; BANDS], weights: vec![vec![[0.0; 3]; SPECULAR_SAMPLES]; BANDS] };
@@ -122,6 +125,7 @@ impl ColorTable {
             specular,
             coherence_blur: 1.0,
             cubic_error: 0.0,
+            effective_orders: EVEN,
             normal_reflectance: None,
         };
         Self { header, levels: (0..grid.levels).map(level).collect() }

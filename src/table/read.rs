@@ -2,7 +2,7 @@
 
 use super::{ColorTable, LARGEST_W, SPECULAR_SAMPLES};
 use crate::optics::brdf::{schlick, schlick_from};
-use crate::optics::footprint::{Covariance, Levels, Share, Tap, Taps};
+use crate::optics::footprint::{Covariance, Levels, Share, Tap, TapRule, Taps};
 use crate::optics::geometry::Pair;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -10,12 +10,18 @@ use std::f64::consts::PI;
 /// Reads one table.
 pub struct TableReader<'a> {
     table: &'a ColorTable,
+    rule: TapRule,
 }
 
 impl<'a> TableReader<'a> {
-    /// For `table`.
+    /// For `table`; averages footprints finely.
     pub fn new(table: &'a ColorTable) -> Self {
-        Self { table }
+        Self::by_rule(table, TapRule::FINE)
+    }
+
+    /// For `table`; averages footprints by `rule`.
+    pub fn by_rule(table: &'a ColorTable, rule: TapRule) -> Self {
+        Self { table, rule }
     }
 
     /// The level to read over `around`, and the taps of one of the samples of the pixel: a level stands for the shorter axis, as far as it
@@ -24,11 +30,11 @@ impl<'a> TableReader<'a> {
         let header = &self.table.header;
         let [_, shorter] = around.axes();
         let grid = &header.grid;
-        let own = shorter.max(grid.finest.powi(2)).max(Taps::least_own(around, header.coherence_blur));
+        let own = shorter.max(grid.finest.powi(2)).max(self.rule.least_own(around, header.coherence_blur));
         let level = grid.level(own) as usize;
         let next = (level + 1 < grid.levels).then(|| grid.variance(level + 1));
         let levels = Levels { read: grid.variance(level), next, blur: header.coherence_blur };
-        (level, Taps::new(around, own, levels, share))
+        (level, Taps::new(self.rule, around, own, levels, share))
     }
 
     /// XYZ of f cos θ_i \[sr⁻¹\] of one pair, averaged over `around`, on a surface whose R is Schlick's for the index `ior`; a table that was

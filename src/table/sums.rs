@@ -190,7 +190,7 @@ impl<'a> Sums<'a> {
         }
         const POLYGON: Polygon = Polygon::HEXAGON;
         let finest = self.reader.header.grid.blur.variance;
-        let (coarser, distance) = POLYGON.place(s, 4f64.powf(level) * 0.5 * (finest[0] + finest[1]));
+        let (coarser, distance) = POLYGON.place(s, 3.0 * 4f64.powf(level) * 0.5 * (finest[0] + finest[1]));
         let finer = 1.0 - coarser;
         let first = square.middle().try_normalize().unwrap_or(DVec2::X) * distance;
         let corners = (0..POLYGON.corners).map(|k| {

@@ -5,7 +5,7 @@ use super::cost::Cost;
 use super::spectra::numbers;
 use super::{Extent, Summary, reflectance, stages, taps_constants};
 use crate::error::Result;
-use crate::optics::footprint::{Levels, Polygon, Share, Taps};
+use crate::optics::footprint::{Levels, Polygon, Share, TapRule, Taps};
 use crate::optics::spectrum::{BLUE, MIDDLE};
 use crate::precompute::kernel::Kernel;
 use crate::render::picture::Directions;
@@ -96,10 +96,10 @@ impl Mean {
         const BEND: u32 = 14;
         let header = &self.spectra.header;
         let layers = header.terms.div_ceil(4) as u32;
-        let mut constants = taps_constants();
+        let mut constants = taps_constants(self.rule(shading));
         constants.push(Constant::new(CUBIC, header.grid.kernel == Kernel::Cubic));
         constants.push(Constant::new(LAYERS, layers));
-        let polygon = Polygon::of_tolerance(shading.tolerance);
+        let polygon = self.polygon(shading);
         constants.push(Constant::new(CORNERS, polygon.corners as u32));
         constants.push(Constant::float(MIDDLE_SHARE, polygon.middle as f32));
         constants.push(Constant::float(BEND, polygon.bend as f32));
@@ -166,6 +166,14 @@ impl Mean {
         )
     }
 
+    fn rule(&self, shading: &Shading) -> TapRule {
+        TapRule::of(shading.tolerance, self.spectra.header.effective_orders)
+    }
+
+    fn polygon(&self, shading: &Shading) -> Polygon {
+        Polygon::of(shading.tolerance, self.spectra.header.effective_orders)
+    }
+
     /// The wavelengths of each |(u, v)| at the blur of the finest level.
     fn combs(&self, shading: &Shading) -> Combs {
         let [x, y] = self.spectra.header.grid.blur.variance;
@@ -213,7 +221,8 @@ impl Mean {
         let combs = self.combs(shading);
         let per_wavelength = header.terms.div_ceil(4) * header.grid.kernel.samples().pow(2) as usize;
         let mean = |v: [f64; 2]| 0.5 * (v[0] + v[1]);
-        let between = Polygon::of_tolerance(shading.tolerance).reads();
+        let between = self.polygon(shading).reads();
+        let rule = self.rule(shading);
         let (finest, orders) = (mean(header.grid.blur.variance), mean(header.orders_blur.variance));
         let mut cost = Cost::default();
         for (index, seen) in directions.iter().enumerate() {
@@ -222,10 +231,11 @@ impl Mean {
                 let around = seen.covariance(i);
                 let [_, shorter] = around.axes();
                 let coherence = BLUE * BLUE * finest;
-                let own = shorter.max(Taps::least_own(&around, coherence));
+                let own = shorter.max(rule.least_own(&around, coherence));
                 let coarsest = MIDDLE.powi(2) * (finest * 4f64.powi(header.grid.levels as i32 - 1) - orders);
                 let read = coarsest.clamp(0.0, own);
-                let taps = Taps::new(&around, own, Levels { read, next: None, blur: coherence }, Share::ALL);
+                let taps =
+                    Taps::new(rule, &around, own, Levels { read, next: None, blur: coherence }, Share::ALL);
                 let direction = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
                 let toward = DVec2::new(direction(0), direction(1));
                 let rays = (finest / (orders + read / MIDDLE.powi(2))).sqrt();

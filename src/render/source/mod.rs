@@ -27,7 +27,7 @@ use super::picture::Directions;
 use super::shading::Shading;
 use crate::error::Result;
 use crate::expansion::Basis;
-use crate::optics::footprint;
+use crate::optics::footprint::{self, TapRule};
 use crate::precompute::Layers;
 use crate::vk::device::Device;
 use crate::vk::pipeline::Constant;
@@ -52,16 +52,18 @@ pub enum Source {
 }
 
 /// The constants of `shaders/footprint.glsl`.
-fn taps_constants() -> Vec<Constant> {
+fn taps_constants(rule: TapRule) -> Vec<Constant> {
     const FIRST: u32 = 20;
     let values = [
-        footprint::SPACING,
+        rule.spacing,
         footprint::REACH,
         footprint::MOST_SIDES as f64,
         footprint::FEWEST_SIDES as f64,
         footprint::ROUND,
         footprint::NARROW,
         footprint::MOST_SHARED.into(),
+        rule.middle,
+        rule.bend,
     ];
     (FIRST..).zip(values).map(|(id, value)| Constant::float(id, value as f32)).collect()
 }
@@ -180,7 +182,7 @@ impl Source {
             Self::Mean(source) => source.cost(shading, directions),
             Self::Window(source) => source.cost(shading, directions),
             Self::Grating(source) => source.cost(shading, directions),
-            Self::Table(source) => source.cost(directions),
+            Self::Table(source) => source.cost(shading, directions),
             Self::Thesis(source) => source.cost(directions),
             Self::ClassicalGrating(_) => Cost::counted(directions, |_| (0, 0)),
         }

@@ -5,6 +5,7 @@ use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
 use super::{Extent, Summary, stages, taps_constants};
 use crate::error::Result;
+use crate::optics::footprint::TapRule;
 use crate::render::picture::Directions;
 use crate::render::shading::Shading;
 use crate::render::upload;
@@ -59,7 +60,7 @@ pub struct TableBlock {
 
 impl Table {
     pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
-        let (constants, of) = (taps_constants(), &shading.reflectance);
+        let (constants, of) = (taps_constants(self.rule(shading)), &shading.reflectance);
         let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), constants, of)?;
         bound.spectral = false;
         bound.reads_footprints = true;
@@ -127,9 +128,13 @@ impl Table {
         }
     }
 
+    fn rule(&self, shading: &Shading) -> TapRule {
+        TapRule::of(shading.tolerance, self.table.header.effective_orders)
+    }
+
     /// Samples along the footprints of `directions`.
-    pub(super) fn cost(&self, directions: &[Directions]) -> Cost {
-        let reader = TableReader::new(&self.table);
+    pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
+        let reader = TableReader::by_rule(&self.table, self.rule(shading));
         let mut cost = Cost::default();
         for (index, seen) in directions.iter().enumerate() {
             for i in (0..seen.view.len()).filter(|&i| seen.view[i][3] != 0.0) {

@@ -9,7 +9,7 @@ const LARGEST_SIDE: usize = 1 << 16;
 
 impl Kept for PowerSpectra {
     /// The version changes whenever the power spectra of the same key would change.
-    const FORMAT: Format = Format { name: "spectra", version: 2 };
+    const FORMAT: Format = Format { name: "spectra", version: 3 };
     type Header = Header;
 
     fn header(&self) -> Header {
@@ -36,8 +36,19 @@ impl Kept for PowerSpectra {
 /// Whether `header` is such as this program makes: what follows divides by its numbers, counts with them and makes textures of its sizes.
 /// The check sum finds accidents; it does not know who wrote it.
 fn is_sound(header: &Header) -> bool {
-    let Header { grid, terms, z_max, unit, specular, sigma, orders_blur, band, series_error, reading_error } =
-        header;
+    let Header {
+        grid,
+        terms,
+        z_max,
+        unit,
+        specular,
+        sigma,
+        orders_blur,
+        band,
+        series_error,
+        reading_error,
+        effective_orders,
+    } = header;
     (1..=MOST_LEVELS).contains(&grid.levels)
         && grid
             .size
@@ -48,7 +59,7 @@ fn is_sound(header: &Header) -> bool {
         && specular.len() == *terms
         && specular.iter().all(|x| x.is_finite())
         && positive(&[grid.range, grid.blur.variance, orders_blur.variance, *band].concat())
-        && positive(&[*z_max, *unit, *sigma])
+        && positive(&[*z_max, *unit, *sigma, *effective_orders])
         && [series_error, reading_error].into_iter().all(|x| x.is_finite() && *x >= 0.0)
 }
 

@@ -88,6 +88,8 @@ pub struct Header {
     pub series_error: f64,
     /// Relative error of reading between texels, from the kernel's transform.
     pub reading_error: f64,
+    /// How many orders share the light: [`texture::effective_orders`].
+    pub effective_orders: f64,
 }
 
 /// Fewest terms: one texel.
@@ -100,7 +102,7 @@ const AUDITED: [f64; 4] = [0.03, 0.35, 0.7, 0.997];
 const JUDGED_SHARE: f64 = 0.1;
 /// Levels that a texture has at most, and fewest texels along a side of the coarsest.
 pub(super) const MOST_LEVELS: usize = 8;
-const FEWEST_TEXELS: usize = 16;
+const FEWEST_TEXELS: usize = 8;
 
 /// Makes the power spectra of `field`.
 ///
@@ -134,6 +136,7 @@ pub fn power_spectra(
         }
         let (levels, unit) = texture::levels(&orders, &series, &grid);
         progress(terms, terms)?;
+        let effective_orders = texture::effective_orders(&levels[0], &grid, z_max);
         let header = Header {
             grid,
             terms,
@@ -145,6 +148,7 @@ pub fn power_spectra(
             band: [0.5 / dx, 0.5 / dy],
             series_error,
             reading_error,
+            effective_orders,
         };
         return Ok(PowerSpectra { header, levels });
     }

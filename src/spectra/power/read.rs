@@ -3,7 +3,6 @@
 use super::make::{Header, PowerSpectra};
 use super::texture::{PER_TEXEL, interleaved};
 use glam::{DVec2, Vec4};
-use std::f64::consts::PI;
 
 /// Power spectra in the layout that a processor reads fast.
 pub struct Reader {
@@ -25,20 +24,6 @@ impl Reader {
             header: spectra.header.clone(),
             levels: spectra.levels.iter().enumerate().map(level).collect(),
         }
-    }
-
-    /// How many orders of equal power a picture would see as evenly lit: (∫p)²/∫p² of the mean power p over z at the finest level, over that of a single
-    /// order there (the participation ratio). At least about 1; infinite where there is none.
-    pub fn effective_orders(&self) -> f64 {
-        let (grid, layers) = (&self.header.grid, self.header.terms / PER_TEXEL);
-        let texel: f64 = (0..2).map(|axis| grid.range[axis] / grid.size_of(0)[axis] as f64).product();
-        let one = 4.0 * PI * grid.blur.variance.map(f64::sqrt).into_iter().product::<f64>();
-        let (sum, squares) = self.levels[0]
-            .iter()
-            .step_by(layers)
-            .map(|terms| f64::from(terms.x))
-            .fold((0.0, 0.0), |(sum, squares), p| (sum + p, squares + p * p));
-        if squares > 0.0 { sum * sum / squares * texel / one } else { f64::INFINITY }
     }
 
     /// The level, with the place by variance to the next as its fraction, whose blur is that of the orders and of a spread of variance `variance`

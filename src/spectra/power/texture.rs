@@ -1,7 +1,9 @@
 //! The blurred powers on a regular grid of frequencies, in levels of growing blur, as shaders read them.
 
 use super::Blur;
+use super::chebyshev::polynomials;
 use super::orders::OrderGrid;
+use crate::optics::spectrum::MIDDLE;
 use crate::precompute::kernel::Kernel;
 use half::f16;
 use half::slice::HalfFloatSliceExt;
@@ -167,6 +169,32 @@ fn transform(values: &mut [Complex64], [columns, rows]: [usize; 2], inverse: boo
         }
     });
 }
+
+/// How many orders of equal power would light a picture as evenly: (∫p)²/∫p² of the power p at the finest level, over that of a single order there (the
+/// participation ratio). At least about 1, and [`EVEN`] where there is no light. `finest` holds series over 0 … `z_max`; p is that of light of the middle of the
+/// spectrum in a usual direction.
+pub fn effective_orders(finest: &[f16], grid: &FrequencyGrid, z_max: f64) -> f64 {
+    /// |w| where both directions are 30 degrees off the normal.
+    const USUAL_W: f64 = 1.7;
+    let texels: usize = grid.size_of(0).into_iter().product();
+    let area: f64 = (0..2).map(|axis| grid.range[axis] / grid.size_of(0)[axis] as f64).product();
+    let one = 4.0 * PI * grid.blur.variance.map(f64::sqrt).into_iter().product::<f64>();
+    let layer = texels * PER_TEXEL;
+    let mut factors = vec![0.0; finest.len() / texels];
+    polynomials((4.0 * PI * USUAL_W / (MIDDLE * z_max) - 1.0).min(1.0), &mut factors);
+    let power = |texel: usize| -> f64 {
+        let term = |(k, factor): (usize, &f64)| {
+            factor * finest[k / PER_TEXEL * layer + texel * PER_TEXEL + k % PER_TEXEL].to_f64()
+        };
+        factors.iter().enumerate().map(term).sum::<f64>().max(0.0)
+    };
+    let add = |(sum, squares): (f64, f64), p: f64| (sum + p, squares + p * p);
+    let (sum, squares) = (0..texels).map(power).fold((0.0, 0.0), add);
+    if squares > 0.0 { (sum * sum / squares * area / one).min(EVEN) } else { EVEN }
+}
+
+/// More orders than any picture tells apart.
+pub const EVEN: f64 = 1e6;
 
 /// One level as 32-bit floats, [row][column][layer][term of the layer]: the layout that the CPU reads.
 pub fn interleaved(level: &[f16], texels: usize) -> Vec<[f32; PER_TEXEL]> {
