@@ -2,6 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 // Answers queries of directions from the source that frames shade with. The Rust side is src/render/evaluator.rs.
 #include "brdf.glsl"
+#include "part.glsl"
+layout(push_constant) uniform Eval { Part part; uint count; };
 #include "reads.glsl"
 #include "source.glsl"
 
@@ -15,16 +17,18 @@ struct Query {
 layout(set = 0, binding = 0, std430) readonly buffer Queries { Query queries[]; };
 layout(set = 0, binding = 1, std430) writeonly buffer Answers { vec4 answers[]; }; // f cos(theta_i): value or XYZ
 
-layout(push_constant) uniform Count { uint count; } total;
-
 void main() {
     uint i = gl_GlobalInvocationID.x;
-    if (i >= total.count) {
+    if (i >= count) {
         return;
     }
     Query query = queries[i];
     Pair pair = pair_of(query.light.xyz, query.view.xyz, source.normal_reflectance);
-    vec4 answer = query.light.w > 0.0 ? vec4(source_spectral(pair, query.light.w))
-                                      : vec4(source_xyz(pair, POINT) + source_specular(pair, POINT), 0.0);
+    vec4 answer = vec4(0.0);
+    if (query.light.w == 0.0) {
+        answer = vec4(source_xyz(pair, POINT) + source_specular(pair, POINT), 0.0);
+    } else if (part.first == 0) {
+        answer = vec4(source_spectral(pair, query.light.w));
+    }
     answers[i] = pair.factor > 0.0 ? answer : vec4(0.0);
 }

@@ -4,6 +4,8 @@
 #include "frame.glsl"
 #include "brdf.glsl"
 #include "reads.glsl"
+#include "part.glsl"
+const Part part = Part(0, 1);
 #include "source_window.glsl"
 
 layout(local_size_x = 1) in;

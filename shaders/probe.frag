@@ -3,6 +3,8 @@
 // Reads the source's texture as fast as the device can, with no more arithmetic than it takes to keep the compiler from leaving a read
 // out.
 #include "brdf.glsl"
+#include "part.glsl"
+const Part part = Part(0, 1);
 #include "reads.glsl"
 #include "source.glsl"
 

@@ -3,6 +3,8 @@
 // Shades a pixel: for each light what the source says that the surface diffracts, and the pigment below what it reflects.
 #include "frame.glsl"
 #include "brdf.glsl"
+#include "part.glsl"
+layout(push_constant) uniform Shade { Part part; };
 #include "reads.glsl"
 #include "source.glsl"
 #include "color.glsl"
@@ -43,7 +45,7 @@ void main() {
         }
         diffracted = LINEAR_SRGB_FROM_XYZ * diffracted;
         float kept = OWN_REFLECTANCE ? schlick(NORMAL_OF_PIGMENT, pair.cos_half) : pair.reflectance;
-        vec3 pigmented = albedo * ((1.0 - kept) * to_light.z / PI);
+        vec3 pigmented = part.first == 0 ? albedo * ((1.0 - kept) * to_light.z / PI) : vec3(0.0);
         // Below the horizon there is neither.
         sum += pair.factor > 0.0 ? (diffracted + pigmented) * (frame.irradiances[i].rgb * (PI * falloff[i])) : vec3(0.0);
     }
@@ -52,5 +54,5 @@ void main() {
         Pair pair = pair_of(vec3(-to_view.xy, to_view.z), to_view, source.normal_reflectance);
         sum += LINEAR_SRGB_FROM_XYZ * source_mirrored(pair) * mirrored_of(LIGHTS, pixel) / to_view.z;
     }
-    radiance = vec4(sum, 1.0);
+    radiance = vec4(sum, part.first == 0 ? 1.0 : 0.0);
 }

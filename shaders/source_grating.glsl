@@ -16,7 +16,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     float largest = largest_wavenumber(pair);
     vec3 xyz = vec3(0.0);
     ivec2 ends = seen_orders(s);
-    for (int number = ends.x; number < ends.y; ++number) {
+    for (int number = ends.x + part.first; number < ends.y; number += part.step) {
         vec2 order = order_at(s, number);
         float wavenumber = order.x;
         if (wavenumber > largest) {

@@ -1,6 +1,7 @@
 // Sums wavelengths over power spectra: the mean over coherence areas. A texel holds four terms of a Chebyshev series in z = k|w| of
 // the powers of the orders over z^2, blurred by the coherence of the light; coarser levels have twice the blur each.
 // The CPU twin is src/spectra/power/read.rs; the Rust side is src/render/source/mean.rs.
+#extension GL_EXT_control_flow_attributes : require
 #include "footprint.glsl"
 #define REFLECTANCE_BINDING 5
 #include "reflectance.glsl"
@@ -71,7 +72,7 @@ float fluctuation(vec2 f, float z, float level) {
         share = vec2(sx.z, sy.z);
     }
     float sum = 0.0;
-    for (int layer = 0; layer < LAYERS; ++layer) {
+    [[unroll]] for (int layer = 0; layer < LAYERS; ++layer) {
         vec4 value = textureLod(powers, vec3(near, layer), level);
         if (CUBIC) {
             vec4 right = textureLod(powers, vec3(far.x, near.y, layer), level);
@@ -127,7 +128,7 @@ float averaged_power(Pair pair, vec2 toward, float q, float ratio) {
     float angle = 2.0 * PI / float(CORNERS);
     mat2 turn = mat2(cos(angle), sin(angle), -sin(angle), cos(angle));
     float around = 0.0;
-    for (int k = 0; k < CORNERS; ++k) {
+    [[unroll]] for (int k = 0; k < CORNERS; ++k) {
         around += mean_power(pair, f + corner, q, level);
         corner = turn * corner;
     }
@@ -152,7 +153,7 @@ float rays_of(float own) {
 vec3 colour_at(Pair pair, vec2 toward, float rays, float own) {
     ivec2 comb = comb_of(length(toward) * rays);
     vec3 colour = vec3(0.0);
-    for (int j = 0; j < comb.y; ++j) {
+    for (int j = part.first; j < comb.y; j += part.step) {
         vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
         float q = node.w;
         float ratio = source.orders + q * q * own / source.finest;
@@ -195,7 +196,7 @@ vec3 source_specular(Pair pair, Footprint footprint) {
     float own = max(ellipse.shorter, least_own(ellipse, source.blur));
     ivec2 comb = comb_of(pair.uv * rays_of(own));
     vec3 sum = vec3(0.0);
-    for (int j = 0; j < comb.y; ++j) {
+    for (int j = part.first; j < comb.y; j += part.step) {
         vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
         sum += node.rgb * reflectance_at(pair, node.w) * specular_density(pair, node.w, c);
     }
@@ -206,7 +207,7 @@ vec3 source_specular(Pair pair, Footprint footprint) {
 vec3 source_mirrored(Pair pair) {
     ivec2 comb = comb_of(0.0);
     vec3 sum = vec3(0.0);
-    for (int j = 0; j < comb.y; ++j) {
+    for (int j = part.first; j < comb.y; j += part.step) {
         vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
         sum += node.rgb * reflectance_at(pair, node.w) * specular_power(pair, node.w);
     }

@@ -75,7 +75,7 @@ float largest_wavenumber(Pair pair) {
 vec3 source_xyz(Pair pair, Footprint footprint) {
     float largest = largest_wavenumber(pair);
     vec3 xyz = vec3(0.0);
-    for (int node = 0; node < source.wavelengths; ++node) {
+    for (int node = part.first; node < source.wavelengths; node += part.step) {
         vec4 weight_and_wavenumber = texelFetch(nodes, ivec2(node, 0), 0);
         float wavenumber = weight_and_wavenumber.w;
         if (wavenumber > largest) {

@@ -15,7 +15,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     float largest = largest_wavenumber(pair);
     vec3 xyz = vec3(0.0);
     ivec2 comb = combs[min(int(pair.uv * (0.5 * float(UV_BINS))), UV_BINS - 1)];
-    for (int node = 0; node < comb.y; ++node) {
+    for (int node = part.first; node < comb.y; node += part.step) {
         vec4 weight_and_wavenumber = texelFetch(nodes, ivec2(node, comb.x), 0);
         float wavenumber = weight_and_wavenumber.w;
         if (wavenumber > largest) {

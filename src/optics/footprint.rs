@@ -171,6 +171,8 @@ pub const REACH: f64 = 2.6;
 pub const MOST_SHARED: u32 = 2;
 /// Most taps on either side of a single sample. A longer footprint is read coarser.
 pub const MOST_SIDES: usize = 100;
+/// Most taps of a footprint whose samples do not share them: three rows.
+pub const MOST_TAPS: usize = 3 * (2 * MOST_SIDES + 1);
 /// Fewest taps on either side of one of several samples: 1.3 standard deviations apart their weights add up to the same within 1 % wherever they
 /// stand.
 pub const FEWEST_SIDES: usize = 2;

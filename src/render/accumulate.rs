@@ -35,7 +35,7 @@ impl Accumulation {
             Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth: COVERED };
         let (vertex, fragment) = (shader!("display.vert"), shader!("accumulate.frag"));
         let own = Self {
-            pipeline: Pipeline::adding(device, vertex, fragment, &drawing, &[&descriptors])?,
+            pipeline: Pipeline::adding(device, vertex, fragment, &drawing, &[&descriptors], 0)?,
             descriptors,
             display: DisplayPass::of_mean(device, target::DISPLAY)?,
             sum: sum(device, target.size())?,

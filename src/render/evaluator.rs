@@ -1,6 +1,7 @@
 //! Answers to single directions, from the same source that frames shade from.
 
 use super::shading::Shading;
+use super::source::part::Part;
 use super::source::{BoundSource, Source};
 use crate::error::{Error, Result};
 use crate::optics::geometry::Pair;
@@ -38,6 +39,14 @@ struct QueryBlock {
     light: [f32; 4],
     /// To the viewer; w unused.
     view: [f32; 4],
+}
+
+/// Push constants of `eval.comp`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+struct Count {
+    part: Part,
+    queries: u32,
 }
 
 /// Binding numbers of set 0.
@@ -120,7 +129,7 @@ impl Asker {
         let descriptors = queries_and_answers(device, &queries, &answers)?;
         let code = source.eval().with(source.constants());
         let sets = [&descriptors, &source.descriptors];
-        let pipeline = Pipeline::compute(device, code, &sets, size_of::<u32>() as u32)?;
+        let pipeline = Pipeline::compute(device, code, &sets, size_of::<Count>() as u32)?;
         let commands = Commands::new(device, "evaluation")?;
         Ok(Self { commands, pipeline, descriptors, queries, answers })
     }
@@ -142,19 +151,26 @@ impl Asker {
     /// As [`Asker::ask`], whatever is asked.
     fn submit(&mut self, source: &BoundSource, queries: &[Query]) -> Result<Vec<DVec3>> {
         let mut all = Vec::with_capacity(queries.len());
-        for part in queries.chunks(AT_ONCE) {
-            let blocks: Vec<QueryBlock> = part.iter().map(block).collect();
+        for some in queries.chunks(AT_ONCE) {
+            let blocks: Vec<QueryBlock> = some.iter().map(block).collect();
             self.queries.write(bytemuck::cast_slice(&blocks))?;
-            self.commands.run(|record| {
-                record.bind(&self.pipeline, &[&self.descriptors, &source.descriptors]);
-                record.push(&self.pipeline, &(part.len() as u32).to_ne_bytes());
-                record.dispatch(part.len().div_ceil(GROUP) as u32);
-                record.memory(Access::ComputeWrite, Access::HostRead);
-                Ok(())
-            })?;
-            let answers: Vec<[f32; 4]> =
-                bytemuck::pod_collect_to_vec(&self.answers.bytes()?[..part.len() * 16]);
-            all.extend(answers.into_iter().map(|[x, y, z, _]| DVec3::new(x.into(), y.into(), z.into())));
+            let mut sums = vec![DVec3::ZERO; some.len()];
+            for part in Part::each(source.iterations.parts_of_pair()) {
+                let count = Count { part, queries: some.len() as u32 };
+                self.commands.run(|record| {
+                    record.bind(&self.pipeline, &[&self.descriptors, &source.descriptors]);
+                    record.push(&self.pipeline, bytemuck::bytes_of(&count));
+                    record.dispatch(some.len().div_ceil(GROUP) as u32);
+                    record.memory(Access::ComputeWrite, Access::HostRead);
+                    Ok(())
+                })?;
+                let answers: Vec<[f32; 4]> =
+                    bytemuck::pod_collect_to_vec(&self.answers.bytes()?[..some.len() * 16]);
+                for (sum, [x, y, z, _]) in sums.iter_mut().zip(answers) {
+                    *sum += DVec3::new(x.into(), y.into(), z.into());
+                }
+            }
+            all.extend(sums);
         }
         Ok(all)
     }

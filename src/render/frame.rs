@@ -6,6 +6,7 @@ use super::sampling::Sample;
 use super::shader;
 use super::shadows::{self, Shadows};
 use super::source::BoundSource;
+use super::source::part::Part;
 use super::target::{self, Geometry, GeometrySettings, Target};
 use crate::error::Result;
 use crate::optics::coherence::Coherence;
@@ -226,6 +227,10 @@ pub(super) const COVERED: Option<(vk::CompareOp, bool)> = Some((vk::CompareOp::G
 /// device idle in a fragment stage of their own.
 pub struct PixelPass {
     pipeline: Pipeline,
+    // Adds the other parts of a sum to what `pipeline` drew.
+    adding: Option<Pipeline>,
+    /// Draws of a pixel.
+    pub parts: u32,
 }
 
 impl PixelPass {
@@ -240,7 +245,16 @@ impl PixelPass {
         settings: GeometrySettings,
     ) -> Result<Self> {
         let constants = source.shade_constants(settings);
-        Self::new(device, source.shade().with(&constants), [frame, &source.descriptors], 0, COVERED)
+        let (code, sets) = (source.shade().with(&constants), [frame, &source.descriptors]);
+        let push_bytes = size_of::<Part>() as u32;
+        let parts = source.parts(settings);
+        let adding = (parts > 1)
+            .then(|| {
+                let (vertex, drawing) = (shader!("display.vert"), Self::drawing(COVERED));
+                Pipeline::adding(device, vertex, code, &drawing, &sets, push_bytes)
+            })
+            .transpose()?;
+        Ok(Self { adding, parts, ..Self::new(device, code, sets, push_bytes, COVERED)? })
     }
 
     /// The pass that finds out how fast the device reads the texture of `source`.
@@ -260,10 +274,14 @@ impl PixelPass {
         push_bytes: u32,
         depth: Option<(vk::CompareOp, bool)>,
     ) -> Result<Self> {
-        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth };
-        let vertex = shader!("display.vert");
+        let (vertex, drawing) = (shader!("display.vert"), Self::drawing(depth));
         let pipeline = Pipeline::graphics(device, vertex, Some(code), &drawing, &sets, push_bytes)?;
-        Ok(Self { pipeline })
+        Ok(Self { pipeline, adding: None, parts: 1 })
+    }
+
+    /// A triangle over `target.radiance`.
+    fn drawing(depth: Option<(vk::CompareOp, bool)>) -> Drawing<'static> {
+        Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth }
     }
 
     /// Records the pass over what `geometry` covers into `target.radiance`, which it leaves as a colour attachment. What is not covered
@@ -289,8 +307,13 @@ impl PixelPass {
         sets: [&Descriptors; 2],
     ) {
         record.render_over(&[(&target.radiance, None)], &geometry.depth, |draw| {
-            draw.bind(&self.pipeline, &sets);
-            draw.draw(3);
+            for part in Part::each(self.parts) {
+                let pipeline = if part.first == 0 { Some(&self.pipeline) } else { self.adding.as_ref() };
+                let Some(pipeline) = pipeline else { break };
+                draw.bind(pipeline, &sets);
+                draw.push(pipeline, bytemuck::bytes_of(&part));
+                draw.draw(3);
+            }
         });
     }
 

@@ -284,7 +284,12 @@ impl Painter {
     /// Where the device has no room.
     pub fn shade_by(&mut self, source: &Source, shading: &Shading) -> Result<()> {
         self.forget();
-        source.rebind(&self.device, &mut self.source, shading)
+        source.rebind(&self.device, &mut self.source, shading)?;
+        let settings = self.geometry.settings;
+        if self.source.parts(settings) != self.shade.parts {
+            self.shade = PixelPass::shading(&self.device, &self.frame.descriptors, &self.source, settings)?;
+        }
+        Ok(())
     }
 
     /// Draws one sample of `view` at the centres of pixels, displays it without a tone and leaves the result on the device; milliseconds that the

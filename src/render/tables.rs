@@ -77,6 +77,11 @@ impl Combs {
         self.bins[((uv * 0.5 * UV_BINS as f64) as usize).min(UV_BINS - 1)]
     }
 
+    /// Nodes of the longest comb.
+    pub fn most(&self) -> usize {
+        self.bins.iter().map(|&[_, count]| count as usize).max().unwrap_or(0)
+    }
+
     /// Nodes that a direction at |(u, v)| = `uv` sums over.
     pub fn nodes_at(&self, uv: f64) -> &[[f32; 4]] {
         let [row, count] = self.at(uv).map(|n| n as usize);

@@ -183,7 +183,7 @@ impl Pipeline {
         Self::blended(device, (vertex, fragment), drawing, sets, push_bytes, replace)
     }
 
-    /// A graphics pipeline without push constants that adds what it draws to what its attachments hold.
+    /// A graphics pipeline that adds what it draws to what its attachments hold.
     ///
     /// # Errors
     /// Where the device refuses.
@@ -193,6 +193,7 @@ impl Pipeline {
         fragment: Code<'_>,
         drawing: &Drawing<'_>,
         sets: &[&Descriptors],
+        push_bytes: u32,
     ) -> Result<Self> {
         let one = vk::BlendFactor::ONE;
         let add = vk::PipelineColorBlendAttachmentState::default()
@@ -203,7 +204,7 @@ impl Pipeline {
             .src_alpha_blend_factor(one)
             .dst_alpha_blend_factor(one)
             .alpha_blend_op(vk::BlendOp::ADD);
-        Self::blended(device, (vertex, Some(fragment)), drawing, sets, 0, add)
+        Self::blended(device, (vertex, Some(fragment)), drawing, sets, push_bytes, add)
     }
 
     fn blended(

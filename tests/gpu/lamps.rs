@@ -190,7 +190,7 @@ fn pictures_under_a_lamp_are_those_of_the_reference() {
             }
             let error = (difference / whole).sqrt();
             eprintln!("a sphere below two lamps by {}: {error:.4}", method.name());
-            assert!(error < 0.03, "{}: {error}", method.name());
+            assert!(error < 0.02, "{}: {error}", method.name());
         }
     });
 }

@@ -155,10 +155,10 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
     without_lamp.lights.clear();
     // What is measured, and a fifth or more on top. One sample of the studio is averaged over a sixth of all directions.
     let cases = [
-        (Method::Table, &in_studio, 0.04, 0.1),
-        (Method::Table, &without_lamp, 0.08, 0.4),
-        (Method::Spectral, &in_studio, 0.08, 0.1),
-        (Method::Spectral, &without_lamp, 0.12, 0.4),
+        (Method::Table, &in_studio, 0.02, 0.1),
+        (Method::Table, &without_lamp, 0.028, 0.4),
+        (Method::Spectral, &in_studio, 0.012, 0.1),
+        (Method::Spectral, &without_lamp, 0.026, 0.4),
     ];
     with_device(|device| {
         let (mesh, white) = (&scene.mesh, Pigment::white());

@@ -1,5 +1,6 @@
 //! A source on the device: descriptor set 1 and the code that reads it.
 
+use super::part::Iterations;
 use crate::error::Result;
 use crate::optics::reflectance::Reflectance;
 use crate::render::target::GeometrySettings;
@@ -34,6 +35,8 @@ pub struct BoundSource {
     pub specular_spread: Option<f32>,
     /// Whether it answers single wavelengths.
     pub spectral: bool,
+    /// What its sum over wavelengths takes.
+    pub iterations: Iterations,
     // R₀ of what the surface keeps from the pigment, where the source holds R.
     normal_of_pigment: Option<f32>,
     stages: Stages,
@@ -67,6 +70,7 @@ impl BoundSource {
             reads_footprints: false,
             specular_spread: None,
             spectral: true,
+            iterations: Iterations::default(),
             normal_of_pigment: reflectance.is_spectral().then(|| reflectance.normal_of_pigment() as f32),
             stages,
             constants,
@@ -123,6 +127,11 @@ impl BoundSource {
             Constant::new(LAMPS, settings.lamps),
         ];
         [own.as_slice(), &self.constants].concat()
+    }
+
+    /// Parts of the sum of a pixel that the geometry pass found by its `settings`.
+    pub(in crate::render) fn parts(&self, settings: GeometrySettings) -> u32 {
+        self.iterations.parts_of_pixel(settings.lights + usize::from(settings.mirrored))
     }
 
     /// Constants of the source alone.

@@ -3,6 +3,7 @@
 
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
+use super::part::Iterations;
 use super::{Summary, spectra, stages};
 use crate::error::Result;
 use crate::optics::geometry::Pair;
@@ -28,7 +29,7 @@ pub struct Grating {
 /// Binding number of set 1 behind those of [`spectra::binding`].
 const COPIES: u32 = 4;
 
-/// The `Grating` block of the source, and what `bake.comp` takes of it (std140).
+/// The `Grating` block of the source (std140).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct CopiesBlock {
@@ -74,6 +75,8 @@ impl Grating {
     pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
         let colours = self.colours(shading);
         let of = (&*self.layers, self.repeats.sigma());
+        let most = self.repeats.most_wavelengths(colours.lag).min(self.repeats.limit());
+        bound.iterations = Iterations::new(most.ceil() as usize, self.layers.pairs(), 1);
         let nodes = Combs::densities(&colours).nodes;
         let (tables, mut buffers) = spectra::settings(device, of, shading, &nodes)?;
         let block = CopiesBlock::new(&self.repeats, &colours, shading.quadrature());

@@ -2,10 +2,11 @@
 
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
+use super::part::Iterations;
 use super::spectra::numbers;
 use super::{Extent, Summary, reflectance, stages, taps_constants};
 use crate::error::Result;
-use crate::optics::footprint::{Levels, Polygon, Share, TapRule, Taps};
+use crate::optics::footprint::{self, Levels, Polygon, Share, TapRule, Taps};
 use crate::optics::spectrum::{BLUE, MIDDLE};
 use crate::precompute::kernel::Kernel;
 use crate::render::picture::Directions;
@@ -135,6 +136,8 @@ impl Mean {
     pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
         let header = &self.spectra.header;
         let combs = self.combs(shading);
+        // Beside those of the taps, the specular order is a sum of its own.
+        bound.iterations = Iterations::new(combs.most(), 0, footprint::MOST_TAPS + 1);
         let pair = |v: [f64; 2]| v.map(|x| x as f32);
         let mean = |v: [f64; 2]| 0.5 * (v[0] + v[1]);
         let (finest, orders) = (mean(header.grid.blur.variance), mean(header.orders_blur.variance));

@@ -9,6 +9,7 @@ pub mod classical_grating;
 pub mod cost;
 pub mod grating;
 pub mod mean;
+pub mod part;
 mod reflectance;
 pub mod spectra;
 pub mod table;

@@ -2,6 +2,7 @@
 
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
+use super::part::Iterations;
 use super::spectra::{edge, format, numbers};
 use super::{Summary, reflectance, stages};
 use crate::error::Result;
@@ -84,6 +85,7 @@ impl Thesis {
             band: pair(layers.band),
             padding: [0.0; 2],
         };
+        bound.iterations = Iterations::new(WAVELENGTHS, self.layers.pairs(), 1);
         let combs = Combs::even_wavelengths(&shading.illuminant, WAVELENGTHS);
         let nodes = numbers(device, "nodes", &combs.nodes)?;
         let block = uniform(device, "thesis block", &block)?;

@@ -2,6 +2,7 @@
 
 use super::bound::{BoundSource, Kind};
 use super::cost::Cost;
+use super::part::Iterations;
 use super::{Summary, spectra, stages};
 use crate::error::Result;
 use crate::precompute::Layers;
@@ -39,6 +40,7 @@ impl Window {
     pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
         let layers = &self.layers;
         let combs = Combs::of(layers, shading);
+        bound.iterations = Iterations::new(combs.most(), layers.pairs(), 1);
         let of = (&**layers, layers.sigma);
         let (tables, mut buffers) = spectra::settings(device, of, shading, &combs.nodes)?;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;

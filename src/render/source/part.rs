@@ -1,0 +1,78 @@
+//! Sums over wavelengths in parts. Mesa's software devices end the loops of an invocation after 65 535 iterations in all, without a word, and
+//! what they summed is lost. Its twin is `shaders/part.glsl`.
+
+use bytemuck::{Pod, Zeroable};
+
+/// Loop iterations of an invocation, at most; some are left to what does not count them.
+const MOST_ITERATIONS: usize = 60_000;
+
+/// Loop iterations of a sum over wavelengths, at most.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Iterations {
+    /// For one direction of light at one tap.
+    pub of_tap: usize,
+    /// Taps of a footprint.
+    pub taps: usize,
+}
+
+impl Iterations {
+    /// `wavelengths` of which each takes `each` iterations beside its own, at so many `taps`.
+    pub fn new(wavelengths: usize, each: usize, taps: usize) -> Self {
+        Self { of_tap: wavelengths * (1 + each), taps }
+    }
+
+    /// Parts of the sum of a pair of directions.
+    pub fn parts_of_pair(&self) -> u32 {
+        parts(self.of_tap)
+    }
+
+    /// Parts of the sum of a pixel under so many directions of light.
+    pub fn parts_of_pixel(&self, lights: usize) -> u32 {
+        parts(self.of_tap * self.taps * lights)
+    }
+}
+
+fn parts(iterations: usize) -> u32 {
+    iterations.div_ceil(MOST_ITERATIONS).max(1) as u32
+}
+
+/// The wavelengths that an invocation adds: every `step`th from `first`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Part {
+    /// Number of the first.
+    pub first: u32,
+    /// From one to the next.
+    pub step: u32,
+}
+
+impl Part {
+    /// All `parts` of a sum.
+    pub fn each(parts: u32) -> impl Iterator<Item = Self> {
+        (0..parts).map(move |first| Self { first, step: parts })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_part_takes_more_iterations_than_a_device_may_do() {
+        for (wavelengths, each, taps, lights) in
+            [(0, 0, 1, 1), (81, 5, 1, 8), (4097, 64, 1, 8), (400, 0, 603, 9), (100, 0, 603, 1)]
+        {
+            let iterations = Iterations::new(wavelengths, each, taps);
+            let parts = iterations.parts_of_pixel(lights);
+            let most = Part::each(parts).map(|part| {
+                let count = (part.first as usize..wavelengths).step_by(part.step as usize).count();
+                count * (1 + each) * taps * lights
+            });
+            assert!(most.max().unwrap() < 65_535, "{wavelengths} wavelengths, {parts} parts");
+            let all: usize = Part::each(parts)
+                .map(|part| (part.first as usize..wavelengths).step_by(part.step as usize).count())
+                .sum();
+            assert_eq!(all, wavelengths);
+        }
+    }
+}
