@@ -10,7 +10,7 @@ mod display;
 mod evaluation;
 mod extremes;
 mod faults;
-mod few_orders;
+
 mod hazards;
 mod interface;
 mod lamps;
@@ -23,6 +23,7 @@ mod panel;
 mod picture;
 mod promise;
 mod repeats;
+mod single_samples;
 mod thesis;
 #[cfg(feature = "viewer")]
 mod viewer;

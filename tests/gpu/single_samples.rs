@@ -1,4 +1,4 @@
-//! Surfaces of few orders, far apart, where nothing averages the errors of taps, levels and texels.
+//! Single samples of pictures in which nothing hides the errors of taps, levels, texels and sums: few orders, faint directions, many wavelengths.
 
 use crate::device::with_device;
 use crate::evaluation::patch;
@@ -13,27 +13,41 @@ use diffract::render::reference_picture::reference_picture;
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
-use diffract::scene::Scene;
+use diffract::scene::{Light, Scene};
 use diffract::setup::Method;
 use diffract::surface::synth::Kind;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 const SHOWN: Shown = Shown { exposure: 0.0, tone: Tone::None, background: DVec3::ZERO };
 
-/// Relative L2 error of all colours of one sample of `scene` with `kind`, by a table and by power spectra.
-fn errors(scene: &str, kind: Kind, size: [u32; 2], tolerance: f64) -> [f64; 2] {
+/// A picture.
+struct Case {
+    scene: &'static str,
+    kind: Kind,
+    size: [u32; 2],
+    tolerance: f64,
+    wavelengths: Option<usize>,
+    /// Instead of those of the scene.
+    light: Option<Light>,
+}
+
+/// Relative L2 error of all colours of one sample by each of `methods`.
+fn errors<const N: usize>(case: &Case, methods: [Method; N]) -> [f64; N] {
+    let &Case { kind, size, tolerance, wavelengths, .. } = case;
     let field = patch(kind, 10.0);
-    let scene = Scene::open(scene).unwrap();
-    let view = View::of(&scene, scene.lights.clone());
+    let scene = Scene::open(case.scene).unwrap();
+    let lights = case.light.map_or(scene.lights.clone(), |light| vec![light]);
+    let view = View { base_color: Vec3::ZERO, ..View::of(&scene, lights) };
     let shading = Shading {
         coherence: Coherence::Gaussian { length: 16.0 },
         windows: Windows::All,
         tolerance,
+        wavelengths,
         ..Shading::default()
     }
     .for_pictures();
     let lights = view.light_count();
-    let mut errors = [0.0; 2];
+    let mut errors = [0.0; N];
     with_device(|device| {
         let new = |source: &Source| {
             Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), size, lights).unwrap()
@@ -43,8 +57,9 @@ fn errors(scene: &str, kind: Kind, size: [u32; 2], tolerance: f64) -> [f64; 2] {
         let sample = Sampling::ONE.sample(0);
         let seen: Vec<_> =
             (0..lights).map(|light| found.directions_of(&view, light, &sample).unwrap()).collect();
+        // Whatever the wavelengths of the device.
         let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
-        for (method, error) in [Method::Table, Method::Spectral].into_iter().zip(&mut errors) {
+        for (method, error) in methods.into_iter().zip(&mut errors) {
             let source = source(device, &field, &shading, method, sizes_of(&seen));
             let mut painter = new(&source);
             painter.draw_sample(&view, &sample, SHOWN).unwrap();
@@ -73,8 +88,42 @@ fn pictures_of_few_orders_keep_their_colours() {
         ("plate", Kind::Sinusoid, [60, 45], 1e-2, [0.008, 0.006]),
         ("cd", Kind::Sinusoid, [64, 48], 2e-2, [0.02, 0.015]),
     ] {
-        let [table, spectral] = errors(scene, kind, size, tolerance);
+        let case = Case { scene, kind, size, tolerance, wavelengths: None, light: None };
+        let [table, spectral] = errors(&case, [Method::Table, Method::Spectral]);
         eprintln!("| {scene}, {kind:?}, {size:?}, {tolerance} | {table:.4} | {spectral:.4} |");
         assert!(table < most[0] && spectral < most[1], "{scene}, {kind:?}: {table}, {spectral}");
     }
+}
+
+#[test]
+fn a_plate_that_is_lit_across_its_grooves_keeps_its_faint_colours() {
+    // All of it is thousands of times fainter than the brightest orders.
+    let light = Some(Light::point(40.0, 90.0, 1.0));
+    let case = Case {
+        scene: "plate",
+        kind: Kind::Elaphe,
+        size: [64, 48],
+        tolerance: 1e-2,
+        wavelengths: None,
+        light,
+    };
+    let [table, spectral] = errors(&case, [Method::Table, Method::Spectral]);
+    eprintln!("faint: table {table:.4}, spectral {spectral:.4}");
+    assert!(table < 0.01 && spectral < 0.005, "{table}, {spectral}");
+}
+
+#[test]
+fn a_sum_over_hundreds_of_wavelengths_and_taps_is_whole() {
+    // At silhouettes 400 wavelengths at each of up to 603 taps: more iterations than software devices do in an invocation.
+    let case = Case {
+        scene: "sphere",
+        kind: Kind::Elaphe,
+        size: [24, 18],
+        tolerance: 2e-2,
+        wavelengths: Some(400),
+        light: Some(Light::point(70.0, 60.0, 1.0)),
+    };
+    let [error] = errors(&case, [Method::Spectral]);
+    eprintln!("400 wavelengths: {error:.4}");
+    assert!(error < 0.02, "{error}");
 }
