@@ -9,6 +9,8 @@ mod devices;
 mod eval;
 mod evaluation;
 mod finished;
+#[cfg(feature = "viewer")]
+mod last_view;
 mod manual;
 mod options;
 mod peaks;

@@ -3,12 +3,12 @@
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, Exposure, OpticsOptions, SurfaceOptions, ViewOptions, real,
 };
-use super::{check_validation, prepare, validation};
+use super::{check_validation, last_view, prepare, validation, view_command};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::setup::{self, Method, Settings};
 use crate::units;
-use crate::viewer::{self, Start};
+use crate::viewer::{self, LastView, Start};
 use ash::vk;
 use clap::{Args, ValueEnum};
 use std::ffi::{OsStr, OsString};
@@ -21,7 +21,8 @@ use std::ffi::{OsStr, OsString};
   diffract view mesh.obj --surface scan.png --pixel-size 97.66nm --height 434.7nm
 
 Left drag orbits, right drag moves the light, the wheel zooms. F1 lists all keys.
-S saves the picture with the `diffract render` that draws the same.")]
+S saves the picture with the `diffract render` that draws the same.
+The next window offers to continue where this one was closed.")]
 pub struct Arguments {
     /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
@@ -79,6 +80,14 @@ fn fps(text: &str) -> Result<f64> {
 /// Opens the window.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
+    check_validation(&viewer::run(start(arguments)?)?)
+}
+
+/// What a window of `arguments` starts with.
+///
+/// # Errors
+/// Settings that do not fit together, and files that cannot be read.
+pub fn start(arguments: &Arguments) -> Result<Start> {
     let method = arguments.optics.picture_method();
     if method == Method::Reference {
         return Err(Error::usage(
@@ -102,7 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if surface.kind().is_none() {
         surface.load()?; // a file that is none is told before a window opens
     }
-    let messages = viewer::run(Start {
+    Ok(Start {
         name: utf8(&arguments.scene)?,
         scene,
         plain,
@@ -128,9 +137,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         },
         device: arguments.device.wish(),
         validation: validation(),
-        command_line: super::view_command::render,
-    })?;
-    check_validation(&messages)
+        command_line: view_command::render,
+        last: LastView { is_kept: last_view::is_kept(), keep: last_view::keep, open: last_view::open },
+    })
 }
 
 #[cfg(test)]

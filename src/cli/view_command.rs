@@ -8,51 +8,72 @@ use crate::scene::Scene;
 use crate::surface::Source;
 use crate::surface::prepare::{Level, Step};
 use crate::viewer::ViewSettings;
+use std::path::Path;
 
 /// The `diffract render` that draws the picture of `settings` at `size` \[pixels\] into `output`. What is the default, or `scene`'s own, is
 /// left out.
 pub fn render(settings: &ViewSettings, scene: &Scene, size: [u32; 2], output: &str) -> String {
-    let mut words = Words(vec!["diffract render".to_owned(), quoted(&settings.scene)]);
-    words.surface(&settings.surface, scene);
-    words.optics(settings);
-    for light in &settings.lights {
-        words.option("light", light.to_string());
-    }
-    if let Some(environment) = &scene.environment {
-        let placement = environment.placement;
-        words.option("environment", &environment.name);
-        words.option("rotate-environment", format!("{}deg", placement.rotation));
-        words.option("environment-exposure", placement.exposure.to_string());
-    }
-    if !scene.shadows {
-        words.option("shadows", "off");
-    }
-    words.option("exposure", settings.exposure.to_string());
-    if settings.tone != scene.tone {
-        words.option("tone", settings.tone.name());
-    }
-    if settings.base_color != scene.base_color {
-        words.option("base-color", ViewSettings::triple(settings.base_color));
-    }
-    let camera = &settings.camera;
-    if *camera != scene.camera {
-        words.option("eye", ViewSettings::triple(camera.eye()));
-        words.option("target", ViewSettings::triple(camera.target));
-        if camera.field_of_view != scene.camera.field_of_view {
-            words.option("field-of-view", format!("{}deg", f64::from(camera.field_of_view).to_degrees()));
-        }
-    }
+    let mut words = Words(vec![settings.scene.clone()]);
+    words.settings(settings, scene);
     words.option("size", format!("{}x{}", size[0], size[1]));
-    words.0.push(format!("-o {}", quoted(output)));
-    words.0.join(" ")
+    let words: Vec<String> = words.0.iter().map(|word| quoted(word)).collect();
+    format!("diffract render {} -o {}", words.join(" "), quoted(output))
+}
+
+/// The arguments of the `diffract view` that begins with `settings`, from whatever folder.
+pub fn view(settings: &ViewSettings, scene: &Scene) -> Vec<String> {
+    let mut words = Words(vec![settings.scene.clone()]);
+    words.settings(settings, scene);
+    words.0.into_iter().map(absolute).collect()
+}
+
+/// The name of a file from the root, and any other word as it is.
+fn absolute(word: String) -> String {
+    let path = Path::new(&word);
+    let from_root = path.is_file().then(|| std::path::absolute(path).ok()).flatten();
+    from_root.and_then(|path| path.to_str().map(str::to_owned)).unwrap_or(word)
 }
 
 /// A command line as it grows.
 struct Words(Vec<String>);
 
 impl Words {
-    fn option(&mut self, name: &str, value: impl AsRef<str>) {
-        self.0.push(format!("--{name} {}", quoted(value.as_ref())));
+    fn option(&mut self, name: &str, value: impl Into<String>) {
+        self.0.extend([format!("--{name}"), value.into()]);
+    }
+
+    /// What `settings` change in `scene` and in the defaults.
+    fn settings(&mut self, settings: &ViewSettings, scene: &Scene) {
+        let words = self;
+        words.surface(&settings.surface, scene);
+        words.optics(settings);
+        for light in &settings.lights {
+            words.option("light", light.to_string());
+        }
+        if let Some(environment) = &scene.environment {
+            let placement = environment.placement;
+            words.option("environment", environment.name.to_string());
+            words.option("rotate-environment", format!("{}deg", placement.rotation));
+            words.option("environment-exposure", placement.exposure.to_string());
+        }
+        if !scene.shadows {
+            words.option("shadows", "off");
+        }
+        words.option("exposure", settings.exposure.to_string());
+        if settings.tone != scene.tone {
+            words.option("tone", settings.tone.name());
+        }
+        if settings.base_color != scene.base_color {
+            words.option("base-color", ViewSettings::triple(settings.base_color));
+        }
+        let camera = &settings.camera;
+        if *camera != scene.camera {
+            words.option("eye", ViewSettings::triple(camera.eye()));
+            words.option("target", ViewSettings::triple(camera.target));
+            if camera.field_of_view != scene.camera.field_of_view {
+                words.option("field-of-view", format!("{}deg", f64::from(camera.field_of_view).to_degrees()));
+            }
+        }
     }
 
     fn surface(&mut self, surface: &Source, scene: &Scene) {
@@ -74,7 +95,7 @@ impl Words {
             // Without a step the scene's own would stay.
             let none = [Step::Level(Level::None)];
             let steps = if surface.prepare.is_empty() { &none[..] } else { &surface.prepare };
-            self.0.push(as_options(steps));
+            self.0.extend(as_options(steps).split(' ').map(str::to_owned));
         }
         if surface.seed != 1 {
             self.option("seed", surface.seed.to_string());

@@ -30,10 +30,11 @@ impl App {
 
     /// Ends the threads and frees the device; returns the instance and the first error.
     pub fn end(mut self) -> (Option<Arc<Instance>>, Result<()>) {
+        let kept = self.window.as_ref().map_or(Ok(()), ViewerWindow::keep);
         let command = self.error.is_some().then(|| self.window.as_ref().map(ViewerWindow::command)).flatten();
         self.window = None;
         let result = match (self.error, command) {
-            (None, _) => Ok(()),
+            (None, _) => kept,
             // Name the command that draws the same picture, so that the settings are not lost.
             (Some(e), Some(command)) => Err(e.or(format!("draw the same picture with: {command}"))),
             (Some(e), None) => Err(e),

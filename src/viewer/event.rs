@@ -4,6 +4,7 @@ use super::error_probe::ProbeStatus;
 use super::frame::LoadedScene;
 use super::inspector::reference::Answer;
 use super::job_queue::RenderReply;
+use super::settings::ViewSettings;
 use super::worker::WorkerReply;
 use crate::error::Result;
 
@@ -15,6 +16,8 @@ pub struct OpenedScene {
     pub resets: bool,
     /// The scene.
     pub loaded: Result<LoadedScene>,
+    /// The settings of a window to go on with.
+    pub settings: Option<ViewSettings>,
 }
 
 /// A message from a background thread.

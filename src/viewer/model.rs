@@ -10,7 +10,7 @@ use super::graph::History;
 use super::inspector::Inspector;
 use super::prepared::{Prepared, ROLES, Role};
 use super::quality::{Detail, Quality, QualityControl};
-use super::settings::{OpticsSettings, SceneSettings, ViewSettings};
+use super::settings::{Needs, OpticsSettings, SceneSettings, ViewSettings};
 use crate::error::Error;
 use crate::render::frame::View;
 use crate::render::sampling::Sampling;
@@ -31,6 +31,8 @@ pub struct Actions {
     pub close: bool,
     /// Open a dropped file, or a scene by name.
     pub open: Option<String>,
+    /// Go on with the window that was closed last.
+    pub go_on: bool,
     /// Show the whole mesh.
     pub frame: bool,
     /// Turn the camera to the point under this pixel.
@@ -290,6 +292,8 @@ pub struct Model {
     pub measures_exposure: bool,
     /// The exposure \[stops\] that was measured last.
     pub measured_exposure: Option<f64>,
+    /// Whether there is a window to go on with.
+    pub has_last: bool,
 }
 
 impl Model {
@@ -330,6 +334,7 @@ impl Model {
             actions: Actions::default(),
             measures_exposure: false,
             measured_exposure: None,
+            has_last: false,
         };
         model.remember_surface();
         model.choose_default_view();
@@ -418,6 +423,26 @@ impl Model {
         self.settings = self.original.clone();
         self.comparison.mode = Compare::Alone;
         self.choose_default_view();
+    }
+
+    /// Whether to offer the window that was closed last: until something is set in this one.
+    pub fn offers_last(&self) -> bool {
+        self.has_last && self.is_untouched()
+    }
+
+    /// Whether nothing is set but what the window started with. A view that follows the size of the window is nobody's choice.
+    pub fn is_untouched(&self) -> bool {
+        let camera = if self.default_view.is_some() { self.original.camera } else { self.settings.camera };
+        ViewSettings { camera, ..self.settings.clone() }.needs(&self.original) == Needs::Nothing
+    }
+
+    /// Shows a window that was closed, with its own scene.
+    pub fn go_on(&mut self, name: String, loaded: LoadedScene, settings: ViewSettings) {
+        self.show_scene(name, loaded);
+        self.settings = settings;
+        self.default_view = None;
+        self.has_last = false;
+        self.remember_surface();
     }
 
     /// The settings of the picture that is shown: optics as prepared, everything else as set now.

@@ -1,6 +1,7 @@
 //! What the window starts with.
 
 use super::settings::{OpticsSettings, ViewSettings};
+use crate::error::Result;
 use crate::expansion::Basis;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::reflectance::Reflectance;
@@ -12,6 +13,17 @@ use ash::vk;
 
 /// Writes the command that draws a picture of settings of a scene, at a size \[pixels\], into a file. The words are the caller's.
 pub type CommandLine = fn(&ViewSettings, &Scene, [u32; 2], &str) -> String;
+
+/// The window that was closed last. Where and in which words it is kept is the caller's.
+#[derive(Clone, Copy, Debug)]
+pub struct LastView {
+    /// Whether there was one.
+    pub is_kept: bool,
+    /// Keeps the settings of a scene for the next window.
+    pub keep: fn(&ViewSettings, &Scene) -> Result<()>,
+    /// What a window that goes on with it starts with.
+    pub open: fn() -> Result<Start>,
+}
 
 /// The options of `diffract view`.
 #[derive(Clone, Debug)]
@@ -60,6 +72,8 @@ pub struct Start {
     pub validation: bool,
     /// How the command of a saved picture is written.
     pub command_line: CommandLine,
+    /// The window that was closed last.
+    pub last: LastView,
 }
 
 impl Start {

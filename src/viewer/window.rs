@@ -15,7 +15,7 @@ use super::prepared::{Prepared, ROLES};
 use super::presenter::{Presenter, ShownPictures};
 use super::render_thread::RenderThread;
 use super::settings::ViewSettings;
-use super::start::{CommandLine, Start};
+use super::start::{CommandLine, LastView, Start};
 use super::text_dump::TextDump;
 use super::worker::Worker;
 use super::{layout, style};
@@ -138,6 +138,7 @@ pub struct ViewerWindow {
     schedule: Schedule,
     saves: Vec<PendingSave>,
     write_command: CommandLine,
+    last: LastView,
     proxy: EventLoopProxy<Event>,
     device: Arc<Device>,
     window: Arc<Window>,
@@ -174,11 +175,13 @@ impl ViewerWindow {
             schedule: Schedule { wake: None, presented: Instant::now() },
             saves: Vec::new(),
             write_command: start.command_line,
+            last: start.last,
             proxy,
             device,
             window,
         };
         opened.model.measures_exposure = start.measures_exposure;
+        opened.model.has_last = start.last.is_kept;
         opened.model.sources.pigment = Some(Arc::new(Prepared::pigment_alone()?));
         opened.set_title();
         // The first pass requests the source: by then the size of the picture is known, which sets how fine it has to be.
@@ -217,6 +220,20 @@ impl ViewerWindow {
     /// Whether the user has closed the window.
     pub fn closes(&self) -> bool {
         self.model.actions.close
+    }
+
+    /// Keeps what is shown for the next window, if anything was set in this one.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn keep(&self) -> Result<()> {
+        if self.model.is_untouched() {
+            return Ok(());
+        }
+        // A scene that is still being opened is not the one that the options are of.
+        let scene = self.model.applied.scene.clone();
+        let settings = ViewSettings { scene, ..self.model.settings.clone() };
+        (self.last.keep)(&settings, &self.model.loaded.scene)
     }
 
     /// The command that draws what is shown.

@@ -134,6 +134,7 @@ impl Sandbox {
         // No test opens a window on the display of whoever runs it.
         command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
         command.env("XDG_CACHE_HOME", self.folder.path().join("cache"));
+        command.env("XDG_STATE_HOME", self.folder.path().join("state"));
         command.envs(self.variables.iter().map(|(name, value)| (name, value)));
         command
     }

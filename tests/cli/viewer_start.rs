@@ -45,6 +45,34 @@ fn another_scene_keeps_the_surface_and_files_stay_in_the_list() {
 }
 
 #[test]
+fn a_window_offers_to_continue_the_one_that_was_closed_last() {
+    let state = tempfile::tempdir().unwrap();
+    let folder = state.path().to_str().unwrap();
+    let start = || {
+        let viewer = Viewer::start(&[&["sphere"][..], &SIZE].concat(), &[("XDG_STATE_HOME", folder)]);
+        viewer.says("full quality");
+        viewer
+    };
+    let offer = "Continue the last window";
+    let first = start();
+    assert!(!says(&first, offer), "there was none");
+    first.choose("scene", "plate");
+    first.shows("plate --surface small.png");
+    first.choose("height field", "sinusoid");
+    let (_, command) = first.shows("plate --surface sinusoid");
+    first.close();
+    // A window in which nothing is set does not take its place.
+    start().close();
+    let second = start();
+    second.press(offer);
+    let (_, again) = second.shows("plate --surface sinusoid");
+    let settings = |command: &str| command.split(" -o ").next().map(str::to_owned);
+    assert_eq!(settings(&again), settings(&command));
+    assert!(!says(&second, offer), "it is continued");
+    second.close();
+}
+
+#[test]
 fn the_size_of_the_window_and_of_its_text_follows_the_scale_of_the_display() {
     let arguments = ["sphere", "--size", "500x400"];
     let viewer = Viewer::start(&arguments, &[("WINIT_X11_SCALE_FACTOR", "2")]);

@@ -82,6 +82,11 @@ fn bound(terms: &Option<usize>, wavelengths: &Option<usize>, tolerance: f64) -> 
 /// Shows the device and the buttons.
 pub fn foot(ui: &mut Ui, model: &mut Model) {
     ui.add_space(3.0);
+    if model.offers_last() {
+        let go_on = ui.button("Continue the last window");
+        let tip = "Return to the scene, the surface, the settings and the camera of the window that was closed last.";
+        model.actions.go_on |= go_on.on_hover_text(tip).clicked();
+    }
     let device = egui::Label::new(RichText::new(model.device.line()).small().color(style::FAINT)).truncate();
     ui.add(device).on_hover_text(rows::DEVICE.help());
     ui.horizontal(|ui| {

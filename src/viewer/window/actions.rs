@@ -27,6 +27,9 @@ impl ViewerWindow {
         if let Some(name) = actions.open {
             self.open(name);
         }
+        if actions.go_on {
+            self.go_on();
+        }
         if let Some(at) = actions.focus {
             self.focus(at.into());
         }
@@ -109,12 +112,31 @@ impl ViewerWindow {
 
     /// Opens a scene or a mesh on a thread of its own, because a large one takes a while. If it `resets`, the settings at the start follow.
     fn open_scene(&mut self, name: String, resets: bool) {
-        let proxy = self.proxy.clone();
         let message = format!("opening {name}");
-        let open = move || {
+        self.open_aside(message, move || {
             let loaded = Scene::open(&name).and_then(LoadedScene::of);
-            let opened = Box::new(OpenedScene { name, resets, loaded });
-            let _ = proxy.send_event(Event::Scene(opened)); // fails after the end of the event loop
+            OpenedScene { name, resets, loaded, settings: None }
+        });
+    }
+
+    /// Opens what the window that was closed last showed.
+    fn go_on(&mut self) {
+        let open = self.last.open;
+        self.open_aside("opening what the last window showed".to_owned(), move || match open() {
+            Ok(start) => {
+                let settings = start.settings();
+                let loaded = LoadedScene::of(start.plain);
+                OpenedScene { name: start.name, resets: false, loaded, settings: Some(settings) }
+            }
+            Err(e) => OpenedScene { name: String::new(), resets: false, loaded: Err(e), settings: None },
+        });
+    }
+
+    /// Has `open` done on a thread of its own, with `message` shown.
+    fn open_aside(&mut self, message: String, open: impl FnOnce() -> OpenedScene + Send + 'static) {
+        let proxy = self.proxy.clone();
+        let open = move || {
+            let _ = proxy.send_event(Event::Scene(Box::new(open()))); // fails after the end of the event loop
         };
         match std::thread::Builder::new().name("scene".to_owned()).spawn(open) {
             Ok(_) => self.model.say(message),

@@ -101,7 +101,10 @@ impl ViewerWindow {
     fn show_scene(&mut self, opened: OpenedScene) {
         match opened.loaded {
             Ok(loaded) => {
-                self.model.show_scene(opened.name, loaded);
+                match opened.settings {
+                    Some(settings) => self.model.go_on(opened.name, loaded, settings),
+                    None => self.model.show_scene(opened.name, loaded),
+                }
                 if opened.resets {
                     self.model.return_to_start();
                 }

@@ -1,0 +1,72 @@
+//! The settings of the window that was closed last, for the next one: the arguments of a `diffract view`, as JSON in
+//! `$XDG_STATE_HOME/diffract/last-view.json`, else in `~/.local/state/diffract`.
+
+use super::view;
+use super::view_command;
+use crate::error::{Error, Result};
+use crate::input;
+use crate::output;
+use crate::scene::Scene;
+use crate::viewer::{Start, ViewSettings};
+use clap::Parser;
+use std::ffi::OsString;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// A command line that names no command.
+#[derive(Parser)]
+#[command(no_binary_name = true)]
+struct Line {
+    #[command(flatten)]
+    arguments: view::Arguments,
+}
+
+fn path() -> Option<PathBuf> {
+    let absolute = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
+    absolute("XDG_STATE_HOME")
+        .or_else(|| absolute("HOME").map(|home| home.join(".local/state")))
+        .map(|base| base.join("diffract").join("last-view.json"))
+}
+
+/// Whether there is a window to go on with.
+pub fn is_kept() -> bool {
+    path().is_some_and(|path| path.is_file())
+}
+
+/// Keeps `settings` of `scene` in the place of those that were kept before. A user without a folder for it loses them.
+///
+/// # Errors
+/// Where the file cannot be written.
+pub fn keep(settings: &ViewSettings, scene: &Scene) -> Result<()> {
+    let Some(path) = path() else { return Ok(()) };
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, &e))?;
+    }
+    let words = view_command::view(settings, scene);
+    output::write_atomically(&path, |file| {
+        let text = serde_json::to_string(&words).unwrap_or_default();
+        file.write_all(text.as_bytes()).map_err(|e| output::write_failed(&path, &e))
+    })
+}
+
+/// What the window that was closed last showed.
+///
+/// # Errors
+/// Where nothing is kept, where it is damaged, and where a file that it names is gone.
+pub fn open() -> Result<Start> {
+    let nothing = || Error::failed("there is no window to go on with", "begin with `diffract view`");
+    let path = path().ok_or_else(nothing)?;
+    let text = input::read_text(&path, "the settings of a window")?;
+    let damaged = |e: &dyn std::fmt::Display| {
+        Error::failed(format!("the settings of the last window cannot be read ({e})"), "remove the file")
+            .at(path.display())
+    };
+    let words: Vec<OsString> = serde_json::from_str::<Vec<String>>(&text)
+        .map_err(|e| damaged(&e))?
+        .into_iter()
+        .map(OsString::from)
+        .collect();
+    let line = Line::try_parse_from(words)
+        .map_err(|e| damaged(&e.to_string().lines().next().unwrap_or_default().to_owned()))?;
+    view::start(&line.arguments)
+}
