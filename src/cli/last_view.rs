@@ -1,25 +1,15 @@
 //! The settings of the window that was closed last, for the next one: the arguments of a `diffract view`, as JSON in
 //! `$XDG_STATE_HOME/diffract/last-view.json`, else in `~/.local/state/diffract`.
 
-use super::view;
 use super::view_command;
 use crate::error::{Error, Result};
 use crate::input;
 use crate::output;
 use crate::scene::Scene;
-use crate::viewer::{Start, ViewSettings};
-use clap::Parser;
+use crate::viewer::ViewSettings;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
-
-/// A command line that names no command.
-#[derive(Parser)]
-#[command(no_binary_name = true)]
-struct Line {
-    #[command(flatten)]
-    arguments: view::Arguments,
-}
 
 fn path() -> Option<PathBuf> {
     let absolute = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
@@ -49,24 +39,20 @@ pub fn keep(settings: &ViewSettings, scene: &Scene) -> Result<()> {
     })
 }
 
-/// What the window that was closed last showed.
+/// The arguments that are kept.
 ///
 /// # Errors
-/// Where nothing is kept, where it is damaged, and where a file that it names is gone.
-pub fn open() -> Result<Start> {
+/// Where nothing is kept, and where it is damaged.
+pub fn words() -> Result<Vec<OsString>> {
     let nothing = || Error::failed("there is no window to go on with", "begin with `diffract view`");
     let path = path().ok_or_else(nothing)?;
     let text = input::read_text(&path, "the settings of a window")?;
-    let damaged = |e: &dyn std::fmt::Display| {
-        Error::failed(format!("the settings of the last window cannot be read ({e})"), "remove the file")
-            .at(path.display())
-    };
-    let words: Vec<OsString> = serde_json::from_str::<Vec<String>>(&text)
-        .map_err(|e| damaged(&e))?
-        .into_iter()
-        .map(OsString::from)
-        .collect();
-    let line = Line::try_parse_from(words)
-        .map_err(|e| damaged(&e.to_string().lines().next().unwrap_or_default().to_owned()))?;
-    view::start(&line.arguments)
+    let words: Vec<String> = serde_json::from_str(&text).map_err(|e| damaged(&e).at(path.display()))?;
+    Ok(words.into_iter().map(OsString::from).collect())
+}
+
+/// What is said of settings that are not understood.
+pub fn damaged(cause: &dyn std::fmt::Display) -> Error {
+    let what = format!("the settings of the last window cannot be read ({cause})");
+    Error::failed(what, "begin with `diffract view`; the next window that is closed takes their place")
 }

@@ -10,7 +10,7 @@ use crate::setup::{self, Method, Settings};
 use crate::units;
 use crate::viewer::{self, LastView, Start};
 use ash::vk;
-use clap::{Args, ValueEnum};
+use clap::{Args, Parser, ValueEnum};
 use std::ffi::{OsStr, OsString};
 
 /// Arguments of `view`.
@@ -138,8 +138,23 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
         device: arguments.device.wish(),
         validation: validation(),
         command_line: view_command::render,
-        last: LastView { is_kept: last_view::is_kept(), keep: last_view::keep, open: last_view::open },
+        last: LastView { is_kept: last_view::is_kept(), keep: last_view::keep, open: last },
     })
+}
+
+/// The arguments of `view` without a program and a command.
+#[derive(Parser)]
+#[command(no_binary_name = true)]
+struct Line {
+    #[command(flatten)]
+    arguments: Arguments,
+}
+
+/// What a window starts with that goes on with the last one.
+fn last() -> Result<Start> {
+    let line = Line::try_parse_from(last_view::words()?)
+        .map_err(|e| last_view::damaged(&e.to_string().lines().next().unwrap_or_default()))?;
+    start(&line.arguments)
 }
 
 #[cfg(test)]

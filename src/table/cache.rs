@@ -10,7 +10,7 @@ const LARGEST_SIDE: usize = 1 << 16;
 
 impl Kept for ColorTable {
     /// The version changes whenever the table of the same key would change.
-    const FORMAT: Format = Format { name: "colours", version: 12 };
+    const FORMAT: Format = Format { name: "colours", version: 13 };
     type Header = Header;
 
     fn header(&self) -> Header {

@@ -113,6 +113,23 @@ fn a_plate_that_is_lit_across_its_grooves_keeps_its_faint_colours() {
 }
 
 #[test]
+fn a_plate_that_shows_two_orders_keeps_the_series_of_each() {
+    // Nothing averages the errors of two series in z.
+    let light = Some(Light::point(24.6, 155.8, 1.0));
+    let case = Case {
+        scene: "plate",
+        kind: Kind::Xenopeltis,
+        size: [64, 48],
+        tolerance: 2e-2,
+        wavelengths: None,
+        light,
+    };
+    let [table, spectral] = errors(&case, [Method::Table, Method::Spectral]);
+    eprintln!("two orders: table {table:.4}, spectral {spectral:.4}");
+    assert!(table < 0.012 && spectral < 0.006, "{table}, {spectral}");
+}
+
+#[test]
 fn a_sum_over_hundreds_of_wavelengths_and_taps_is_whole() {
     // At silhouettes 400 wavelengths at each of up to 603 taps: more iterations than software devices do in an invocation.
     let case = Case {

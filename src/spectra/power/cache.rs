@@ -9,7 +9,7 @@ const LARGEST_SIDE: usize = 1 << 16;
 
 impl Kept for PowerSpectra {
     /// The version changes whenever the power spectra of the same key would change.
-    const FORMAT: Format = Format { name: "spectra", version: 4 };
+    const FORMAT: Format = Format { name: "spectra", version: 5 };
     type Header = Header;
 
     fn header(&self) -> Header {
