@@ -327,18 +327,20 @@ impl Settings {
 
     /// How much more reading between texels may err in a picture than in single directions, relative L2: pixels average it along footprints that are
     /// long beside what a single reading is blurred by, and over many orders. On the snake it is 0.006 times the squared ratio of spacing and
-    /// blur, of 0.046 at single points. Where orders are few, the table takes less of it.
-    fn over_footprints(&self) -> f64 {
+    /// blur, of 0.046 at single points. Where orders are few, the table takes less of it. A plate sees few orders of any surface; the second number is for
+    /// where a table would take too much room.
+    fn over_footprints(&self) -> [f64; 2] {
         const LONG: f64 = 2.0;
         const AVERAGED_BY_LONG: f64 = 3.9;
-        const AVERAGED_BY_SHORT: f64 = 2.5;
+        const AVERAGED_BY_SHORT: f64 = 1.5;
+        const AT_MOST_BY_SHORT: f64 = 2.5;
         let FootprintSizes { shorter, longer } = self.footprints;
         let is_long =
             self.coherence_spread().is_some_and(|coherence| longer > LONG * coherence.hypot(shorter));
         match self.shading.purpose {
-            Purpose::Directions => 1.0,
-            Purpose::Picture if is_long => AVERAGED_BY_LONG,
-            Purpose::Picture => AVERAGED_BY_SHORT,
+            Purpose::Directions => [1.0; 2],
+            Purpose::Picture if is_long => [AVERAGED_BY_LONG; 2],
+            Purpose::Picture => [AVERAGED_BY_SHORT, AT_MOST_BY_SHORT],
         }
     }
 
@@ -361,13 +363,15 @@ impl Settings {
     /// What a colour table is made for.
     fn table_settings(&self, limits: &Candidate) -> TableSettings {
         let tolerance = self.shading.tolerance;
+        let [averaging, most_averaging] = self.over_footprints();
         TableSettings {
             illuminant: self.shading.illuminant.clone(),
             reflectance: Some(&self.shading.reflectance).filter(|r| r.is_spectral()).cloned(),
             wavelengths: self.shading.wavelengths,
             quadrature_error: self.shading.quadrature(),
             reading_error: READING_SHARE * tolerance,
-            averaging: self.shading.gain() * self.over_footprints(),
+            averaging: self.shading.gain() * averaging,
+            most_averaging: self.shading.gain() * most_averaging,
             cubic_error: CUBIC_SHARE * tolerance,
             finest: self.finest(),
             side_limit: limits.max_side as usize,

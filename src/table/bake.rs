@@ -73,23 +73,22 @@ pub fn bake(
 }
 
 /// Texels for a table of `pieces` cubics whose finest level averages over `blur`. The errors of orders are independent, so that what is shown of many errs by less
-/// than a single point, up to [`TableSettings::averaging`] times less. What is shown of few gets more texels, as far as they take no more than
-/// [`ROOM_OF_FEW`].
+/// than a single point, up to [`TableSettings::averaging`] times less. What is shown of few gets more texels. Where they would take more than
+/// [`ROOM`], they stand farther apart, as far as [`TableSettings::most_averaging`] allows.
 fn choose_grid(reader: &Reader, settings: &TableSettings, blur: f64, pieces: usize) -> Grid {
-    let most = settings.averaging.max(1.0);
     let grid = |averaging: f64| {
         let spacing = (blur * settings.reading_error * averaging / LINEAR_ERROR).sqrt();
         Grid::new(spacing, settings.finest, blur.sqrt())
     };
-    let own = (reader.header.effective_orders / UNAVERAGED).sqrt().clamp(1.0, most);
-    let over_room = grid(own).bytes(pieces) as f64 / ROOM_OF_FEW;
-    grid((own * over_room.max(1.0)).min(most))
+    let own = (reader.header.effective_orders / UNAVERAGED).sqrt().clamp(1.0, settings.averaging.max(1.0));
+    let over_room = grid(own).bytes(pieces) as f64 / ROOM;
+    grid((own * over_room.max(1.0)).min(settings.most_averaging.max(own)))
 }
 
 /// Orders of which a picture errs as much as a single point does: by pictures of a sinusoid on a compact disc.
 const UNAVERAGED: f64 = 0.6;
-/// Bytes up to which a table grows where orders are few.
-const ROOM_OF_FEW: f64 = 256.0 * 1024.0 * 1024.0;
+/// Bytes up to which a table has the texels that it should.
+const ROOM: f64 = 256.0 * 1024.0 * 1024.0;
 
 /// Sums the texels of `rows`, the first of which is row `first`.
 fn bake_rows(sums: &Sums<'_>, grid: &Grid, first: usize, rows: &mut [f32], width: usize) {

@@ -10,7 +10,7 @@ const LARGEST_SIDE: usize = 1 << 16;
 
 impl Kept for ColorTable {
     /// The version changes whenever the table of the same key would change.
-    const FORMAT: Format = Format { name: "colours", version: 13 };
+    const FORMAT: Format = Format { name: "colours", version: 14 };
     type Header = Header;
 
     fn header(&self) -> Header {
@@ -171,6 +171,7 @@ mod tests {
             quadrature_error: 1e-3,
             reading_error: 1e-2,
             averaging: 1.0,
+            most_averaging: 1.0,
             cubic_error: 1e-2,
             finest: 0.0,
             side_limit: 16_384,
@@ -185,6 +186,7 @@ mod tests {
             TableSettings { quadrature_error: 2e-3, ..all.clone() },
             TableSettings { reading_error: 2e-2, ..all.clone() },
             TableSettings { averaging: 2.0, ..all.clone() },
+            TableSettings { most_averaging: 2.0, ..all.clone() },
             TableSettings { cubic_error: 2e-2, ..all.clone() },
             TableSettings { finest: 1e-3, ..all.clone() },
             TableSettings { side_limit: 8192, ..all.clone() },

@@ -45,6 +45,8 @@ pub struct TableSettings {
     pub reading_error: f64,
     /// How many times as much reading may err where what is shown averages over many orders; 1 for single directions.
     pub averaging: f64,
+    /// The same where the table would take too much room.
+    pub most_averaging: f64,
     /// Relative error of the cubics in |w|.
     pub cubic_error: f64,
     /// Least standard deviation of u and of v that is averaged over.
@@ -70,6 +72,7 @@ impl TableSettings {
             quadrature_error: 0.4 * tolerance,
             reading_error: 0.7 * tolerance,
             averaging: 1.0,
+            most_averaging: 1.0,
             cubic_error: 0.3 * tolerance,
             finest: 0.0,
             side_limit: MAX_SIDE,

@@ -126,7 +126,7 @@ fn a_plate_that_shows_two_orders_keeps_the_series_of_each() {
     };
     let [table, spectral] = errors(&case, [Method::Table, Method::Spectral]);
     eprintln!("two orders: table {table:.4}, spectral {spectral:.4}");
-    assert!(table < 0.012 && spectral < 0.006, "{table}, {spectral}");
+    assert!(table < 0.02 && spectral < 0.01, "{table}, {spectral}");
 }
 
 #[test]

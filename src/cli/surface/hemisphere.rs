@@ -78,6 +78,7 @@ fn table(field: &HeightField) -> Result<ColorTable> {
         quadrature_error: ERROR,
         reading_error: ERROR,
         averaging: 1.0,
+        most_averaging: 1.0,
         cubic_error: ERROR,
         finest: SPREAD,
         side_limit: MOST_TEXELS,
