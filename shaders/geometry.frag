@@ -119,6 +119,11 @@ bool in_shadow(Face face, int light, sampler2D map) {
         if (clip.w <= 0.0 || any(greaterThan(abs(clip.xy), vec2(clip.w)))) {
             return false; // not on the map
         }
+        // How fast the distance along the axis of the map changes on the surface, over that distance, by the place on the map.
+        vec3 axis = vec3(clip_from_world[0].w, clip_from_world[1].w, clip_from_world[2].w);
+        float along = dot(face.normal, axis);
+        slope = sqrt(max(1.0 - along * along, 0.0)) * clip.w / (max(cosine, 1e-6) * length(toward(light)));
+        slope = min(slope, STEEPEST);
         // Depth is A + B/distance, and B what the lamp itself has before the division.
         float reach = (clip_from_world * vec4(frame.lights[light].xyz, 1.0)).z;
         float texel = 2.0 * clip.w / (size.x * length(vec3(clip_from_world[0].x, clip_from_world[1].x, clip_from_world[2].x)));

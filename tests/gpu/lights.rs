@@ -323,8 +323,17 @@ fn convex_meshes_cast_no_shadow_on_themselves() {
         for name in ["sphere", "plate", "disc"] {
             let scene = Scene::open(name).unwrap();
             let source = Source::ClassicalGrating(ClassicalGrating::default());
-            for theta in [0.0, 45.0, 80.0, 89.0] {
-                let mut view = View::of(&scene, vec![Light::point(theta, 20.0, 1.0)]);
+            // From afar, and from lamps that do not stand over the middle.
+            for light in [
+                "0,20",
+                "45,20",
+                "80,20",
+                "89,20",
+                "sphere:0.4:0.9,0.3,1.1,30",
+                "rectangle:0.3x0.2:-0.9,0.5,0.7,30:0.4,0.1,-1",
+                "sphere:0.1:0.2,-1.4,0.6,30",
+            ] {
+                let mut view = View::of(&scene, vec![Light::parse(light).unwrap()]);
                 view.base_color = Vec3::ONE;
                 let paint = |shadows: bool| {
                     let mut painter = Painter::new(
@@ -344,10 +353,10 @@ fn convex_meshes_cast_no_shadow_on_themselves() {
                 };
                 let (with, without) = (paint(true), paint(false));
                 let largest = without.iter().fold(0.0f32, |m, p| m.max(p[1]));
-                assert!(largest > 1e-3, "{name} at {theta} is black");
+                assert!(largest > 1e-3, "{name} under {light} is black");
                 let apart = with.iter().zip(&without).map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, f32::max);
                 // Next to the terminator a triangle may be turned away where its interpolated normal is not.
-                assert!(apart <= 0.04 * largest, "{name} at {theta}: {apart} of {largest}");
+                assert!(apart <= 0.04 * largest, "{name} under {light}: {apart} of {largest}");
             }
         }
     });
