@@ -5,14 +5,15 @@
 // X, Y and Z of piece after piece of the range of |w|; RGBA: the coefficients of a cubic.
 layout(set = 1, binding = 1) uniform sampler2DArray color_table;
 
-// XYZ of the specular order over |w|, a band of wavelengths a row; in the last row all bands together.
+// XYZ of the specular order over |w|, a band of wavelengths a row, and then all bands together; in the last row the mean R of a material over twice
+// the cosine of the half angle, or 1.
 layout(set = 1, binding = 2) uniform sampler2D specular;
 
 const int BANDS = 16;       // of wavelengths of the specular order
 const float LARGEST_W = 2.0;
 
 layout(set = 1, binding = 0, std140) uniform Table {
-    float normal_reflectance; // R0 of Schlick
+    float normal_reflectance; // R0 of Schlick, or 1
     float texture_per_uv;     // texture coordinate per unit of u
     float coherence;          // variance of u that coherence averages over
     float unit;               // what a stored 1 stands for [1/sr]
@@ -41,13 +42,19 @@ vec3 read_table(Piece piece, vec2 place, float level) {
                 dot(textureLod(color_table, vec3(place, piece.layer + 2.0), level), piece.powers));
 }
 
-float specular_column(Pair pair) {
+float specular_column(float w) {
     float columns = float(textureSize(specular, 0).x);
-    return (pair.w / LARGEST_W * (columns - 1.0) + 0.5) / columns;
+    return (w / LARGEST_W * (columns - 1.0) + 0.5) / columns;
 }
 
-vec3 specular_weight(float column, int band) {
-    return textureLod(specular, vec2(column, (float(band) + 0.5) / float(BANDS + 1)), 0.0).rgb;
+vec3 specular_weight(float column, int row) {
+    return textureLod(specular, vec2(column, (float(row) + 0.5) / float(BANDS + 2)), 0.0).rgb;
+}
+
+// What stands before f: the mean R of a material is that at the pixel's own directions.
+float table_factor(Pair pair) {
+    float mean = specular_weight(specular_column(2.0 * pair.cos_half), BANDS + 1).r;
+    return mean * pair.factor / (4.0 * PI);
 }
 
 // The specular order: a Gaussian of (u, v) for each band of wavelengths.
@@ -57,18 +64,18 @@ vec3 source_specular(Pair pair, Footprint footprint) {
     const float NOWHERE = 40.0;
     float widest = max(c.x, c.z) + source.variances[0].x;
     int bands = dot(pair.toward, pair.toward) < NOWHERE * widest ? BANDS : 0;
-    float column = specular_column(pair);
+    float column = specular_column(pair.w);
     vec3 sum = vec3(0.0);
     for (int band = 0; band < bands; ++band) {
         float variance = source.variances[band >> 2][band & 3];
         sum += specular_weight(column, band) * normal_density(c + vec3(variance, 0.0, variance), pair.toward);
     }
-    return sum * (pair.factor / (4.0 * PI));
+    return sum * table_factor(pair);
 }
 
 // The specular order of all (u, v).
 vec3 source_mirrored(Pair pair) {
-    return specular_weight(specular_column(pair), BANDS) * (pair.factor / (4.0 * PI));
+    return specular_weight(specular_column(pair.w), BANDS) * table_factor(pair);
 }
 
 const bool SOURCE_READS_FOOTPRINT = true;
@@ -98,7 +105,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
         }
         average += sum * (row.weight / norm);
     }
-    return average * (source.unit * pair.w * pair.w) * (pair.factor / (4.0 * PI));
+    return average * (source.unit * pair.w * pair.w) * table_factor(pair);
 }
 
 // A table has no single wavelength; nobody asks.

@@ -152,27 +152,19 @@ impl Reflectance {
 
     /// Mean of R at normal incidence over the visible range, weighted by the eye's sensitivity.
     pub fn luminous_normal(&self) -> f64 {
+        self.luminous(1.0)
+    }
+
+    /// The same at the cosine of a half angle.
+    fn luminous(&self, cos_half_angle: f64) -> f64 {
         /// Wavelengths of the mean, 10 nm apart.
         const COUNT: usize = 41;
         let wavelengths = (0..COUNT).map(|i| SHORTEST + (LONGEST - SHORTEST) * i as f64 / (COUNT - 1) as f64);
         let (sum, total) = wavelengths.fold((0.0, 0.0), |(sum, total), wavelength| {
             let weight = observer(1e3 * wavelength).y;
-            (sum + weight * self.at(wavelength, 1.0), total + weight)
+            (sum + weight * self.at(wavelength, cos_half_angle), total + weight)
         });
         sum / total
-    }
-
-    /// R₀ of the part of R that colour tables leave to the directions of a pixel, by Schlick's form: the mean at normal incidence.
-    pub fn normal_of_tables(&self) -> f64 {
-        /// What reflects nothing at normal incidence would leave nothing to divide by.
-        const LEAST: f64 = 1e-3;
-        self.luminous_normal().max(LEAST)
-    }
-
-    /// R at `wavelength` \[µm\] over the part that tables leave to the directions, which is `normal` at normal incidence, at the cosine of the half
-    /// angle.
-    pub fn of_tables(&self, normal: f64, wavelength: f64, cos_half_angle: f64) -> f64 {
-        self.at(wavelength, cos_half_angle) / schlick_from(normal, cos_half_angle)
     }
 
     /// R at [`ROWS`] equal steps of the wavenumber over the visible range and [`COLUMNS`] equal steps of the cosine over 0 … 1, ends included,
@@ -220,6 +212,38 @@ fn step((n, q): (Complex64, Complex64), (m, p): (Complex64, Complex64)) -> [Comp
     let ratio =
         |up: Complex64, down: Complex64| if down == Complex64::ZERO { -Complex64::ONE } else { up / down };
     [ratio(q - p, q + p), ratio(a - b, a + b)]
+}
+
+/// The part of R that colour tables leave to the directions of a pixel, whatever the wavelength: the mean that the eye sees. A table holds R over it, which changes
+/// little with the angle, so that a footprint may read it at angles other than the pixel's.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(transparent)]
+pub struct MeanReflectance(Vec<f32>);
+
+impl MeanReflectance {
+    /// Equal steps of the cosine of the half angle over 0 … 1.
+    pub const STEPS: usize = 512;
+
+    /// Of what reflects by `reflectance`.
+    pub fn new(reflectance: &Reflectance) -> Self {
+        /// What reflects nothing at an angle would leave nothing to divide by.
+        const LEAST: f64 = 1e-3;
+        let at = |i: usize| reflectance.luminous(i as f64 / Self::STEPS as f64).max(LEAST) as f32;
+        Self((0..=Self::STEPS).map(at).collect())
+    }
+
+    /// Between two steps.
+    pub fn at(&self, cos_half_angle: f64) -> f64 {
+        let place = cos_half_angle.clamp(0.0, 1.0) * Self::STEPS as f64;
+        let left = (place as usize).min(Self::STEPS - 1);
+        let [a, b] = [left, left + 1].map(|i| f64::from(self.0[i]));
+        a + (place - left as f64) * (b - a)
+    }
+
+    /// Whether it can have been made by [`Self::new`].
+    pub fn is_sound(&self) -> bool {
+        self.0.len() == Self::STEPS + 1 && self.0.iter().all(|r| *r > 0.0 && *r <= 1.001)
+    }
 }
 
 #[cfg(test)]

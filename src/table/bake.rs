@@ -7,7 +7,7 @@ use super::sums::{CUBIC, Scratch, Spectrum, Sums};
 use super::{ColorTable, Header, TableSettings};
 use crate::error::{Error, Remedy, Result};
 use crate::memory;
-use crate::optics::reflectance::Reflectance;
+use crate::optics::reflectance::MeanReflectance;
 use crate::optics::spectrum::BLUE;
 use crate::spectra::power::PowerSpectra;
 use crate::spectra::power::read::{MOST_SIDE, Reader, Square};
@@ -57,7 +57,7 @@ pub fn bake(
     }
     progress(side, side)?;
     let specular = Specular::new(&reader.header, settings);
-    let normal_reflectance = settings.reflectance.as_ref().map(Reflectance::normal_of_tables);
+    let mean_reflectance = settings.reflectance.as_ref().map(MeanReflectance::new);
     let effective_orders = reader.header.effective_orders;
     let header = Header {
         grid,
@@ -67,7 +67,7 @@ pub fn bake(
         coherence_blur,
         cubic_error,
         effective_orders,
-        normal_reflectance,
+        mean_reflectance,
     };
     Ok(ColorTable { header, levels })
 }

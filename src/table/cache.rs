@@ -4,13 +4,14 @@ use super::grid::MOST_LEVELS;
 use super::pieces::MOST_PIECES;
 use super::{BANDS, ColorTable, Header, SPECULAR_SAMPLES};
 use crate::cache::{Format, Kept, Payload, count, positive};
+use crate::optics::reflectance::MeanReflectance;
 
 /// Larger than any side of a texture.
 const LARGEST_SIDE: usize = 1 << 16;
 
 impl Kept for ColorTable {
     /// The version changes whenever the table of the same key would change.
-    const FORMAT: Format = Format { name: "colours", version: 14 };
+    const FORMAT: Format = Format { name: "colours", version: 15 };
     type Header = Header;
 
     fn header(&self) -> Header {
@@ -47,13 +48,13 @@ fn is_sound(header: &Header) -> bool {
         coherence_blur,
         cubic_error,
         effective_orders,
-        normal_reflectance,
+        mean_reflectance,
     } = header;
     (1..=MOST_LEVELS).contains(&grid.levels)
         && (1..=LARGEST_SIDE).contains(&grid.side)
         && grid.side.is_multiple_of(1 << (grid.levels - 1))
         && positive(&[grid.extent, grid.growth, *unit, *coherence_blur, *effective_orders])
-        && normal_reflectance.is_none_or(|r| r > 0.0 && r <= 1.0)
+        && mean_reflectance.as_ref().is_none_or(MeanReflectance::is_sound)
         && [grid.finest, *cubic_error].into_iter().all(|x| x.is_finite() && x >= 0.0)
         && (1..=MOST_PIECES).contains(pieces)
         && specular.variances.len() == BANDS
@@ -90,7 +91,7 @@ mod tests {
             coherence_blur: 1e-5,
             cubic_error: 1e-3,
             effective_orders: 3.0,
-            normal_reflectance: Some(0.04),
+            mean_reflectance: Some(MeanReflectance::new(&Reflectance::Schlick(1.5))),
         };
         let numbers =
             |side: usize| (0..side * side * 2 * 12).map(|i| f16::from_f32(i as f32 * 0.01)).collect();

@@ -23,7 +23,7 @@ pub use grid::Grid;
 pub use read::TableReader;
 pub use specular::{BANDS, SPECULAR_SAMPLES, Specular};
 
-use crate::optics::reflectance::Reflectance;
+use crate::optics::reflectance::{MeanReflectance, Reflectance};
 use crate::optics::spectrum::Illuminant;
 use crate::spectra::power::texture::EVEN;
 use crate::surface::MAX_SIDE;
@@ -109,9 +109,9 @@ pub struct Header {
     pub cubic_error: f64,
     /// How many orders share the light: that of the power spectra.
     pub effective_orders: f64,
-    /// Where R depends on the wavelength, the colours hold R over Schlick's form from this mean of it at normal incidence. The form is the larger part of how
-    /// R depends on the angle, and belongs to the directions of the pixel and not to those that its footprint averages over.
-    pub normal_reflectance: Option<f64>,
+    /// Where R depends on the wavelength, the colours hold R over this mean of it, which is the larger part of how R depends on the angle. It belongs to the
+    /// directions of the pixel and not to those that its footprint averages over.
+    pub mean_reflectance: Option<MeanReflectance>,
 }
 
 impl ColorTable {
@@ -129,7 +129,7 @@ impl ColorTable {
             coherence_blur: 1.0,
             cubic_error: 0.0,
             effective_orders: EVEN,
-            normal_reflectance: None,
+            mean_reflectance: None,
         };
         Self { header, levels: (0..grid.levels).map(level).collect() }
     }

@@ -1,7 +1,7 @@
 //! Reads a colour table between its texels and over footprints: the twin of `shaders/source_table.glsl`.
 
 use super::{ColorTable, LARGEST_W, SPECULAR_SAMPLES};
-use crate::optics::brdf::{schlick, schlick_from};
+use crate::optics::brdf::schlick;
 use crate::optics::footprint::{Covariance, Levels, Share, Tap, TapRule, Taps};
 use crate::optics::geometry::Pair;
 use glam::{DVec2, DVec3};
@@ -49,8 +49,9 @@ impl<'a> TableReader<'a> {
         let read = |tap: Tap| self.at(toward + tap.place, w, level + usize::from(tap.coarser)) * tap.weight;
         let sum: DVec3 = taps.each().map(read).sum();
         let colour = sum * (w * w) + self.specular(toward, w, around);
-        let normal = self.table.header.normal_reflectance.unwrap_or_else(|| schlick(ior, 1.0));
-        let reflectance = schlick_from(normal, pair.cos_half_angle());
+        let cosine = pair.cos_half_angle();
+        let mean = self.table.header.mean_reflectance.as_ref();
+        let reflectance = mean.map_or_else(|| schlick(ior, cosine), |mean| mean.at(cosine));
         colour * (reflectance * pair.geometric_factor_times_cos_light() / (w * w))
     }
 

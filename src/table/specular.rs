@@ -5,6 +5,7 @@
 
 use super::TableSettings;
 use crate::optics::quadrature::density_table;
+use crate::optics::reflectance::MeanReflectance;
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::spectra::power::chebyshev::polynomials;
 use crate::spectra::power::{Blur, Header};
@@ -41,7 +42,7 @@ impl Specular {
             let end = if i == 0 || i == COUNT - 1 { 0.5 } else { 1.0 };
             (first + i as f64 * step, density[i] * (step * end))
         };
-        let reflectance = settings.reflectance.as_ref().map(|r| (r, r.normal_of_tables()));
+        let reflectance = settings.reflectance.as_ref().map(|r| (r, MeanReflectance::new(r)));
         let blur = Blur::of_coherence(spectra.sigma).variance[0];
         let (mut variances, mut weights) = (Vec::new(), Vec::new());
         for band in 0..BANDS {
@@ -59,7 +60,9 @@ impl Specular {
                         let w = 2.0 * i as f64 / (SPECULAR_SAMPLES - 1) as f64;
                         // The lobe is so narrow that (u, v) = 0 throughout, and cos θ_h = |w|/2.
                         let reflected = |q: f64| {
-                            reflectance.map_or(1.0, |(r, normal)| r.of_tables(normal, 1.0 / q, 0.5 * w))
+                            reflectance
+                                .as_ref()
+                                .map_or(1.0, |(r, mean)| r.at(1.0 / q, 0.5 * w) / mean.at(0.5 * w))
                         };
                         let power = |q: f64| power(spectra, 2.0 * PI * q * w) * reflected(q);
                         let sum: DVec3 = nodes.iter().map(|(q, xyz)| *xyz * power(*q)).sum();

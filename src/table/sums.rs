@@ -6,7 +6,7 @@
 use super::{LARGEST_W, TableSettings};
 use crate::optics::footprint::Polygon;
 use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
-use crate::optics::reflectance::Reflectance;
+use crate::optics::reflectance::{MeanReflectance, Reflectance};
 use crate::optics::spectrum::MIDDLE;
 use crate::spectra::power::chebyshev::{coefficients_from_values, nodes, polynomials};
 use crate::spectra::power::read::{Reader, Square};
@@ -43,8 +43,8 @@ impl Spectrum {
             None => Ladder::new(&settings.illuminant, &rule).levels,
         };
         let rows = |r: &Reflectance| {
-            let normal = r.normal_of_tables();
-            let row = |q: &f64| ReflectanceRow::new(r, normal, *q);
+            let mean = MeanReflectance::new(r);
+            let row = |q: &f64| ReflectanceRow::new(r, &mean, *q);
             let of_comb = |comb: &Comb| comb.wavenumbers.iter().map(row).collect();
             combs.par_iter().map(of_comb).collect()
         };
@@ -62,16 +62,18 @@ impl Spectrum {
     }
 }
 
-/// R at one wavenumber over cos θ_h, as far as tables hold it.
+/// R at one wavenumber over the mean R, over cos θ_h.
 struct ReflectanceRow(Vec<f32>);
 
 impl ReflectanceRow {
     /// Steps of cos θ_h, about as many as shaders have ([`crate::optics::reflectance::COLUMNS`] says what that errs by).
     const STEPS: usize = 256;
 
-    fn new(reflectance: &Reflectance, normal: f64, wavenumber: f64) -> Self {
-        let at =
-            |i: usize| reflectance.of_tables(normal, 1.0 / wavenumber, i as f64 / Self::STEPS as f64) as f32;
+    fn new(reflectance: &Reflectance, mean: &MeanReflectance, wavenumber: f64) -> Self {
+        let at = |i: usize| {
+            let cosine = i as f64 / Self::STEPS as f64;
+            (reflectance.at(1.0 / wavenumber, cosine) / mean.at(cosine)) as f32
+        };
         Self((0..=Self::STEPS).map(at).collect())
     }
 

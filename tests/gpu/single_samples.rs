@@ -5,6 +5,8 @@ use crate::evaluation::patch;
 use crate::mean::source;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::color::Tone;
+use diffract::optics::material::Material;
+use diffract::optics::reflectance::Reflectance;
 use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
 use diffract::render::picture::Painter;
@@ -29,6 +31,8 @@ struct Case {
     wavelengths: Option<usize>,
     /// Instead of those of the scene.
     light: Option<Light>,
+    /// Instead of Schlick's dielectric.
+    material: Option<&'static str>,
 }
 
 /// Relative L2 error of all colours of one sample by each of `methods`.
@@ -38,11 +42,16 @@ fn errors<const N: usize>(case: &Case, methods: [Method; N]) -> [f64; N] {
     let scene = Scene::open(case.scene).unwrap();
     let lights = case.light.map_or(scene.lights.clone(), |light| vec![light]);
     let view = View { base_color: Vec3::ZERO, ..View::of(&scene, lights) };
+    let reflectance = case.material.map_or(Reflectance::default(), |name| Reflectance::Fresnel {
+        material: Material::from_name_or_file(name).unwrap(),
+        film: None,
+    });
     let shading = Shading {
         coherence: Coherence::Gaussian { length: 16.0 },
         windows: Windows::All,
         tolerance,
         wavelengths,
+        reflectance,
         ..Shading::default()
     }
     .for_pictures();
@@ -88,7 +97,7 @@ fn pictures_of_few_orders_keep_their_colours() {
         ("plate", Kind::Sinusoid, [60, 45], 1e-2, [0.008, 0.006]),
         ("cd", Kind::Sinusoid, [64, 48], 2e-2, [0.02, 0.015]),
     ] {
-        let case = Case { scene, kind, size, tolerance, wavelengths: None, light: None };
+        let case = Case { scene, kind, size, tolerance, wavelengths: None, light: None, material: None };
         let [table, spectral] = errors(&case, [Method::Table, Method::Spectral]);
         eprintln!("| {scene}, {kind:?}, {size:?}, {tolerance} | {table:.4} | {spectral:.4} |");
         assert!(table < most[0] && spectral < most[1], "{scene}, {kind:?}: {table}, {spectral}");
@@ -106,6 +115,7 @@ fn a_plate_that_is_lit_across_its_grooves_keeps_its_faint_colours() {
         tolerance: 1e-2,
         wavelengths: None,
         light,
+        material: None,
     };
     let [table, spectral] = errors(&case, [Method::Table, Method::Spectral]);
     eprintln!("faint: table {table:.4}, spectral {spectral:.4}");
@@ -123,6 +133,7 @@ fn a_plate_that_shows_two_orders_keeps_the_series_of_each() {
         tolerance: 2e-2,
         wavelengths: None,
         light,
+        material: None,
     };
     let [table, spectral] = errors(&case, [Method::Table, Method::Spectral]);
     eprintln!("two orders: table {table:.4}, spectral {spectral:.4}");
@@ -139,8 +150,26 @@ fn a_sum_over_hundreds_of_wavelengths_and_taps_is_whole() {
         tolerance: 2e-2,
         wavelengths: Some(400),
         light: Some(Light::point(70.0, 60.0, 1.0)),
+        material: None,
     };
     let [error] = errors(&case, [Method::Spectral]);
     eprintln!("400 wavelengths: {error:.4}");
     assert!(error < 0.02, "{error}");
+}
+
+#[test]
+fn glass_reflects_as_fresnel_says_where_footprints_reach_far() {
+    // Beside silhouettes a footprint reads R at other angles than the pixel's. Over Schlick's form it erred by 0.016, over its own mean by nothing.
+    let case = Case {
+        scene: "snake",
+        kind: Kind::Flat,
+        size: [64, 48],
+        tolerance: 1e-2,
+        wavelengths: None,
+        light: Some(Light::point(16.8, 51.8, 1.0)),
+        material: Some("glass"),
+    };
+    let [table] = errors(&case, [Method::Table]);
+    eprintln!("glass: {table:.4}");
+    assert!(table < 0.003, "{table}");
 }

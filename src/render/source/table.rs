@@ -9,7 +9,7 @@ use crate::optics::footprint::TapRule;
 use crate::render::picture::Directions;
 use crate::render::shading::Shading;
 use crate::render::upload;
-use crate::table::{BANDS, ColorTable, SPECULAR_SAMPLES, Specular, TableReader};
+use crate::table::{BANDS, ColorTable, Header, SPECULAR_SAMPLES, TableReader};
 use crate::vk::device::Device;
 use crate::vk::image::{Description, Image};
 use crate::vk::sampler::Sampler;
@@ -38,7 +38,7 @@ const KINDS: [Kind; 3] = [Kind::UNIFORM_BUFFER, Kind::COMBINED_IMAGE_SAMPLER, Ki
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct TableBlock {
-    /// R₀ of Schlick.
+    /// R₀ of Schlick; 1 where the mean R of a material stands in its place.
     pub normal_reflectance: f32,
     /// Texture coordinate per unit of u.
     pub texture_per_uv: f32,
@@ -80,9 +80,9 @@ impl Table {
         let levels: Vec<&[u8]> = self.table.levels.iter().map(|level| bytemuck::cast_slice(level)).collect();
         upload::levels(device, &image, layers, &levels)?;
         bound.data(binding::COLOURS, image, Sampler::levels_that_end(device, "colour table sampler")?);
-        let weights = specular_rows(&header.specular);
+        let weights = specular_rows(header);
         let format = vk::Format::R32G32B32A32_SFLOAT;
-        let size = [SPECULAR_SAMPLES, BANDS + 1];
+        let size = [SPECULAR_SAMPLES, BANDS + 2];
         let image =
             upload::texture(device, "specular order", format, size, None, bytemuck::cast_slice(&weights))?;
         let edge = Sampler::linear(device, "specular sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
@@ -96,10 +96,7 @@ impl Table {
         let header = &self.table.header;
         let grid = &header.grid;
         let block = TableBlock {
-            normal_reflectance: header
-                .normal_reflectance
-                .unwrap_or_else(|| shading.reflectance.normal_factor())
-                as f32,
+            normal_reflectance: shading.reflectance.normal_factor() as f32,
             texture_per_uv: (0.5 / grid.extent) as f32,
             coherence: header.coherence_blur as f32,
             unit: header.unit as f32,
@@ -148,12 +145,18 @@ impl Table {
     }
 }
 
-/// The weights of each band, and in the last row those of all bands together.
-fn specular_rows(specular: &Specular) -> Vec<[f32; 4]> {
+/// The weights of each band over |w|, those of all bands together, and the mean R of a material over twice the cosine of the half angle.
+fn specular_rows(header: &Header) -> Vec<[f32; 4]> {
+    let specular = &header.specular;
+    let mean = (0..SPECULAR_SAMPLES).map(|sample| {
+        let cosine = sample as f64 / (SPECULAR_SAMPLES - 1) as f64;
+        let mean = header.mean_reflectance.as_ref().map_or(1.0, |mean| mean.at(cosine) as f32);
+        [mean; 3]
+    });
     let bands = specular.weights.iter().flatten().copied();
     let all = (0..SPECULAR_SAMPLES).map(|sample| {
         let sum: Vec3 = specular.weights.iter().map(|band| Vec3::from_array(band[sample])).sum();
         sum.to_array()
     });
-    bands.chain(all).map(|[x, y, z]| [x, y, z, 0.0]).collect()
+    bands.chain(all).chain(mean).map(|[x, y, z]| [x, y, z, 0.0]).collect()
 }
