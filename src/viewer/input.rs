@@ -1,89 +1,54 @@
 //! Keys, and the pointer over the picture.
 
-use super::changes::Step;
+use super::commands::{COMMANDS, Command};
 use super::compare::Compare;
-use super::model::{Model, SaveAs};
+use super::model::Model;
 use super::orbit::{self, Drag};
 use egui::{Key, Modifiers, MouseWheelUnit, PointerButton, Rect, Sense, Ui};
 use glam::Vec2;
 
-/// Every key and gesture with its meaning, as F1 lists them.
-pub const KEYS: [(&str, &str); 19] = [
+/// Every gesture of the pointer with its meaning.
+const GESTURES: [(&str, &str); 7] = [
     ("left drag", "orbit"),
     ("wheel", "zoom"),
     ("middle or Shift + left drag", "pan"),
     ("right or Ctrl + left drag", "move the first light over the hemisphere"),
     ("double click", "look at the point under the pointer"),
-    ("F", "show the whole mesh"),
-    ("Ctrl + Z, Ctrl + Y", "undo and redo the last change"),
-    ("R", "reset all settings"),
-    ("S", "save the picture as PNG; Shift + S: as EXR too"),
-    ("C", "compare: off, split, error in false colour"),
     ("drag the line", "move the split"),
-    ("E", "measure the error against the f64 reference"),
-    ("B", "show or hide the BRDF hemisphere"),
-    ("I", "inspect the pixel under the pointer; a click holds it"),
-    ("space", "draw continuously, or only on changes"),
-    ("+ and −", "exposure"),
-    ("P", "show or hide the panel"),
-    ("F1", "show or hide this list"),
     ("Esc", "close a list, this list, the window"),
 ];
+
+/// Every key and gesture with its meaning, as F1 lists them.
+pub fn list() -> impl Iterator<Item = (String, &'static str)> {
+    let gestures = GESTURES.iter().map(|(gesture, what)| ((*gesture).to_owned(), *what));
+    let commands = COMMANDS.iter().filter(|command| !command.shortcuts.is_empty());
+    gestures.chain(commands.map(|command| (command.keys(), command.name)))
+}
 
 /// Applies key presses to `model`.
 pub fn keys(ui: &Ui, model: &mut Model) {
     if model.visible.typing || ui.ctx().text_edit_focused() {
         return;
     }
-    let list_is_open = egui::Popup::is_any_open(ui.ctx());
-    let mut step = None;
-    ui.input(|i| {
-        // Repeats of a held key are ignored: none of these actions should be repeated.
-        let pressed = |wanted: Key| {
-            i.events.iter().any(
-                |e| matches!(e, egui::Event::Key { key, pressed: true, repeat: false, .. } if *key == wanted),
-            )
-        };
-        if i.modifiers.command && pressed(Key::Z) {
-            step = Some(if i.modifiers.shift { Step::Forward } else { Step::Back });
-        }
-        if i.modifiers.command && pressed(Key::Y) {
-            step = Some(Step::Forward);
-        }
-        model.actions.reset |= pressed(Key::R);
-        model.actions.frame |= pressed(Key::F);
-        if pressed(Key::S) {
-            model.actions.save = Some(if i.modifiers.shift { SaveAs::PngAndExr } else { SaveAs::Png });
-        }
-        if pressed(Key::C) {
-            model.comparison.mode = model.comparison.mode.next();
-        }
-        model.actions.measure |= pressed(Key::E);
-        model.visible.inset ^= pressed(Key::B);
-        if pressed(Key::I) {
-            if model.inspector.open { model.inspector.close() } else { model.inspector.open = true }
-        }
-        model.pacing.continuous ^= pressed(Key::Space);
-        model.visible.panel ^= pressed(Key::P);
-        model.visible.help ^= pressed(Key::F1);
-        // Esc closes what is innermost. An open list and an edited text close themselves.
-        if pressed(Key::Escape) && !list_is_open {
-            if model.visible.help {
-                model.visible.help = false;
-            } else if model.inspector.open {
-                model.inspector.close();
-            } else {
-                model.actions.close = true;
-            }
-        }
-        for (key, step) in [(Key::Plus, 0.5), (Key::Equals, 0.5), (Key::Minus, -0.5)] {
-            if i.key_pressed(key) {
-                model.settings.exposure = (model.settings.exposure + step).clamp(-20.0, 20.0);
-            }
-        }
-    });
-    if let Some(settings) = step.and_then(|step| model.changes.step(step)) {
-        model.settings = settings;
+    let pressed: Vec<&Command> =
+        ui.input(|i| COMMANDS.iter().filter(|command| command.is_pressed(i)).collect());
+    for command in pressed {
+        (command.run)(model);
+    }
+    // An open list and an edited text close themselves.
+    if ui.input(|i| i.key_pressed(Key::Escape)) && !egui::Popup::is_any_open(ui.ctx()) {
+        close_innermost(model);
+    }
+}
+
+/// Closes what lies on top, at last the window.
+fn close_innermost(model: &mut Model) {
+    if model.visible.help {
+        model.visible.help = false;
+    } else if model.inspector.open {
+        model.inspector.close();
+    } else {
+        model.actions.close = true;
     }
 }
 

@@ -59,7 +59,7 @@ mod tests {
     use crate::optics::coherence::{Coherence, Windows};
     use crate::setup::Method;
     use crate::viewer::hand::Hand;
-    use crate::viewer::input::KEYS;
+    use crate::viewer::input;
     use crate::viewer::panel::LEAST_WIDTH;
     use crate::viewer::panel::rows::{ALL, Row};
     use egui::{Key, Modifiers, Pos2, pos2, vec2};
@@ -163,8 +163,8 @@ mod tests {
             }
             hand.key(Key::F1);
             let reached = hand.sweep(pos2(0.5 * size[0], 0.5 * size[1]));
-            for (key, what) in KEYS {
-                assert!(reached.contains(key) && reached.contains(what), "{key}: {what} in {size:?}");
+            for (key, what) in input::list() {
+                assert!(reached.contains(&key) && reached.contains(what), "{key}: {what} in {size:?}");
             }
         }
     }

@@ -7,6 +7,7 @@
 mod app;
 pub mod atlas;
 mod changes;
+mod commands;
 mod compare;
 mod controls;
 pub mod error_probe;

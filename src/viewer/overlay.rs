@@ -1,7 +1,7 @@
 //! What is drawn over the picture: state, messages, split, error scale, hemisphere, list of keys.
 
 use super::compare::Compare;
-use super::input::KEYS;
+use super::input;
 use super::inset::{Inset, SIDE};
 use super::inspector_pane;
 use super::model::Model;
@@ -220,7 +220,7 @@ fn help(ui: &mut Ui, model: &mut Model) {
         .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
         .show(ui.ctx(), |ui| {
             ScrollArea::vertical().max_height(room.y).show(ui, |ui| {
-                for (key, what) in KEYS {
+                for (key, what) in input::list() {
                     ui.horizontal_top(|ui| {
                         let cell = |ui: &mut Ui, width: f32, text: RichText| {
                             ui.scope(|ui| {

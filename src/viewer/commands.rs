@@ -1,0 +1,204 @@
+//! What the user can do by a key or by name. The keys, the list of them and the palette read the same rows.
+
+use super::changes::Step;
+use super::model::{Model, SaveAs};
+use egui::{InputState, Key, Modifiers};
+
+/// Something that the user can do.
+pub struct Command {
+    /// What it does, as the list of keys and the palette name it.
+    pub name: &'static str,
+    /// Keys that do it.
+    pub shortcuts: &'static [Shortcut],
+    /// Does it.
+    pub run: fn(&mut Model),
+}
+
+/// A key with what is held beside it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shortcut {
+    key: Key,
+    // Whether Ctrl is held; on a Mac the command key.
+    control: bool,
+    // Whether Shift is held; it is part of typing a sign that is no letter.
+    shift: bool,
+}
+
+const fn key(key: Key) -> Shortcut {
+    Shortcut { key, control: false, shift: false }
+}
+
+const fn shift(key: Key) -> Shortcut {
+    Shortcut { key, control: false, shift: true }
+}
+
+const fn control(key: Key) -> Shortcut {
+    Shortcut { key, control: true, shift: false }
+}
+
+/// All commands.
+pub const COMMANDS: &[Command] = &[
+    Command {
+        name: "show the whole mesh",
+        shortcuts: &[key(Key::F)],
+        run: |model| model.actions.frame = true,
+    },
+    Command {
+        name: "undo the last change",
+        shortcuts: &[control(Key::Z)],
+        run: |model| step(model, Step::Back),
+    },
+    Command {
+        name: "redo what was undone",
+        shortcuts: &[control(Key::Y), Shortcut { key: Key::Z, control: true, shift: true }],
+        run: |model| step(model, Step::Forward),
+    },
+    Command {
+        name: "reset all settings",
+        shortcuts: &[key(Key::R)],
+        run: |model| model.actions.reset = true,
+    },
+    Command {
+        name: "save the picture as PNG",
+        shortcuts: &[key(Key::S)],
+        run: |model| model.actions.save = Some(SaveAs::Png),
+    },
+    Command {
+        name: "save the picture as PNG and EXR",
+        shortcuts: &[shift(Key::S)],
+        run: |model| model.actions.save = Some(SaveAs::PngAndExr),
+    },
+    Command {
+        name: "compare: off, split, error in false colour",
+        shortcuts: &[key(Key::C)],
+        run: |model| model.comparison.mode = model.comparison.mode.next(),
+    },
+    Command {
+        name: "measure the error against the f64 reference",
+        shortcuts: &[key(Key::E)],
+        run: |model| model.actions.measure = true,
+    },
+    Command {
+        name: "show or hide the BRDF hemisphere",
+        shortcuts: &[key(Key::B)],
+        run: |model| model.visible.inset ^= true,
+    },
+    Command {
+        name: "inspect the pixel under the pointer; a click holds it",
+        shortcuts: &[key(Key::I)],
+        run: |model| {
+            if model.inspector.open { model.inspector.close() } else { model.inspector.open = true }
+        },
+    },
+    Command {
+        name: "draw continuously, or only on changes",
+        shortcuts: &[key(Key::Space)],
+        run: |model| model.pacing.continuous ^= true,
+    },
+    Command {
+        name: "brighter by half a stop",
+        shortcuts: &[key(Key::Plus), key(Key::Equals)],
+        run: |model| expose(model, 0.5),
+    },
+    Command {
+        name: "darker by half a stop",
+        shortcuts: &[key(Key::Minus)],
+        run: |model| expose(model, -0.5),
+    },
+    Command {
+        name: "show or hide the panel",
+        shortcuts: &[key(Key::P)],
+        run: |model| model.visible.panel ^= true,
+    },
+    Command {
+        name: "show or hide the list of keys",
+        shortcuts: &[key(Key::F1)],
+        run: |model| model.visible.help ^= true,
+    },
+];
+
+fn step(model: &mut Model, step: Step) {
+    if let Some(settings) = model.changes.step(step) {
+        model.settings = settings;
+    }
+}
+
+fn expose(model: &mut Model, stops: f64) {
+    model.settings.exposure = (model.settings.exposure + stops).clamp(-20.0, 20.0);
+}
+
+impl Command {
+    /// The keys that do it, as they are listed.
+    pub fn keys(&self) -> String {
+        let named: Vec<String> = self.shortcuts.iter().map(Shortcut::name).collect();
+        named.join(", ")
+    }
+
+    /// Whether one of its keys was pressed since the last pass. Repeats of a held key do not count: no command should run many times.
+    pub fn is_pressed(&self, input: &InputState) -> bool {
+        input.events.iter().any(|event| match event {
+            egui::Event::Key { key, pressed: true, repeat: false, modifiers, .. } => {
+                self.shortcuts.iter().any(|shortcut| shortcut.is(*key, *modifiers))
+            }
+            _ => false,
+        })
+    }
+}
+
+impl Shortcut {
+    fn is(&self, key: Key, modifiers: Modifiers) -> bool {
+        let is_letter = key.name().len() == 1 && key.name().chars().all(char::is_alphabetic);
+        let shift = modifiers.shift == self.shift || !is_letter;
+        key == self.key && shift && modifiers.command == self.control && !modifiers.alt
+    }
+
+    /// As on a keyboard.
+    fn name(&self) -> String {
+        let key = match self.key {
+            Key::Space => "space",
+            Key::Plus => "+",
+            Key::Minus => "−",
+            Key::Equals => "=",
+            Key::PageUp => "page up",
+            Key::PageDown => "page down",
+            other => other.name(),
+        };
+        let held = [(self.control, "Ctrl + "), (self.shift, "Shift + ")];
+        let held: String = held.iter().filter(|(held, _)| *held).map(|(_, name)| *name).collect();
+        held + key
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn no_key_does_two_things_and_no_name_stands_twice() {
+        let mut shortcuts = Vec::new();
+        let mut names = HashSet::new();
+        for command in COMMANDS {
+            assert!(names.insert(command.name), "{}", command.name);
+            for shortcut in command.shortcuts {
+                assert!(!shortcuts.contains(shortcut), "{}", shortcut.name());
+                shortcuts.push(*shortcut);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_held_beside_a_letter_counts_and_beside_a_sign_does_not() {
+        let shifted = Modifiers::SHIFT;
+        assert!(key(Key::S).is(Key::S, Modifiers::NONE) && !key(Key::S).is(Key::S, shifted));
+        assert!(shift(Key::S).is(Key::S, shifted) && !key(Key::S).is(Key::S, Modifiers::COMMAND));
+        assert!(key(Key::Plus).is(Key::Plus, shifted));
+        assert!(control(Key::Z).is(Key::Z, Modifiers::COMMAND));
+        let redo = Shortcut { key: Key::Z, control: true, shift: true };
+        assert!(
+            redo.is(Key::Z, Modifiers::COMMAND | shifted)
+                && !control(Key::Z).is(Key::Z, Modifiers::COMMAND | shifted)
+        );
+        assert_eq!([redo.name(), key(Key::Minus).name()], ["Ctrl + Shift + Z", "−"]);
+    }
+}
