@@ -1,11 +1,11 @@
 //! Which pictures of a sequence an earlier run finished: each says in its file what it was drawn from.
 
-use super::sequence::Sequence;
 use crate::cache::{Format, Key};
 use crate::error::{Error, Result};
 use crate::picture_file;
 use crate::render::frame::View;
 use crate::render::pigment::Pigment;
+use crate::render::sequence::Sequence;
 use crate::scene::Scene;
 use crate::surface::HeightField;
 use std::fmt::Debug;

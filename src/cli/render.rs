@@ -5,7 +5,7 @@ use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, Exposure, OpticsOptions, SurfaceOptions, ViewOptions,
     check_lights, sample_pixels,
 };
-use super::sequence::{Sequence, SequenceOptions};
+use super::sequence::SequenceOptions;
 use super::verbosity::say;
 use super::{captions, prepare, scale};
 use crate::error::{Error, Result};
@@ -20,6 +20,7 @@ use crate::render::frame::{Shown, View};
 use crate::render::picture::Picture;
 use crate::render::reference_picture::{self, displayed_of, reference_mean};
 use crate::render::sampling::{Sample, Sampling};
+use crate::render::sequence::Sequence;
 use crate::render::source::{ClassicalGrating, Source};
 use crate::scene::Scene;
 use crate::setup::{self, Method, PictureSettings, PreparedScene, Settings};

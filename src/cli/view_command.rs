@@ -51,7 +51,7 @@ impl Words {
             words.option("light", light.to_string());
         }
         if let Some(environment) = &scene.environment {
-            let placement = environment.placement;
+            let placement = settings.surroundings;
             words.option("environment", environment.name.to_string());
             words.option("rotate-environment", format!("{}deg", placement.rotation));
             words.option("environment-exposure", placement.exposure.to_string());

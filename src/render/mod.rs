@@ -15,6 +15,7 @@ pub mod picture;
 pub mod pigment;
 pub mod reference_picture;
 pub mod sampling;
+pub mod sequence;
 pub mod shading;
 pub mod shadows;
 pub mod source;

@@ -58,13 +58,21 @@ impl Placement {
 }
 
 /// Surroundings of a scene.
-#[derive(Clone, PartialEq)]
+#[derive(Clone)]
 pub struct Environment {
     /// Their name or file.
     pub name: String,
     /// How they stand.
     pub placement: Placement,
     picture: Arc<Picture>,
+}
+
+/// The very same picture is not compared number by number.
+impl PartialEq for Environment {
+    fn eq(&self, other: &Self) -> bool {
+        let is_same = self.shares_picture_with(other) || self.picture == other.picture;
+        is_same && self.name == other.name && self.placement == other.placement
+    }
 }
 
 /// Tells the picture by its hash: millions of numbers tell nobody anything.
@@ -188,6 +196,12 @@ impl Environment {
         let finest = Level { size: [*width, *height], radiance: radiance.clone() };
         let halved = |level: &Level| (level.size != [1, 1]).then(|| level.halved());
         std::iter::successors(Some(finest), halved).collect()
+    }
+
+    /// The same surroundings, standing as `placement` says.
+    #[must_use]
+    pub fn placed(&self, placement: Placement) -> Self {
+        Self { placement, ..self.clone() }
     }
 
     /// Whether both have the very same picture.

@@ -153,8 +153,7 @@ impl Lamp {
     pub fn incident(&self, point: [f64; 2], count: u32, room: &Room) -> Incident {
         let share = (WIDER / f64::from(count.max(1))).min(1.0);
         let normal = self.normal(room);
-        let across = DVec3::Z.cross(normal).try_normalize().unwrap_or(DVec3::X);
-        let up = normal.cross(across);
+        let [across, up] = axes(normal);
         let (at, emits, variance) = match self.shape {
             Shape::Sphere { diameter } => {
                 let (radius, angle) = concentric(point);
@@ -175,6 +174,17 @@ impl Lamp {
             irradiance: Vec3::splat((self.radiance(room) * self.outline() / PI) as f32),
             variance,
         }
+    }
+
+    /// The corners of a rectangle, of a sphere those of the square around what the middle of `room` sees, in turn.
+    pub fn corners(&self, room: &Room) -> [DVec3; 4] {
+        let [across, up] = axes(self.normal(room));
+        let [width, height] = match self.shape {
+            Shape::Sphere { diameter } => [diameter; 2],
+            Shape::Rectangle { size, .. } => size,
+        };
+        let corner = |x: f64, y: f64| self.middle + across * (0.5 * x * width) + up * (0.5 * y * height);
+        [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]
     }
 
     /// Distance from the middle of the scene; that of its surface where the lamp stands there.
@@ -206,6 +216,12 @@ impl Lamp {
             Shape::Rectangle { .. } => self.outline(),
         }
     }
+}
+
+/// The horizontal and the other axis of what faces along `normal`.
+fn axes(normal: DVec3) -> [DVec3; 2] {
+    let across = DVec3::Z.cross(normal).try_normalize().unwrap_or(DVec3::X);
+    [across, normal.cross(across)]
 }
 
 /// Variance of the points of a disc along an axis.

@@ -84,6 +84,11 @@ pub const COMMANDS: &[Command] = &[
         run: |model| model.visible.inset ^= true,
     },
     Command {
+        name: "show or hide the lights in the picture",
+        shortcuts: &[key(Key::L)],
+        run: |model| model.visible.lights ^= true,
+    },
+    Command {
         name: "inspect the pixel under the pointer; a click holds it",
         shortcuts: &[key(Key::I)],
         run: |model| {
@@ -104,6 +109,21 @@ pub const COMMANDS: &[Command] = &[
         name: "darker by half a stop",
         shortcuts: &[key(Key::Minus)],
         run: |model| expose(model, -0.5),
+    },
+    Command {
+        name: "record a turntable, or stop recording",
+        shortcuts: &[key(Key::T)],
+        run: |model| model.actions.record = true,
+    },
+    Command {
+        name: "copy the command that draws this picture",
+        shortcuts: &[key(Key::K)],
+        run: |model| model.actions.copy_command = true,
+    },
+    Command {
+        name: "find a command by its name",
+        shortcuts: &[control(Key::P)],
+        run: |model| model.palette.open = true,
     },
     Command {
         name: "show or hide the panel",

@@ -1,14 +1,14 @@
 //! A frame of the scene: what it is drawn from, how it is asked for, what comes back.
 
 use super::compare::Compare;
-use super::inset::Inset;
+use super::inset::{Inset, InsetRequest};
 use super::prepared::Prepared;
 use super::quality::Quality;
 use crate::error::Result;
 use crate::render::frame::{Shown, View};
 use crate::render::pigment::Pigment;
 use crate::render::sampling::Sampling;
-use crate::scene::{FarLight, Scene};
+use crate::scene::Scene;
 use crate::vk::image::Image;
 use std::sync::Arc;
 
@@ -61,8 +61,8 @@ pub struct FrameRequest {
     pub compare: Compare,
     /// Samples that are summed once the first one is shown.
     pub sampling: Sampling,
-    /// The light whose BRDF is computed over the hemisphere, if that is to be shown.
-    pub inset: Option<FarLight>,
+    /// The BRDF over the hemisphere, if that is to be shown.
+    pub inset: Option<InsetRequest>,
 }
 
 impl FrameRequest {

@@ -1,9 +1,10 @@
 //! For tests: drives the panel without a window or a device, as a hand does.
 
 use super::frame::LoadedScene;
+use super::inset::Inset;
 use super::model::Model;
 use super::settings::tests::settings;
-use super::{layout, style, text_dump};
+use super::{hemisphere, layout, style, text_dump};
 use egui::{Context, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, RawInput, Rect, Vec2, vec2};
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -31,6 +32,8 @@ impl Text {
 pub struct Hand {
     pub model: Model,
     pub picture: Rect,
+    /// A hemisphere, which comes from a device otherwise.
+    pub inset: Option<Inset>,
     context: Context,
     size: Vec2,
     scale: f32,
@@ -48,6 +51,7 @@ impl Hand {
         let mut hand = Self {
             model: Model::new(settings, loaded, 15.0, "a device".to_owned()),
             picture: Rect::NOTHING,
+            inset: None,
             context,
             size: size.into(),
             scale,
@@ -72,8 +76,13 @@ impl Hand {
             ..RawInput::default()
         };
         input.viewports.entry(input.viewport_id).or_default().native_pixels_per_point = Some(self.scale);
-        let (model, picture) = (&mut self.model, &mut self.picture);
-        let output = self.context.run_ui(input, |ui| *picture = layout::show(ui, model));
+        let (model, picture, inset) = (&mut self.model, &mut self.picture, &self.inset);
+        let output = self.context.run_ui(input, |ui| {
+            *picture = layout::show(ui, model);
+            if let Some(inset) = inset {
+                hemisphere::show(ui, *picture, inset, model);
+            }
+        });
         assert_eq!(output.pixels_per_point, self.scale);
         let window = Rect::from_min_size(Pos2::ZERO, self.size);
         self.texts.clear();
@@ -141,6 +150,29 @@ impl Hand {
             self.pass(vec![Event::PointerMoved(from.lerp(to, step))]);
         }
         self.pass(vec![button(to, false)]);
+        self.rest();
+    }
+
+    /// Presses and releases the left button twice.
+    pub fn double_click(&mut self, at: Pos2) {
+        let button = |pressed| Event::PointerButton {
+            pos: at,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        // Long after any click before, so that it is no triple click.
+        self.time += 1.0;
+        self.pass(vec![Event::PointerMoved(at)]);
+        for pressed in [true, false, true, false] {
+            self.pass(vec![button(pressed)]);
+        }
+        self.rest();
+    }
+
+    /// Types `text`.
+    pub fn write(&mut self, text: &str) {
+        self.pass(vec![Event::Text(text.to_owned())]);
         self.rest();
     }
 

@@ -8,11 +8,13 @@ use egui::{Key, Modifiers, MouseWheelUnit, PointerButton, Rect, Sense, Ui};
 use glam::Vec2;
 
 /// Every gesture of the pointer with its meaning.
-const GESTURES: [(&str, &str); 7] = [
+const GESTURES: [(&str, &str); 9] = [
     ("left drag", "orbit"),
     ("wheel", "zoom"),
     ("middle or Shift + left drag", "pan"),
     ("right or Ctrl + left drag", "move the first light over the hemisphere"),
+    ("drag a light", "move it: a far one over the sky, a lamp in the scene"),
+    ("Shift + right drag", "turn the surroundings"),
     ("double click", "look at the point under the pointer"),
     ("drag the line", "move the split"),
     ("Esc", "close a list, this list, the window"),
@@ -47,6 +49,8 @@ fn close_innermost(model: &mut Model) {
         model.visible.help = false;
     } else if model.inspector.open {
         model.inspector.close();
+    } else if model.recording.is_some() {
+        model.actions.record = true;
     } else {
         model.actions.close = true;
     }
@@ -70,6 +74,10 @@ pub fn pointer(ui: &mut Ui, touched: Rect, rect: Rect, model: &mut Model) {
             match (drag, settings.lights.first_mut()) {
                 (Drag::Light, Some(light)) => {
                     *light = orbit::light_dragged(*light, settings.camera, delta, rect.height());
+                }
+                (Drag::Surroundings, _) => {
+                    settings.surroundings =
+                        orbit::surroundings_dragged(settings.surroundings, delta, rect.height());
                 }
                 (drag, _) => settings.camera = orbit::dragged(settings.camera, drag, delta, rect.height()),
             }
@@ -124,7 +132,9 @@ fn wheel_steps(input: &egui::InputState) -> f32 {
 /// The kind of a drag over the picture.
 fn drag(picture: &egui::Response, modifiers: Modifiers) -> Option<Drag> {
     let by = |button| picture.dragged_by(button);
-    if by(PointerButton::Secondary) || by(PointerButton::Primary) && modifiers.ctrl {
+    if by(PointerButton::Secondary) && modifiers.shift {
+        Some(Drag::Surroundings)
+    } else if by(PointerButton::Secondary) || by(PointerButton::Primary) && modifiers.ctrl {
         Some(Drag::Light)
     } else if by(PointerButton::Middle) || by(PointerButton::Primary) && modifiers.shift {
         Some(Drag::Pan)

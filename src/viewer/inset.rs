@@ -8,33 +8,52 @@ use crate::render::picture::Painter;
 use crate::scene::FarLight;
 use glam::DVec3;
 
-/// Points along a side.
-pub const SIDE: usize = 72;
+/// Points along a side while it is small or something moves, and of a large one.
+const SIDE: usize = 72;
+const FINE_SIDE: usize = 180;
+
+/// The hemisphere that is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InsetRequest {
+    /// The light.
+    pub light: FarLight,
+    /// Whether it is large and at rest.
+    pub fine: bool,
+}
+
+impl InsetRequest {
+    fn side(self) -> usize {
+        if self.fine { FINE_SIDE } else { SIDE }
+    }
+}
 
 /// The BRDF of a flat piece of the surface toward every direction, seen from above, as `diffract brdf` maps it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inset {
-    /// The light.
-    pub light: FarLight,
+    /// What was asked for.
+    pub request: InsetRequest,
+    /// Points along a side.
+    pub side: usize,
     /// sRGB of each point from the upper left, `None` below the horizon.
     pub points: Vec<Option<[u8; 3]>>,
 }
 
-/// ω_r of point `index`; `None` outside the disc.
-fn view(index: usize) -> Option<DVec3> {
-    let centre = |i: usize| 2.0 * (i as f64 + 0.5) / SIDE as f64 - 1.0;
-    let (x, y) = (centre(index % SIDE), -centre(index / SIDE));
+/// ω_r of point `index` of `side` points along a side; `None` outside the disc.
+fn view(index: usize, side: usize) -> Option<DVec3> {
+    let centre = |i: usize| 2.0 * (i as f64 + 0.5) / side as f64 - 1.0;
+    let (x, y) = (centre(index % side), -centre(index / side));
     let z = 1.0 - x * x - y * y;
     (z > 0.0).then(|| DVec3::new(x, y, z.sqrt()))
 }
 
-/// Evaluates the BRDF for `light` with the texture of `painter`. The 97th percentile of brightness is exposed to white.
+/// Evaluates the BRDF for the light of `request` with the texture of `painter`. The 97th percentile of brightness is exposed to white.
 ///
 /// # Errors
 /// Where the device is lost.
-pub fn hemisphere(painter: &mut Painter, light: FarLight) -> Result<Inset> {
+pub fn hemisphere(painter: &mut Painter, request: InsetRequest) -> Result<Inset> {
+    let (light, side) = (request.light, request.side());
     let toward = direction(light.theta.min(89.9), light.phi);
-    let views: Vec<Option<DVec3>> = (0..SIDE * SIDE).map(view).collect();
+    let views: Vec<Option<DVec3>> = (0..side * side).map(|index| view(index, side)).collect();
     let query = |&view: &DVec3| Query { pair: Pair::new(toward, view), wavelength: None };
     let queries: Vec<Query> = views.iter().flatten().map(query).collect();
     let rgb: Vec<DVec3> =
@@ -44,7 +63,7 @@ pub fn hemisphere(painter: &mut Painter, light: FarLight) -> Result<Inset> {
     let white = brightness.get(brightness.len() * 97 / 100).copied().unwrap_or(1.0).max(1e-12);
     let mut colors = rgb.into_iter().map(|c| color::display(c / white, 0.0));
     let points = views.iter().map(|v| v.and_then(|_| colors.next())).collect();
-    Ok(Inset { light, points })
+    Ok(Inset { request, side, points })
 }
 
 #[cfg(test)]
@@ -53,10 +72,10 @@ mod tests {
 
     #[test]
     fn points_are_views_with_y_up_and_corners_are_none() {
-        assert_eq!(view(0), None);
-        let top = view(SIDE / 2).unwrap();
+        assert_eq!(view(0, SIDE), None);
+        let top = view(SIDE / 2, SIDE).unwrap();
         assert!(top.y > 0.9 && (top.length() - 1.0).abs() < 1e-12);
-        let right = view(SIDE * (SIDE / 2) + SIDE - 1).unwrap();
+        let right = view(SIDE * (SIDE / 2) + SIDE - 1, SIDE).unwrap();
         assert!(right.x > 0.9 && right.z > 0.0);
     }
 }

@@ -4,7 +4,7 @@ use super::error_probe::Probe;
 use super::frame::{FrameRequest, RenderedFrame};
 use super::inspector::reading::Reading;
 use super::quality::{Detail, Quality};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::render::picture::Picture;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -35,8 +35,8 @@ pub enum RenderReply {
     TooSlow(Quality, f64),
     /// The device has no memory for the spectra of moving pictures.
     NoRoom(Detail),
-    /// The picture of [`Job::Picture`], and how far scalar theory holds for its surface.
-    Picture(Box<Picture>, String),
+    /// The picture of [`Job::Picture`], and how far scalar theory holds for its surface; or why there is none.
+    Picture(Result<(Box<Picture>, String)>),
     /// The pixels of [`Job::Samples`].
     Samples(Box<Probe>),
     /// What a pixel shows; `None` where the mesh does not cover it.

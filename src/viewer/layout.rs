@@ -1,7 +1,7 @@
 //! Where things stand in the window: the panel, its handle, and the picture with what lies over it.
 
 use super::model::Model;
-use super::{input, overlay, panel, style};
+use super::{input, light_handles, overlay, panel, style};
 use egui::{Color32, Margin, Rect, Sense, Stroke, Ui, pos2, vec2};
 
 /// Largest part of the window's width that the panel takes.
@@ -30,6 +30,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) -> Rect {
     let mut touched = picture;
     touched.max.x -= if model.visible.panel { EDGE } else { 0.0 };
     input::pointer(ui, touched, picture, model);
+    light_handles::show(ui, touched, picture, model);
     overlay::show(ui, picture, model);
     handle(ui, picture, model);
     model.visible.typing = ui.ctx().text_edit_focused();
@@ -283,6 +284,45 @@ mod tests {
         hand.key_held(Key::Y, Modifiers::COMMAND);
         hand.key_held(Key::Z, Modifiers::COMMAND | Modifiers::SHIFT);
         assert!(hand.model.settings == turned);
+    }
+
+    #[test]
+    fn a_single_setting_is_reset_by_its_label() {
+        let mut hand = Hand::new(LARGE, 1.0);
+        let start = hand.model.settings.clone();
+        hand.model.settings.exposure += 1.5;
+        hand.model.settings.surroundings.rotation = 40.0;
+        hand.rest();
+        hand.double_click(hand.find("surroundings"));
+        assert_eq!(hand.model.settings.surroundings, start.surroundings);
+        assert_eq!(hand.model.settings.exposure, start.exposure + 1.5, "another setting stays");
+        hand.double_click(hand.find("exposure"));
+        assert_eq!(hand.model.settings.exposure, start.exposure);
+        assert_eq!(hand.model.settings, start);
+        hand.double_click(hand.find("exposure"));
+        assert!(hand.model.settings == start, "nothing to reset");
+        hand.key_held(Key::Z, Modifiers::COMMAND);
+        assert_eq!(hand.model.settings.exposure, start.exposure + 1.5, "a reset can be undone");
+        // What the comparison sets is reset with nothing of the picture's own.
+        hand.model.settings.optics.tolerance = 0.05;
+        hand.model.comparison.mode = crate::viewer::compare::Compare::Beside;
+        hand.rest();
+        let labels = hand.all("tolerance");
+        let lower = labels.iter().map(|t| t.rect.center()).max_by(|a, b| a.y.total_cmp(&b.y)).unwrap();
+        hand.double_click(lower);
+        assert_eq!((labels.len(), hand.model.settings.optics.tolerance), (2, 0.05));
+    }
+
+    #[test]
+    fn numbers_are_typed_with_units() {
+        let mut hand = Hand::new(LARGE, 1.0);
+        let beside = hand.find("length") + vec2(95.0, 0.0);
+        hand.click(beside);
+        assert!(hand.model.visible.typing);
+        hand.key_held(Key::A, Modifiers::COMMAND);
+        hand.write("0.04mm");
+        hand.key(Key::Enter);
+        assert_eq!(hand.model.settings.coherence, Coherence::Gaussian { length: 40.0 });
     }
 
     #[test]

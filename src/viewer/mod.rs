@@ -17,15 +17,18 @@ mod framing;
 mod graph;
 #[allow(unsafe_code, reason = "hands Vulkan objects to the panel's renderer")]
 pub mod gui;
+mod hemisphere;
 mod input;
 mod inset;
 mod inspector;
 mod inspector_pane;
 mod job_queue;
 mod layout;
+mod light_handles;
 mod model;
 mod orbit;
 mod overlay;
+mod palette_pane;
 mod panel;
 mod prepared;
 mod presenter;

@@ -7,6 +7,7 @@ use super::error_probe::ProbeStatus;
 use super::frame::{LoadedScene, RenderedFrame};
 use super::framing;
 use super::graph::History;
+use super::inset::InsetRequest;
 use super::inspector::Inspector;
 use super::prepared::{Prepared, ROLES, Role};
 use super::quality::{Detail, Quality, QualityControl};
@@ -27,6 +28,10 @@ pub struct Actions {
     pub measure: bool,
     /// Reset all settings.
     pub reset: bool,
+    /// Record a turntable, or stop recording.
+    pub record: bool,
+    /// Copy the command that draws the picture.
+    pub copy_command: bool,
     /// Close the window.
     pub close: bool,
     /// Open a dropped file, or a scene by name.
@@ -46,6 +51,17 @@ pub enum SaveAs {
     Png,
     /// The displayed picture, and the radiance as EXR.
     PngAndExr,
+}
+
+/// The palette of commands.
+#[derive(Default)]
+pub struct Palette {
+    /// Whether it is shown.
+    pub open: bool,
+    /// What is typed.
+    pub text: String,
+    /// Place of what is chosen in the list of what fits the text.
+    pub chosen: usize,
 }
 
 /// What an error is about: the next success of the same kind makes it outdated.
@@ -167,6 +183,7 @@ impl Sources {
             (Role::Preview, own),
             (Role::Own, own),
             (Role::Other, "preparing the comparison"),
+            (Role::AsSeen, "preparing colours for this view"),
             (Role::Coarse, "preparing previews"),
             (Role::FewerWavelengths, "preparing previews"),
         ];
@@ -199,6 +216,8 @@ pub struct Visible {
     pub help: bool,
     /// The hemisphere.
     pub inset: bool,
+    /// The lights, where they stand in the picture.
+    pub lights: bool,
     /// Whether a text was being edited at the end of the last pass. Esc ends the edit before the keys are read.
     pub typing: bool,
 }
@@ -274,6 +293,14 @@ pub struct Model {
     pub probe: Option<ProbeStatus>,
     /// What is inspected.
     pub inspector: Inspector,
+    /// The palette of commands.
+    pub palette: Palette,
+    /// Side of the hemisphere \[points of the window\].
+    pub inset_side: f32,
+    /// Pictures of a turntable.
+    pub turntable: u32,
+    /// Pictures of a turntable that are recorded, while that is done.
+    pub recording: Option<Progress>,
     /// What was done last, for the user.
     pub notice: Option<String>,
     /// What went wrong.
@@ -325,10 +352,14 @@ impl Model {
             },
             probe: None,
             inspector: Inspector::default(),
+            palette: Palette::default(),
+            inset_side: 132.0,
+            turntable: 120,
+            recording: None,
             notice: None,
             failure: None,
             files: Vec::new(),
-            visible: Visible { panel: true, help: false, inset: true, typing: false },
+            visible: Visible { panel: true, help: false, inset: true, lights: true, typing: false },
             size: [0, 0],
             device: DeviceStatus { name: device, memory: 0, present_mode: "" },
             actions: Actions::default(),
@@ -418,6 +449,15 @@ impl Model {
         self.succeed(Concern::Setting);
     }
 
+    /// What the reset of a single setting returns to: the settings at the start, or in another scene what that brings.
+    pub fn start(&self) -> ViewSettings {
+        let mut start = self.original.clone();
+        if self.settings.scene != start.scene {
+            self.brought.put_into(&mut start);
+        }
+        start
+    }
+
     /// Returns to the settings at the start, whose scene is shown.
     pub fn return_to_start(&mut self) {
         self.settings = self.original.clone();
@@ -452,6 +492,7 @@ impl Model {
         ViewSettings {
             scene: self.applied.scene.clone(),
             lights: now.lights.clone(),
+            surroundings: now.surroundings,
             exposure: now.exposure,
             tone: now.tone,
             base_color: now.base_color,
@@ -461,8 +502,10 @@ impl Model {
         }
     }
 
-    /// The light whose hemisphere is shown, if any: that of the inspected pixel in its tangent frame, else the first of the scene.
-    pub fn hemisphere_light(&self) -> Option<FarLight> {
+    /// The hemisphere that is shown, if any: that of the light of the inspected pixel in its tangent frame, else of the first light of the scene.
+    pub fn hemisphere(&self) -> Option<InsetRequest> {
+        /// Side from which on it has more points \[points of the window\].
+        const FINE: f32 = 200.0;
         let inspected = self.inspector.light().filter(|light| !light.is_dark()).map(|light| {
             let [[theta, phi], _] = light.angles();
             FarLight { theta, phi, intensity: 1.0, size: 0.0 }
@@ -471,7 +514,8 @@ impl Model {
             let room = View::of(&self.loaded.scene, Vec::new()).room();
             self.settings.lights.first().map(|light| light.from_afar(&room))
         };
-        inspected.or_else(first).filter(|_| self.visible.inset)
+        let light = inspected.or_else(first).filter(|_| self.visible.inset)?;
+        Some(InsetRequest { light, fine: self.inset_side > FINE && !self.pacing.moving })
     }
 
     /// The samples that pictures of `stage` are summed of. What is compared or inspected is one sample.

@@ -1,5 +1,6 @@
 //! Moves camera and light by drags of the pointer: geometry without a window.
 
+use crate::scene::environment::Placement;
 use crate::scene::{Camera, FarLight, Lamp, Light, Mesh};
 use glam::{Vec2, Vec3};
 
@@ -12,6 +13,8 @@ pub enum Drag {
     Pan,
     /// The first light over the hemisphere.
     Light,
+    /// The surroundings about the vertical.
+    Surroundings,
 }
 
 /// Rotation for a drag across the height of the picture \[rad\].
@@ -38,7 +41,7 @@ pub fn dragged(camera: Camera, drag: Drag, pixels: Vec2, height: f32) -> Camera 
             let up = right.cross(forward);
             Camera { target: camera.target + across * (up * part.y - right * part.x), ..camera }
         }
-        Drag::Light => camera,
+        Drag::Light | Drag::Surroundings => camera,
     }
 }
 
@@ -49,6 +52,15 @@ pub fn light_dragged(light: Light, camera: Camera, pixels: Vec2, height: f32) ->
         Light::Far(light) => far_light_dragged(light, camera, pixels, height).into(),
         Light::Lamp(lamp) => Light::Lamp(lamp_dragged(lamp, camera, pixels, height)),
     }
+}
+
+/// `placement` of surroundings after a drag by `pixels` in a picture `height` pixels high: what lies behind the scene moves with the pointer.
+pub fn surroundings_dragged(placement: Placement, pixels: Vec2, height: f32) -> Placement {
+    let turned = placement.rotation - f64::from(pixels.x / height.max(1.0) * TURN).to_degrees();
+    // Rounded to a tenth of a degree, which is short on a command line.
+    let rotation = (turned * 10.0).round() / 10.0;
+    // From −180° to 180°.
+    Placement { rotation: rotation - 360.0 * (rotation / 360.0).round(), ..placement }
 }
 
 fn lamp_dragged(lamp: Lamp, camera: Camera, pixels: Vec2, height: f32) -> Lamp {
@@ -84,13 +96,23 @@ pub fn zoomed(camera: Camera, steps: f32, radius: f32) -> Camera {
     Camera { distance: distance.clamp(radius * 0.02, radius * 50.0), ..camera }
 }
 
+/// Direction in which pixel `at` of a picture of `size` looks.
+pub fn ray(camera: &Camera, at: Vec2, size: [u32; 2]) -> Vec3 {
+    let world = camera.clip_from_world(size, camera.target, camera.distance).inverse();
+    let clip = at / Vec2::new(size[0] as f32, size[1] as f32) * 2.0 - 1.0;
+    (world.project_point3(clip.extend(0.5)) - camera.eye()).normalize_or_zero()
+}
+
+/// The pixel of a picture of `size` that shows `point`; `None` behind the eye.
+pub fn pixel_of(camera: &Camera, point: Vec3, size: [u32; 2]) -> Option<Vec2> {
+    let clip = camera.clip_from_world(size, camera.target, camera.distance) * point.extend(1.0);
+    let place = clip.truncate().truncate() / clip.w;
+    (clip.w > 0.0).then(|| (place + 1.0) / 2.0 * Vec2::new(size[0] as f32, size[1] as f32))
+}
+
 /// The point of `mesh` under pixel `at` of a picture of `size`; `None` where the mesh covers nothing.
 pub fn hit(camera: &Camera, mesh: &Mesh, at: Vec2, size: [u32; 2]) -> Option<Vec3> {
-    let bounds = mesh.bounds();
-    let world = camera.clip_from_world(size, bounds.centre, bounds.radius).inverse();
-    let clip = at / Vec2::new(size[0] as f32, size[1] as f32) * 2.0 - 1.0;
-    let eye = camera.eye();
-    let ray = (world.project_point3(clip.extend(0.5)) - eye).normalize_or_zero();
+    let (eye, ray) = (camera.eye(), ray(camera, at, size));
     let corner = |i: u32| Vec3::from(mesh.vertices()[i as usize].position);
     let distances = mesh.indices().chunks_exact(3).filter_map(|t| {
         let [a, b, c] = [corner(t[0]), corner(t[1]), corner(t[2])];
@@ -175,6 +197,18 @@ mod tests {
             panic!()
         };
         assert!(moved.middle.x > 0.2 && moved.middle.y > 0.3 && moved.middle.z == 1.0, "{moved:?}");
+    }
+
+    #[test]
+    fn surroundings_turn_with_the_pointer_and_keep_their_angle_short() {
+        let turned = |from: f64, x: f32| {
+            let placement = Placement { rotation: from, exposure: 1.5 };
+            surroundings_dragged(placement, Vec2::new(x, 70.0), 400.0)
+        };
+        // A drag across the height turns by half a circle.
+        assert_eq!(turned(0.0, -100.0), Placement { rotation: 45.0, exposure: 1.5 });
+        assert!((turned(170.0, -100.0).rotation + 145.0).abs() < 1e-9);
+        assert!((turned(-170.0, 100.0).rotation - 145.0).abs() < 1e-9);
     }
 
     #[test]

@@ -1,10 +1,11 @@
-//! What is drawn over the picture: state, messages, split, error scale, hemisphere, list of keys.
+//! What is drawn over the picture: state, messages, split, error scale, list of keys.
 
 use super::compare::Compare;
+use super::hemisphere;
 use super::input;
-use super::inset::{Inset, SIDE};
 use super::inspector_pane;
-use super::model::Model;
+use super::model::{Model, Progress};
+use super::palette_pane;
 use super::quality::Quality;
 use super::settings::OpticsSettings;
 use super::style;
@@ -13,10 +14,9 @@ use crate::setup::Method;
 use egui::{
     Align2, Color32, FontId, Label, Mesh, Painter, Rect, RichText, ScrollArea, Sense, Stroke, Ui, pos2, vec2,
 };
-use glam::DVec3;
 
 /// Distance to the edge [points].
-const MARGIN: f32 = 12.0;
+pub const MARGIN: f32 = 12.0;
 /// Width of the panel's handle at the right edge [points].
 pub const HANDLE: f32 = 16.0;
 
@@ -26,9 +26,9 @@ pub fn show(ui: &mut Ui, rect: Rect, model: &mut Model) {
     if model.comparison.mode != Compare::Alone {
         split(&painter, rect, model);
     }
-    if let Some(inset) = model.frame.as_ref().and_then(|e| e.inset.as_ref()).filter(|_| model.visible.inset) {
-        let seen = model.inspector.light().map(|light| light.pair.view);
-        hemisphere(&painter, rect, inset, seen);
+    let inset = model.frame.as_ref().and_then(|frame| frame.inset.clone()).filter(|_| model.visible.inset);
+    if let Some(inset) = inset {
+        hemisphere::show(ui, rect, &inset, model);
     }
     inspector_pane::mark(&painter, rect, ui.ctx().pixels_per_point(), model);
     state(ui, &painter, rect, model);
@@ -36,6 +36,7 @@ pub fn show(ui: &mut Ui, rect: Rect, model: &mut Model) {
     if model.visible.help {
         help(ui, model);
     }
+    palette_pane::show(ui, rect, model);
 }
 
 /// Draws text on a dark background, anchored at `at` and at most `width` wide; returns the background's rectangle.
@@ -66,6 +67,10 @@ fn state(ui: &Ui, painter: &Painter, rect: Rect, model: &mut Model) {
             (false, quality) => format!("{quality}, refining"),
         };
         at.y = note(painter, at, Align2::LEFT_BOTTOM, width, &text, style::FAINT).top() - 6.0;
+    }
+    if let Some(Progress { done, of }) = model.recording {
+        let what = format!("recording a turntable, {done} of {of} pictures; Esc stops");
+        at.y = progress(painter, at, width, &what, done as f32 / of.max(1) as f32).top() - 6.0;
     }
     if let Some(text) = &model.notice {
         at.y = note(painter, at, Align2::LEFT_BOTTOM, width, text, style::TEXT).top() - 6.0;
@@ -169,41 +174,6 @@ fn scale(painter: &Painter, rect: Rect) {
         let at = pos2(x, bar.bottom() + 5.0);
         painter.text(at, Align2::CENTER_TOP, name, FontId::proportional(11.0), style::TEXT);
     }
-}
-
-/// The hemisphere as a mesh of coloured squares, which needs no texture upload when it changes. The direction to the viewer of an inspected
-/// pixel is marked.
-fn hemisphere(painter: &Painter, rect: Rect, inset: &Inset, seen: Option<DVec3>) {
-    const SIZE: f32 = 132.0;
-    let ground = Rect::from_min_size(rect.min + vec2(MARGIN, MARGIN), vec2(SIZE + 16.0, SIZE + 36.0));
-    painter.rect_filled(ground, 6.0, style::GLASS);
-    let square = Rect::from_min_size(ground.min + vec2(8.0, 8.0), vec2(SIZE, SIZE));
-    let centre = square.center();
-    painter.circle_filled(centre, SIZE / 2.0, Color32::BLACK);
-    let mut mesh = Mesh::default();
-    let step = SIZE / SIDE as f32;
-    for (index, point) in inset.points.iter().enumerate() {
-        let Some([r, g, b]) = *point else { continue };
-        let min = square.min + vec2((index % SIDE) as f32, (index / SIDE) as f32) * step;
-        mesh.add_colored_rect(Rect::from_min_size(min, vec2(step, step)), Color32::from_rgb(r, g, b));
-    }
-    painter.add(mesh);
-    painter.circle_stroke(centre, SIZE / 2.0, Stroke::new(1.5, style::GRID));
-    // The light, and its specular direction.
-    let toward = inset.light.direction();
-    let light = centre + vec2(toward.x, -toward.y) * SIZE / 2.0;
-    let specular = centre - vec2(toward.x, -toward.y) * SIZE / 2.0;
-    painter.circle_filled(light, 3.5, Color32::from_rgb(255, 236, 170));
-    painter.circle_stroke(light, 4.5, Stroke::new(1.0, Color32::BLACK));
-    painter.circle_stroke(specular, 4.0, Stroke::new(1.0, Color32::from_gray(200)));
-    if let Some(seen) = seen {
-        let at = centre + vec2(seen.x as f32, -seen.y as f32) * SIZE / 2.0;
-        painter.circle_stroke(at, 5.0, Stroke::new(3.0, style::GLASS));
-        painter.circle_stroke(at, 5.0, Stroke::new(1.5, style::ACCENT));
-    }
-    let text = format!("BRDF, light θ {:.1}° φ {:.1}°", inset.light.theta, inset.light.phi);
-    let at = pos2(ground.center().x, ground.bottom() - 6.0);
-    painter.text(at, Align2::CENTER_BOTTOM, text, FontId::proportional(11.0), style::TEXT);
 }
 
 fn help(ui: &mut Ui, model: &mut Model) {

@@ -29,7 +29,9 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         cost::foot(ui, model);
     });
     let scrolled = ScrollArea::vertical().auto_shrink([false, false]);
+    let start = model.start();
     scrolled.scroll_bar_visibility(ScrollBarVisibility::AlwaysVisible).show(ui, |ui| {
+        rows::offer_resets(ui, &model.settings, &start);
         scene::show(ui, model);
         optics::show(ui, model);
         scene::compare(ui, model);
@@ -38,6 +40,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         if !tall {
             cost::show(ui, model);
         }
+        rows::reset(ui, &mut model.settings, &start);
     });
 }
 

@@ -16,6 +16,8 @@ pub enum Role {
     Own,
     /// The picture that it is compared with.
     Other,
+    /// The user's own picture, as fine as camera and lights ask for now.
+    AsSeen,
     /// Moving pictures, with fewer wavelengths and terms.
     Coarse,
     /// Moving pictures, with fewer wavelengths.
@@ -23,7 +25,7 @@ pub enum Role {
 }
 
 /// Number of roles.
-pub const ROLES: usize = 5;
+pub const ROLES: usize = 6;
 
 impl Prepared {
     /// A surface that diffracts nothing, before there is any other.

@@ -3,7 +3,7 @@
 use super::compare::Compare;
 use super::error_probe::{self, Probe};
 use super::frame::{FrameRequest, LoadedScene, PictureCost, RenderedFrame};
-use super::inset::{self, Inset};
+use super::inset::{self, Inset, InsetRequest};
 use super::inspector::reading::Reading;
 use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply, Task};
 use super::prepared::Prepared;
@@ -16,7 +16,6 @@ use crate::render::frame::{Shown, View};
 use crate::render::picture::Painter;
 use crate::render::sampling::Sampling;
 use crate::render::source::Source;
-use crate::scene::FarLight;
 use crate::vk::device::Device;
 use crate::vk::image::Image;
 use std::sync::Arc;
@@ -144,7 +143,12 @@ impl Renderer {
                 Task::Pixel(request) => self.read_pixel(request),
                 Task::Refine(request) => self.refine(request, queue),
                 Task::Job(job) => {
-                    let done = self.perform(&job, queue).map(Some);
+                    let done = match (self.perform(&job, queue), &job) {
+                        (Err(e), Job::Picture(_)) if !self.device.is_lost() => {
+                            Ok(Some(RenderReply::Picture(Err(e))))
+                        }
+                        (done, _) => done.map(Some),
+                    };
                     let (Job::Picture(request) | Job::Samples(request)) = job;
                     go_on_with(request, queue);
                     done
@@ -204,7 +208,7 @@ impl Renderer {
         } else {
             self.other = None;
         }
-        let inset = request.inset.map(|light| self.hemisphere(request, light)).transpose()?.flatten();
+        let inset = request.inset.map(|wanted| self.hemisphere(request, wanted)).transpose()?.flatten();
         // A newer request counts its own picture; a job draws nothing that would be counted.
         let whole = request.quality == Quality::WHOLE && !superseded();
         let cost = if whole { self.count(request)? } else { None };
@@ -282,11 +286,11 @@ impl Renderer {
         }
     }
 
-    /// The hemisphere of `light`, from a texture that is on the device already.
-    fn hemisphere(&mut self, request: &FrameRequest, light: FarLight) -> Result<Option<Arc<Inset>>> {
+    /// The hemisphere that is `wanted`, from a texture that is on the device already.
+    fn hemisphere(&mut self, request: &FrameRequest, wanted: InsetRequest) -> Result<Option<Arc<Inset>>> {
         let number = request.own.number;
         if let Some((inset, of)) = &self.inset
-            && (inset.light, *of) == (light, number)
+            && (inset.request, *of) == (wanted, number)
         {
             return Ok(Some(inset.clone()));
         }
@@ -297,7 +301,7 @@ impl Renderer {
         let mut others = [&mut self.coarse, &mut self.fewer_wavelengths].into_iter().flatten();
         let other = others.find(|slot| lighter.is_some_and(|number| has(slot, number)));
         let Some(slot) = own.or(other) else { return Ok(None) };
-        let inset = Arc::new(inset::hemisphere(&mut slot.painter, light)?);
+        let inset = Arc::new(inset::hemisphere(&mut slot.painter, wanted)?);
         self.inset = Some((inset.clone(), number));
         Ok(Some(inset))
     }
@@ -370,7 +374,7 @@ impl Renderer {
                         .ok_or_else(|| Error::failed("the window was closed", "save the picture again"))?;
                 }
                 let scalar_theory = Validity::note(&request.own.field);
-                Ok(RenderReply::Picture(Box::new(slot.painter.picture()?), scalar_theory))
+                Ok(RenderReply::Picture(Ok((Box::new(slot.painter.picture()?), scalar_theory))))
             }
             Job::Samples(request) => Ok(RenderReply::Samples(Box::new(Probe {
                 samples: error_probe::samples(&mut slot.painter, &request.view)?,

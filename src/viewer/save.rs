@@ -1,4 +1,4 @@
-//! Names for saved pictures.
+//! Names for saved pictures and recordings.
 
 use std::path::{Path, PathBuf};
 
@@ -7,6 +7,12 @@ pub fn free_name(folder: &Path) -> PathBuf {
     let name = |number: u32| folder.join(format!("diffract-{number:03}"));
     let free = |path: &PathBuf| ["png", "exr"].iter().all(|e| !path.with_extension(e).exists());
     (1..).map(name).find(free).unwrap_or_else(|| name(0))
+}
+
+/// The first path of `diffract-turn-001`, `diffract-turn-002` … in `folder` that does not exist.
+pub fn free_folder(folder: &Path) -> PathBuf {
+    let name = |number: u32| folder.join(format!("diffract-turn-{number:03}"));
+    (1..).map(name).find(|path| !path.exists()).unwrap_or_else(|| name(0))
 }
 
 #[cfg(test)]

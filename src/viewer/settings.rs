@@ -8,6 +8,7 @@ use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
 use crate::render::sampling::Sampling;
 use crate::render::shading::{Purpose, Shading};
+use crate::scene::environment::Placement;
 use crate::scene::{Camera, Light, Scene};
 use crate::setup::Method;
 use crate::surface::Source;
@@ -49,6 +50,8 @@ pub struct ViewSettings {
     pub illuminant: String,
     /// The lights.
     pub lights: Vec<Light>,
+    /// How the surroundings stand, where the scene has any.
+    pub surroundings: Placement,
     /// Exposure \[stops\].
     pub exposure: f64,
     /// What the display makes of highlights.
@@ -70,6 +73,8 @@ pub struct SceneSettings {
     pub reflectance: Reflectance,
     /// The lights.
     pub lights: Vec<Light>,
+    /// How its surroundings stand, where it has any.
+    pub surroundings: Placement,
     /// Exposure \[stops\].
     pub exposure: f64,
     /// What the display makes of highlights.
@@ -92,11 +97,25 @@ impl SceneSettings {
             },
             reflectance: scene.reflectance.clone().unwrap_or_default(),
             lights: scene.lights.clone(),
+            surroundings: placement(scene),
             exposure: scene.exposure,
             tone: scene.tone,
             base_color: scene.base_color,
         }
     }
+
+    /// Puts all of it into `settings`.
+    pub fn put_into(&self, settings: &mut ViewSettings) {
+        let Self { surface, reflectance, lights, surroundings, exposure, tone, base_color } = self.clone();
+        (settings.surface, settings.reflectance, settings.lights) = (surface, reflectance, lights);
+        (settings.surroundings, settings.exposure) = (surroundings, exposure);
+        (settings.tone, settings.base_color) = (tone, base_color);
+    }
+}
+
+/// How the surroundings of `scene` stand.
+pub fn placement(scene: &Scene) -> Placement {
+    scene.environment.as_ref().map(|environment| environment.placement).unwrap_or_default()
 }
 
 /// What a change requires; each includes those before it.
@@ -129,6 +148,7 @@ impl ViewSettings {
             Needs::Layers
         } else if (self.camera, self.base_color) != (shown.camera, shown.base_color)
             || (&self.lights, self.samples) != (&shown.lights, shown.samples)
+            || self.surroundings != shown.surroundings
         {
             Needs::Frame
         } else if (self.exposure, self.tone) != (shown.exposure, shown.tone) {
@@ -173,6 +193,7 @@ impl ViewSettings {
         replace(&mut self.surface, &old.surface, &new.surface);
         replace(&mut self.reflectance, &old.reflectance, &new.reflectance);
         replace(&mut self.lights, &old.lights, &new.lights);
+        replace(&mut self.surroundings, &old.surroundings, &new.surroundings);
         replace(&mut self.exposure, &old.exposure, &new.exposure);
         replace(&mut self.tone, &old.tone, &new.tone);
         replace(&mut self.base_color, &old.base_color, &new.base_color);
@@ -245,6 +266,7 @@ pub(crate) mod tests {
             reflectance: Reflectance::default(),
             illuminant: "d65".to_owned(),
             lights: scene.lights.clone(),
+            surroundings: placement(&scene),
             exposure: scene.exposure,
             tone: scene.tone,
             base_color: scene.base_color,
@@ -267,6 +289,7 @@ pub(crate) mod tests {
         assert_eq!(needs(&|s| s.tone = Tone::Neutral), Needs::Display);
         assert_eq!(needs(&|s| s.lights[0] = Light::point(1.0, 2.0, 3.0)), Needs::Frame);
         assert_eq!(needs(&|s| s.camera.phi += 0.1), Needs::Frame);
+        assert_eq!(needs(&|s| s.surroundings.rotation += 5.0), Needs::Frame);
         assert_eq!(needs(&|s| s.base_color.x = 0.1), Needs::Frame);
         let many = ViewSettings { samples: 64, ..shown.clone() };
         assert_eq!(ViewSettings { samples: 16, ..shown.clone() }.needs(&many), Needs::Frame);

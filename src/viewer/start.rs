@@ -1,6 +1,6 @@
 //! What the window starts with.
 
-use super::settings::{OpticsSettings, ViewSettings};
+use super::settings::{OpticsSettings, ViewSettings, placement};
 use crate::error::Result;
 use crate::expansion::Basis;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
@@ -95,6 +95,7 @@ impl Start {
             reflectance: self.reflectance.clone(),
             illuminant: self.illuminant.clone(),
             lights: self.scene.lights.clone(),
+            surroundings: placement(&self.scene),
             exposure: self.scene.exposure,
             tone: self.scene.tone,
             base_color: self.scene.base_color,

@@ -1,6 +1,7 @@
 //! The open window: it runs the panel, asks the background threads for what has changed, and presents what they return.
 
 mod actions;
+mod recording;
 mod replies;
 mod requests;
 
@@ -20,12 +21,14 @@ use super::text_dump::TextDump;
 use super::worker::Worker;
 use super::{layout, style};
 use crate::error::{Error, Remedy, Result};
+use crate::render::frame::View;
 use crate::render::window::Place;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
 use crate::vk::surface::Surface;
 use ash::vk;
 use egui::{Rect, TexturesDelta, ViewportId};
+use recording::Recording;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -48,6 +51,8 @@ struct PendingSave {
     stem: PathBuf,
     with_exr: bool,
     command: String,
+    // Whether it is one of a turntable.
+    is_recorded: bool,
 }
 
 /// The background threads. The order of the fields is the order in which they end.
@@ -109,6 +114,15 @@ struct Requested {
     frame: Option<FrameRequest>,
     // The pixel of the frame that is shown.
     pixel: Option<[u32; 2]>,
+    // What the user's own source is fine enough for, as soon as it is ready.
+    seen: Option<Seen>,
+}
+
+/// A picture as it is seen.
+#[derive(PartialEq)]
+struct Seen {
+    view: View,
+    size: [u32; 2],
 }
 
 /// How camera and lights moved lately.
@@ -137,6 +151,7 @@ pub struct ViewerWindow {
     motion: Motion,
     schedule: Schedule,
     saves: Vec<PendingSave>,
+    recording: Option<Recording>,
     write_command: CommandLine,
     last: LastView,
     proxy: EventLoopProxy<Event>,
@@ -174,6 +189,7 @@ impl ViewerWindow {
             motion: Motion { last: settings, changed: None, continuous: false },
             schedule: Schedule { wake: None, presented: Instant::now() },
             saves: Vec::new(),
+            recording: None,
             write_command: start.command_line,
             last: start.last,
             proxy,
@@ -341,7 +357,7 @@ impl ViewerWindow {
     fn track_motion(&mut self) {
         let now = Instant::now();
         let (new, old) = (&self.model.settings, &self.motion.last);
-        if new.camera != old.camera || new.lights != old.lights {
+        if (new.camera, &new.lights, new.surroundings) != (old.camera, &old.lights, old.surroundings) {
             self.motion.changed = Some(now);
             self.motion.last = new.clone();
         }

@@ -29,13 +29,13 @@ pub struct Request {
     pub picture: Option<RequestedPicture>,
 }
 
-/// A picture that a source is made for.
+/// Pictures that a source is made for.
 #[derive(Clone)]
 pub struct RequestedPicture {
     /// The scene.
     pub loaded: Arc<LoadedScene>,
-    /// What is seen of it.
-    pub view: View,
+    /// What is seen of it in each picture.
+    pub views: Vec<View>,
     /// Pixels.
     pub size: [u32; 2],
     /// Samples of each pixel.
@@ -208,8 +208,7 @@ impl Preparer {
             && setup::averages_footprints(&settings)
         {
             let (mesh, sample) = (&picture.loaded.scene.mesh, picture.sampling.sample(0));
-            let views = std::slice::from_ref(&picture.view);
-            settings.footprints = footprints::sizes(device, mesh, views, picture.size, &sample)?;
+            settings.footprints = footprints::sizes(device, mesh, &picture.views, picture.size, &sample)?;
         }
         let made = setup::source(&field, &settings, &self.limits, &mut self.in_use, progress)?;
         let (shaded_from, shading) = (made.source, request.settings.shading.clone());

@@ -1,7 +1,7 @@
 //! The cost of the settings, and the foot of the panel.
 
 use super::optics::percent;
-use super::rows::{self, number, value};
+use super::rows::{self, FRAMES, quantity, value};
 use super::section;
 use crate::render::source::Extent;
 use crate::viewer::error_probe::ProbeStatus;
@@ -16,8 +16,8 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         times_and_sizes(ui, model);
         errors(ui, model);
         rows::show(ui, &rows::FPS, |ui| {
-            let fps = number(&mut model.pacing.fps).speed(0.2).range(1.0..=240.0).max_decimals(1);
-            ui.add(fps.suffix(" fps"));
+            let fps = quantity(&mut model.pacing.fps, &FRAMES).speed(0.2).range(1.0..=240.0);
+            ui.add(fps.max_decimals(1));
             ui.checkbox(&mut model.pacing.continuous, "continuous");
         });
     });

@@ -1,7 +1,10 @@
 //! The rows of the panel: what each is called, what it sets, and the option of `diffract view` that sets the same.
 
+use crate::units;
+use crate::viewer::settings::ViewSettings;
 use crate::viewer::style;
-use egui::{Align, DragValue, Label, Layout, RichText, Sense, Ui, vec2};
+use egui::{Align, DragValue, Id, Label, Layout, RichText, Sense, Ui, vec2};
+use std::sync::Arc;
 
 /// Width of the labels [points].
 const LABEL: f32 = 100.0;
@@ -14,15 +17,24 @@ pub struct Row {
     pub tip: &'static str,
     /// The option of the command line.
     pub option: Option<&'static str>,
+    /// Copies what it sets from the second settings to the first.
+    pub copy: Option<Copy>,
 }
+
+/// Copies a setting from the second settings to the first.
+pub type Copy = fn(&mut ViewSettings, &ViewSettings);
 
 impl Row {
     const fn setting(label: &'static str, option: &'static str, tip: &'static str) -> Self {
-        Self { label, tip, option: Some(option) }
+        Self { label, tip, option: Some(option), copy: None }
+    }
+
+    const fn copied(self, copy: Copy) -> Self {
+        Self { copy: Some(copy), ..self }
     }
 
     const fn other(label: &'static str, tip: &'static str) -> Self {
-        Self { label, tip, option: None }
+        Self { label, tip, option: None, copy: None }
     }
 
     /// The text beside the pointer.
@@ -35,38 +47,62 @@ impl Row {
 macro_rules! rows {
     ($($name:ident = $row:expr;)*) => {
         $(pub const $name: Row = $row;)*
-        #[cfg(test)]
+        /// All of them.
         pub const ALL: &[&Row] = &[$(&$name),*];
     };
 }
 
 rows! {
     SCENE = Row::setting("scene", "diffract view SCENE", "Mesh, camera, lights and surface. What you have set yourself stays.");
-    EXPOSURE = Row::setting("exposure", "--exposure", "Brightness of the picture in stops (EV): one more doubles it.");
+    EXPOSURE = Row::setting("exposure", "--exposure", "Brightness of the picture in stops (EV): one more doubles it.")
+        .copied(|to, from| to.exposure = from.exposure);
     TONE = Row::setting("tone mapping", "--tone", "What the display makes of highlights. none: colours as they are, up to the edge of what it can show. \
-        neutral: highlights go softly to white.");
-    SAMPLES = Row::setting("samples", "--samples", "Samples a pixel that a still picture is the mean of: smooth edges, soft lights. 1: pixel centres only.");
-    BASE_COLOR = Row::setting("base colour", "--base-color", "Colour of the pigment below the surface, linear sRGB. Black shows the diffraction alone.");
+        neutral: highlights go softly to white.")
+        .copied(|to, from| to.tone = from.tone);
+    SAMPLES = Row::setting("samples", "--samples", "Samples a pixel that a still picture is the mean of: smooth edges, soft lights. 1: pixel centres only.")
+        .copied(|to, from| to.samples = from.samples);
+    TURNTABLE = Row::setting("turntable", "--turntable", "Pictures of a whole turn of the camera about its target, which are recorded into a new folder.  [T]");
+    BASE_COLOR = Row::setting("base colour", "--base-color", "Colour of the pigment below the surface, linear sRGB. Black shows the diffraction alone.")
+        .copied(|to, from| to.base_color = from.base_color);
     WINDOWS = Row::setting("windows", "--windows", "mean: what a pixel sees, the average over all positions of the coherence window. \
-        one: a single window, with its speckle.");
-    METHOD = Row::setting("method", "--method", "table: reads colours that are summed beforehand, the fastest. spectral: sums the wavelengths in every pixel.");
-    BASIS = Row::setting("basis", "--basis", "Functions that the phase is expanded in. optimal: fewest terms for the tolerance. taylor: powers of the height.");
-    TOLERANCE = Row::setting("tolerance", "--tolerance", "Accepted relative error of the colours, root mean square. Smaller is slower.");
-    TERMS = Row::setting("terms", "--terms", "Number of terms of the expansion. automatic: as many as the tolerance needs.");
-    WAVELENGTHS = Row::setting("wavelengths", "--wavelengths", "Number of wavelengths in the sum over the spectrum. automatic: as many as the tolerance needs.");
-    ILLUMINANT = Row::setting("illuminant", "--illuminant", "Spectrum of the light. D65: daylight. A: incandescent lamp. E: equal energy.");
+        one: a single window, with its speckle.")
+        .copied(|to, from| to.optics.windows = from.optics.windows);
+    METHOD = Row::setting("method", "--method", "table: reads colours that are summed beforehand, the fastest. spectral: sums the wavelengths in every pixel.")
+        .copied(|to, from| to.optics.method = from.optics.method);
+    BASIS = Row::setting("basis", "--basis", "Functions that the phase is expanded in. optimal: fewest terms for the tolerance. taylor: powers of the height.")
+        .copied(|to, from| to.optics.basis = from.optics.basis);
+    TOLERANCE = Row::setting("tolerance", "--tolerance", "Accepted relative error of the colours, root mean square. Smaller is slower.")
+        .copied(|to, from| to.optics.tolerance = from.optics.tolerance);
+    TERMS = Row::setting("terms", "--terms", "Number of terms of the expansion. automatic: as many as the tolerance needs.")
+        .copied(|to, from| to.optics.terms = from.optics.terms);
+    WAVELENGTHS = Row::setting("wavelengths", "--wavelengths", "Number of wavelengths in the sum over the spectrum. automatic: as many as the tolerance needs.")
+        .copied(|to, from| to.optics.wavelengths = from.optics.wavelengths);
+    ILLUMINANT = Row::setting("illuminant", "--illuminant", "Spectrum of the light. D65: daylight. A: incandescent lamp. E: equal energy.")
+        .copied(|to, from| to.illuminant.clone_from(&from.illuminant));
     COMPARE = Row::other("show", "What lies right of the line. off: nothing. split: the same scene with the settings below. \
         error: its relative difference from them in false colour.  [C]");
-    SURFACE = Row::setting("height field", "--surface", "The surface that diffracts: a generated one, or a file that was opened or dropped on the window.");
-    SPACING = Row::setting("sample spacing", "--pixel-size", "Distance between neighbouring samples of the height image along x and y, in nanometres.");
-    HEIGHT = Row::setting("full height", "--height", "Height that white stands for in the height image, in nanometres.");
-    SEED = Row::setting("seed", "--seed", "Which of the many random surfaces of this kind.");
-    LEVEL = Row::setting("level", "--level", "What is subtracted from the heights: nothing, their mean, or the plane that fits them.");
-    COHERENCE = Row::setting("coherence", "--coherence", "gaussian: light that is coherent over a certain length. repeats: a finite grating of copies of the patch.");
-    LENGTH = Row::setting("length", "--coherence gaussian:", "Coherence length on the surface in micrometres. Sunlight: 65 µm.");
-    COPIES = Row::setting("copies", "--coherence grating:", "Number of copies of the patch along x and y.");
-    INDEX = Row::setting("refractive index", "--ior", "Refractive index of the surface, for how much it reflects. --material names one with its spectrum.");
-    LIGHT = Row::setting("light", "--light", "θ: degrees from up. φ: degrees from +x toward +y. ×: irradiance over π. Of a lamp in the scene: where it stands, its diameter ⌀ or its width and height, its radiance L or power W. A right drag on the picture moves the first light.");
+    SURFACE = Row::setting("height field", "--surface", "The surface that diffracts: a generated one, or a file that was opened or dropped on the window.")
+        .copied(|to, from| to.surface.clone_from(&from.surface));
+    SPACING = Row::setting("sample spacing", "--pixel-size", "Distance between neighbouring samples of the height image along x and y, in nanometres.")
+        .copied(|to, from| to.surface.pixel_size = from.surface.pixel_size);
+    HEIGHT = Row::setting("full height", "--height", "Height that white stands for in the height image, in nanometres.")
+        .copied(|to, from| to.surface.height = from.surface.height);
+    SEED = Row::setting("seed", "--seed", "Which of the many random surfaces of this kind.")
+        .copied(|to, from| to.surface.seed = from.surface.seed);
+    LEVEL = Row::setting("level", "--level", "What is subtracted from the heights: nothing, their mean, or the plane that fits them.")
+        .copied(|to, from| to.surface.set_level(from.surface.level()));
+    COHERENCE = Row::setting("coherence", "--coherence", "gaussian: light that is coherent over a certain length. repeats: a finite grating of copies of the patch.")
+        .copied(|to, from| to.coherence = from.coherence);
+    LENGTH = Row::setting("length", "--coherence gaussian:", "Coherence length on the surface in micrometres. Sunlight: 65 µm.")
+        .copied(|to, from| to.coherence = from.coherence);
+    COPIES = Row::setting("copies", "--coherence grating:", "Number of copies of the patch along x and y.")
+        .copied(|to, from| to.coherence = from.coherence);
+    INDEX = Row::setting("refractive index", "--ior", "Refractive index of the surface, for how much it reflects. --material names one with its spectrum.")
+        .copied(|to, from| to.reflectance.clone_from(&from.reflectance));
+    LIGHT = Row::setting("light", "--light", "θ: degrees from up. φ: degrees from +x toward +y. ×: irradiance over π. Of a lamp in the scene: where it stands, its diameter ⌀ or its width and height, its radiance L or power W. A right drag on the picture moves the first light.")
+        .copied(|to, from| to.lights.clone_from(&from.lights));
+    SURROUNDINGS = Row::setting("surroundings", "--rotate-environment, --environment-exposure", "How far the surroundings are turned about the vertical, in degrees, and how much brighter they are, in stops (EV). Shift + right drag on the picture turns them.")
+        .copied(|to, from| to.surroundings = from.surroundings);
     ADD_LIGHT = Row::setting("add a light", "--light", "Four lights at most, three beside surroundings.");
     ADD_LAMP = Row::setting("add a lamp", "--light sphere:", "A sphere that shines, above the scene. Three lights at most where one is a lamp, two beside surroundings.");
     DEVICE = Row::setting("device", "--device, --present", "The device that draws, and how frames reach the display.");
@@ -120,6 +156,44 @@ pub mod inspected {
     );
 }
 
+/// Which rows can be reset, and the one that is to be.
+#[derive(Clone, Default)]
+struct Resets {
+    // The labels of the rows whose settings differ from those that a reset returns to. Empty where rows have no reset.
+    offered: Arc<Vec<&'static str>>,
+    asked: Option<Copy>,
+}
+
+/// Lets the rows from now on be reset to `start` where `settings` differ from it.
+pub fn offer_resets(ui: &Ui, settings: &ViewSettings, start: &ViewSettings) {
+    let differs = |copy: Copy| {
+        let mut reset = settings.clone();
+        copy(&mut reset, start);
+        reset != *settings
+    };
+    let offered = ALL.iter().filter(|row| row.copy.is_some_and(differs)).map(|row| row.label).collect();
+    ui.data_mut(|data| data.insert_temp(Id::NULL, Resets { offered: Arc::new(offered), asked: None }));
+}
+
+/// Resets in `settings` what the user has asked for.
+pub fn reset(ui: &Ui, settings: &mut ViewSettings, start: &ViewSettings) {
+    if let Some(copy) = resets(ui).asked {
+        copy(settings, start);
+    }
+}
+
+/// Shows rows of other settings, which have no reset.
+pub fn without_reset(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    let outside = resets(ui);
+    ui.data_mut(|data| data.insert_temp(Id::NULL, Resets::default()));
+    add(ui);
+    ui.data_mut(|data| data.insert_temp(Id::NULL, outside));
+}
+
+fn resets(ui: &Ui) -> Resets {
+    ui.data(|data| data.get_temp(Id::NULL)).unwrap_or_default()
+}
+
 /// Shows `row` with what `add` adds behind its label.
 pub fn show(ui: &mut Ui, row: &Row, add: impl FnOnce(&mut Ui)) {
     numbered(ui, row, row.label, add);
@@ -128,16 +202,34 @@ pub fn show(ui: &mut Ui, row: &Row, add: impl FnOnce(&mut Ui)) {
 /// As [`show`], under another label.
 pub fn numbered(ui: &mut Ui, row: &Row, label: &str, add: impl FnOnce(&mut Ui)) {
     let height = ui.spacing().interact_size.y;
+    let copy = row.copy.filter(|_| resets(ui).offered.contains(&row.label));
     let shown = ui.horizontal_top(|ui| {
         ui.allocate_ui_with_layout(vec2(LABEL, height), Layout::left_to_right(Align::Center), |ui| {
             ui.set_min_width(LABEL);
-            ui.add(Label::new(RichText::new(label).color(style::FAINT)).selectable(false));
+            name(ui, label, copy);
         });
         ui.horizontal_wrapped(add);
     });
     // Above what the row holds, because only what lies on top is hovered.
     let whole = ui.interact(shown.response.rect, shown.response.id.with("tip"), Sense::hover());
-    whole.on_hover_text(row.help());
+    let reset = if copy.is_some() { "\nDouble-click the label to reset it." } else { "" };
+    whole.on_hover_text(row.help() + reset);
+}
+
+/// Shows the label of a row, bright where `copy` undoes what the user has set.
+fn name(ui: &mut Ui, label: &str, copy: Option<Copy>) {
+    let Some(copy) = copy else {
+        ui.add(Label::new(RichText::new(label).color(style::FAINT)).selectable(false));
+        return;
+    };
+    let text = RichText::new(label).color(style::TEXT);
+    let label = ui.add(Label::new(text).selectable(false).sense(Sense::click()));
+    let mut is_asked = label.double_clicked();
+    label.context_menu(|ui| is_asked |= ui.button("Reset").clicked());
+    if is_asked {
+        let asked = Resets { asked: Some(copy), ..resets(ui) };
+        ui.data_mut(|data| data.insert_temp(Id::NULL, asked));
+    }
 }
 
 /// Shows `row` with a text.
@@ -150,4 +242,75 @@ pub fn value(ui: &mut Ui, row: &Row, text: impl Into<String>) {
 /// A draggable number. A value from the command line may lie outside the range of the drag.
 pub fn number<N: egui::emath::Numeric>(value: &mut N) -> DragValue<'_> {
     DragValue::new(value).clamp_existing_to_range(false)
+}
+
+/// A draggable number of a unit. What is typed may have another unit of the same kind.
+pub fn quantity<'a, N: egui::emath::Numeric>(value: &'a mut N, unit: &'static Unit) -> DragValue<'a> {
+    number(value).suffix(unit.suffix).custom_parser(|text| unit.parse(text))
+}
+
+/// The unit of a number on the panel.
+pub struct Unit {
+    /// What stands behind the number.
+    suffix: &'static str,
+    /// Reads a number with a unit.
+    read: fn(&str) -> Option<f64>,
+}
+
+/// Degrees.
+pub const DEGREES: Unit = Unit { suffix: "°", read: |text| units::angle(text).ok() };
+/// Nanometres.
+pub const NANOMETRES: Unit = Unit { suffix: " nm", read: |text| Some(units::length(text).ok()? * 1e3) };
+/// Micrometres.
+pub const MICROMETRES: Unit = Unit { suffix: " µm", read: |text| units::length(text).ok() };
+/// Exposure values.
+pub const STOPS: Unit = Unit { suffix: " EV", read: |_| None };
+/// Frames a second.
+pub const FRAMES: Unit = Unit { suffix: " fps", read: |_| None };
+/// Watts.
+pub const WATTS: Unit = Unit { suffix: " W", read: |_| None };
+
+impl Unit {
+    /// The number that `text` stands for, in this unit, which a number without one has.
+    fn parse(&self, text: &str) -> Option<f64> {
+        let text = text.trim().replace('−', "-");
+        let bare = text.strip_suffix(self.suffix.trim()).unwrap_or(&text).trim();
+        bare.replace(',', ".").parse().ok().or_else(|| (self.read)(&text))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_typed_in_any_unit_of_their_kind() {
+        let cases: [(&Unit, &[(&str, Option<f64>)]); 4] = [
+            (
+                &NANOMETRES,
+                &[("450", Some(450.0)), ("0.45um", Some(450.0)), (" 450 nm", Some(450.0)), ("450 s", None)],
+            ),
+            (
+                &MICROMETRES,
+                &[("65", Some(65.0)), ("0.1mm", Some(100.0)), ("200nm", Some(0.2)), ("1,5 µm", Some(1.5))],
+            ),
+            (
+                &DEGREES,
+                &[("-12.5", Some(-12.5)), ("−12.5°", Some(-12.5)), ("30deg", Some(30.0)), ("x", None)],
+            ),
+            (&STOPS, &[("2 EV", Some(2.0)), ("-1.5", Some(-1.5)), ("1 nm", None)]),
+        ];
+        for (unit, cases) in cases {
+            for (text, number) in cases {
+                let read = unit.parse(text);
+                let same = match (read, number) {
+                    (Some(a), Some(b)) => (a - b).abs() < 1e-9,
+                    (a, b) => a.is_none() && b.is_none(),
+                };
+                assert!(same, "{text}: {read:?} where {number:?} was meant");
+            }
+        }
+        let half_turn = DEGREES.parse("3.14159265rad").unwrap();
+        assert!((half_turn - 180.0).abs() < 1e-6);
+    }
 }

@@ -1,8 +1,9 @@
 //! The rows of scene, lights and comparison.
 
-use super::rows::{self, number};
+use super::rows::{self, DEGREES, STOPS, WATTS, number, quantity};
 use super::{optics, section, short};
 use crate::optics::color::Tone;
+use crate::scene::environment::Placement;
 use crate::scene::lamp::{Lamp, Shape, Strength};
 use crate::scene::light::most_lights;
 use crate::scene::scene_file::BUILT_IN;
@@ -28,7 +29,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         });
         rows::show(ui, &rows::EXPOSURE, |ui| {
             let exposure = &mut model.settings.exposure;
-            ui.add(number(exposure).speed(0.05).range(-20.0..=20.0).fixed_decimals(1).suffix(" EV"));
+            ui.add(quantity(exposure, &STOPS).speed(0.05).range(-20.0..=20.0).fixed_decimals(1));
         });
         rows::show(ui, &rows::TONE, |ui| {
             for other in Tone::ALL {
@@ -39,6 +40,17 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
             ui.add(number(&mut model.settings.samples).speed(0.2).range(1..=4096));
         });
         base_color(ui, &mut model.settings);
+        turntable(ui, model);
+    });
+}
+
+/// Shows the pictures of a turntable, and the button that records them or stops.
+fn turntable(ui: &mut Ui, model: &mut Model) {
+    rows::show(ui, &rows::TURNTABLE, |ui| {
+        let count = number(&mut model.turntable).speed(0.5).range(2..=10_000).suffix(" pictures");
+        ui.add_enabled(model.recording.is_none(), count);
+        let name = if model.recording.is_some() { "stop" } else { "record" };
+        model.actions.record |= ui.small_button(name).clicked();
     });
 }
 
@@ -76,6 +88,9 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
         if let Some(index) = removed {
             lights.remove(index);
         }
+        if around > 0 {
+            surroundings(ui, &mut model.settings.surroundings);
+        }
         let radius = f64::from(bounds.radius);
         let far = || {
             let phi = match lights.last() {
@@ -109,6 +124,16 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
     });
 }
 
+/// Shows how the surroundings stand.
+fn surroundings(ui: &mut Ui, placement: &mut Placement) {
+    rows::show(ui, &rows::SURROUNDINGS, |ui| {
+        let rotation = quantity(&mut placement.rotation, &DEGREES).speed(0.5).range(-360.0..=360.0);
+        ui.add(rotation.fixed_decimals(1));
+        let exposure = quantity(&mut placement.exposure, &STOPS).speed(0.05).range(-20.0..=20.0);
+        ui.add(exposure.fixed_decimals(1));
+    });
+}
+
 fn place(ui: &mut Ui, lamp: &mut Lamp, room: &Room, radius: f64) {
     let [x, y, z] = &mut lamp.middle.as_mut();
     for (name, value) in [("x ", x), ("y ", y), ("z ", z)] {
@@ -123,7 +148,7 @@ fn place(ui: &mut Ui, lamp: &mut Lamp, room: &Room, radius: f64) {
     }
     if let Strength::Power(power) = &mut lamp.strength {
         let speed = 0.01 * *power;
-        ui.add(number(power).speed(speed).range(1e-6..=1e12).suffix(" W"));
+        ui.add(quantity(power, &WATTS).speed(speed).range(1e-6..=1e12));
         return;
     }
     let mut radiance = lamp.radiance(room);
@@ -134,10 +159,10 @@ fn place(ui: &mut Ui, lamp: &mut Lamp, room: &Room, radius: f64) {
 }
 
 fn angles(ui: &mut Ui, light: &mut FarLight) {
-    let theta = number(&mut light.theta).speed(0.3).range(0.0..=90.0).fixed_decimals(1);
-    ui.add(theta.prefix("θ ").suffix("°"));
-    let phi = number(&mut light.phi).speed(0.5).range(-360.0..=360.0).fixed_decimals(1);
-    ui.add(phi.prefix("φ ").suffix("°"));
+    let theta = quantity(&mut light.theta, &DEGREES).speed(0.3).range(0.0..=90.0).fixed_decimals(1);
+    ui.add(theta.prefix("θ "));
+    let phi = quantity(&mut light.phi, &DEGREES).speed(0.5).range(-360.0..=360.0).fixed_decimals(1);
+    ui.add(phi.prefix("φ "));
     let intensity = number(&mut light.intensity).speed(0.02).range(0.01..=1000.0).fixed_decimals(2);
     ui.add(intensity.prefix("× "));
 }
@@ -151,7 +176,9 @@ pub fn compare(ui: &mut Ui, model: &mut Model) {
             }
         });
         if model.comparison.mode != Compare::Alone {
-            optics::setting(ui, "other", &mut model.comparison.optics, model.settings.coherence);
+            rows::without_reset(ui, |ui| {
+                optics::setting(ui, "other", &mut model.comparison.optics, model.settings.coherence);
+            });
         }
     });
 }

@@ -1,6 +1,6 @@
 //! The rows of the height field.
 
-use super::rows::{self, number};
+use super::rows::{self, MICROMETRES, NANOMETRES, number, quantity};
 use super::{section, short};
 use crate::optics::coherence::Coherence;
 use crate::optics::reflectance::Reflectance;
@@ -82,7 +82,7 @@ fn coherence(ui: &mut Ui, settings: &mut ViewSettings, last: &mut LastCoherence)
     match &mut settings.coherence {
         Coherence::Gaussian { length } => {
             rows::show(ui, &rows::LENGTH, |ui| {
-                ui.add(number(length).speed(0.5).range(1.0..=200.0).fixed_decimals(1).suffix(" µm"));
+                ui.add(quantity(length, &MICROMETRES).speed(0.5).range(1.0..=200.0).fixed_decimals(1));
             });
             last.length = *length;
         }
@@ -102,7 +102,7 @@ fn units(ui: &mut Ui, source: &mut Source) {
         let mut nm = source.pixel_size.unwrap_or([0.1; 2]).map(|um| um * 1e3);
         let mut changed = false;
         for n in &mut nm {
-            let field = number(n).speed(0.1).range(1.0..=10_000.0).max_decimals(4).suffix(" nm");
+            let field = quantity(n, &NANOMETRES).speed(0.1).range(1.0..=10_000.0).max_decimals(4);
             changed |= ui.add(field).changed();
         }
         if changed {
@@ -111,7 +111,8 @@ fn units(ui: &mut Ui, source: &mut Source) {
     });
     rows::show(ui, &rows::HEIGHT, |ui| {
         let mut nm = source.height.unwrap_or(0.5) * 1e3;
-        if ui.add(number(&mut nm).speed(1.0).range(0.1..=100_000.0).max_decimals(4).suffix(" nm")).changed() {
+        let field = quantity(&mut nm, &NANOMETRES).speed(1.0).range(0.1..=100_000.0).max_decimals(4);
+        if ui.add(field).changed() {
             source.height = Some(nm * 1e-3);
         }
     });

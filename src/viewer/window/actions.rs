@@ -37,6 +37,14 @@ impl ViewerWindow {
         if let Some(format) = actions.save {
             self.request_save(format);
         }
+        if actions.copy_command {
+            self.gui.context.copy_text(self.command());
+            self.model.say("copied the command that draws this picture");
+            self.window.request_redraw();
+        }
+        if actions.record {
+            self.record();
+        }
         if actions.measure
             && let Some(request) = self.own_frame()
         {
@@ -67,12 +75,13 @@ impl ViewerWindow {
 
     /// Has the picture drawn for a file of a free name.
     fn request_save(&mut self, format: SaveAs) {
-        match self.own_frame() {
+        match self.own_frame().filter(|_| self.is_settled()) {
             Some(request) => {
                 let stem = save::free_name(Path::new(""));
                 let name = stem.with_extension("png").to_string_lossy().into_owned();
                 let command = self.command_line(request.size, &name);
-                self.saves.push(PendingSave { stem, with_exr: format == SaveAs::PngAndExr, command });
+                let with_exr = format == SaveAs::PngAndExr;
+                self.saves.push(PendingSave { stem, with_exr, command, is_recorded: false });
                 self.threads.render.submit(Job::Picture(request));
                 self.model.say(format!("saving {name}"));
             }

@@ -63,6 +63,7 @@ impl ViewerWindow {
                     Role::Preview => self.preview(prepared),
                     Role::Own => self.apply(prepared),
                     Role::Other => model.comparison.prepared = Some(prepared),
+                    Role::AsSeen => self.take_as_seen(prepared),
                     Role::Coarse => model.sources.coarse = Some(prepared),
                     Role::FewerWavelengths => model.sources.fewer_wavelengths = Some(prepared),
                 }
@@ -77,10 +78,14 @@ impl ViewerWindow {
         if newest != Some(number) {
             return;
         }
+        if role == Role::AsSeen {
+            self.requested.preparations[role as usize] = None;
+            self.stop_recording();
+        }
         let model = &mut self.model;
         model.sources.progress[role as usize] = None;
         // Without lighter spectra moving pictures reduce their resolution.
-        if matches!(role, Role::Own | Role::Other) {
+        if matches!(role, Role::Own | Role::Other | Role::AsSeen) {
             model.report(Concern::Setting, error);
         }
         if role == Role::Own {
@@ -139,14 +144,35 @@ impl ViewerWindow {
         model.sources.own = Some(prepared);
         model.sources.preview = None;
         model.sources.progress[Role::Preview as usize] = None;
-        (model.sources.coarse, model.sources.fewer_wavelengths) = (None, None);
-        for role in [Role::Coarse, Role::FewerWavelengths] {
-            self.requested.preparations[role as usize] = None;
-        }
         model.pacing.quality.invalidate();
         model.succeed(Concern::Setting);
         model.remember_surface();
+        self.drop_lighter();
         self.set_title();
+    }
+
+    /// Draws from the source for what is seen now, unless that is the present one.
+    fn take_as_seen(&mut self, prepared: Arc<Prepared>) {
+        self.requested.preparations[Role::AsSeen as usize] = None;
+        let own = self.model.sources.own.as_mut();
+        if let Some(own) = own.filter(|own| !own.shaded_from.shares_data_with(&prepared.shaded_from)) {
+            let number = prepared.number;
+            *own = prepared;
+            self.drop_lighter();
+            if let Some(request) = &mut self.requested.preparations[Role::Own as usize] {
+                request.number = number;
+            }
+        }
+        self.begin_recording();
+    }
+
+    /// Forgets what moving pictures of a former setting are drawn from.
+    fn drop_lighter(&mut self) {
+        let sources = &mut self.model.sources;
+        (sources.coarse, sources.fewer_wavelengths) = (None, None);
+        for role in [Role::Coarse, Role::FewerWavelengths] {
+            self.requested.preparations[role as usize] = None;
+        }
     }
 
     fn handle_rendering(&mut self, reply: RenderReply) -> Result<()> {
@@ -157,7 +183,7 @@ impl ViewerWindow {
                 self.model.pacing.quality.record(quality, 2.0 * milliseconds, true);
             }
             RenderReply::NoRoom(detail) => self.model.sources.forget(detail),
-            RenderReply::Picture(picture, scalar_theory) => self.save(&picture, scalar_theory),
+            RenderReply::Picture(drawn) => self.save(drawn),
             RenderReply::Samples(probe) => self.measure(*probe)?,
             RenderReply::Pixel(reading) => self.show_pixel(reading.map(|reading| *reading))?,
             RenderReply::Failed(e) if self.device.is_lost() => return Err(e),
@@ -225,24 +251,32 @@ impl ViewerWindow {
         Ok(())
     }
 
-    fn save(&mut self, picture: &Picture, scalar_theory: String) {
+    /// Saves what is drawn for the oldest file that waits, with how far scalar theory holds for it.
+    fn save(&mut self, drawn: Result<(Box<Picture>, String)>) {
         if self.saves.is_empty() {
             return;
         }
-        let PendingSave { stem, with_exr, command } = self.saves.remove(0);
+        let PendingSave { stem, with_exr, command, is_recorded } = self.saves.remove(0);
         let (as_png, as_exr) = (stem.with_extension("png"), stem.with_extension("exr"));
-        let notes = Notes::new(command, scalar_theory);
-        let write = |path, format| picture_file::write(path, format, picture, &notes);
-        let saved = write(&as_png, Format::Png)
-            .and_then(|()| if with_exr { write(&as_exr, Format::Exr) } else { Ok(()) });
+        let saved = drawn.and_then(|(picture, scalar_theory)| {
+            let notes = Notes::new(command, scalar_theory);
+            picture_file::write(&as_png, Format::Png, &picture, &notes)?;
+            if with_exr { picture_file::write(&as_exr, Format::Exr, &picture, &notes) } else { Ok(()) }
+        });
         match saved {
+            Ok(()) if is_recorded => self.recorded(),
             Ok(()) => {
                 let more = if with_exr { " and .exr" } else { "" };
                 let path = std::path::absolute(&as_png).unwrap_or(as_png);
                 self.model.succeed(Concern::Picture);
                 self.model.say(format!("saved {}{more}", path.display()));
             }
-            Err(e) => self.model.report(Concern::Picture, &e),
+            Err(e) => {
+                if is_recorded {
+                    self.stop_recording();
+                }
+                self.model.report(Concern::Picture, &e);
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Requests to the background threads.
 
-use super::{PreparationRequest, ViewerWindow};
+use super::{PreparationRequest, Seen, ViewerWindow};
 use crate::optics::coherence::Windows;
 use crate::render::frame::{Shown, View};
 use crate::setup::{self, Method};
@@ -23,9 +23,10 @@ impl ViewerWindow {
             let optics = self.model.comparison.optics.clone();
             self.request_preparation(Role::Other, &ViewSettings { optics, ..own.clone() });
         }
-        let sources = &self.model.sources;
-        let requested = self.requested.preparations[Role::Own as usize].as_ref();
-        let ready = sources.own.as_ref().map(|p| p.number) == requested.map(|r| r.number);
+        let ready = self.is_own_ready();
+        if ready && !self.model.pacing.moving {
+            self.request_as_seen(&own);
+        }
         // No spectra are as fast as a colour table, which reduces its resolution instead.
         if self.model.pacing.quality.is_slow() && ready && own.optics.method == Method::Spectral {
             let optics = compare::coarse(&own.optics);
@@ -35,6 +36,47 @@ impl ViewerWindow {
                 self.request_preparation(Role::FewerWavelengths, &own);
             }
         }
+    }
+
+    /// Whether what the user has set last is ready to be drawn.
+    fn is_own_ready(&self) -> bool {
+        let requested = self.requested.preparations[Role::Own as usize].as_ref();
+        self.model.sources.own.as_ref().map(|own| own.number) == requested.map(|request| request.number)
+    }
+
+    /// Whether the user's own picture is drawn from the source that a picture of what is seen now is drawn from.
+    pub(super) fn is_settled(&self) -> bool {
+        let of_mean = self.model.settings.windows(&self.model.settings.optics) == Windows::All;
+        let seen = Seen { view: self.view(), size: self.model.size };
+        let is_requested = self.requested.seen.as_ref() == Some(&seen);
+        !of_mean || is_requested && self.requested.preparations[Role::AsSeen as usize].is_none()
+    }
+
+    /// Requests the source of `own` for what is seen now, where camera or lights have moved since the last request: from near, pixels ask for a finer one.
+    fn request_as_seen(&mut self, own: &ViewSettings) {
+        let seen = Seen { view: self.view(), size: self.model.size };
+        if own.windows(&own.optics) != Windows::All || self.requested.seen.as_ref() == Some(&seen) {
+            return;
+        }
+        self.request_for_views(own, vec![seen.view]);
+    }
+
+    /// Requests the source of `own` that is fine enough for `views`.
+    pub(super) fn request_for_views(&mut self, own: &ViewSettings, views: Vec<View>) {
+        let Some(ready) = self.model.sources.own.clone() else { return };
+        let Some(picture) = self.requested_picture() else { return };
+        self.requested.seen = Some(Seen { view: self.view(), size: self.model.size });
+        self.requested.number += 1;
+        let (role, number) = (Role::AsSeen, self.requested.number);
+        let settings = own.clone();
+        self.requested.preparations[role as usize] = Some(PreparationRequest { number, settings });
+        self.threads.worker.request(Request {
+            role,
+            number,
+            surface: own.surface.clone(),
+            settings: setup::Settings::new(own.method(&own.optics), ready.shading.clone()),
+            picture: Some(RequestedPicture { views, ..picture }),
+        });
     }
 
     /// Requests the first colours of `own`, if that is not requested yet.
@@ -76,7 +118,12 @@ impl ViewerWindow {
                 let method = settings.method(&settings.optics);
                 let settings = setup::Settings::new(method, shading);
                 let picture = self.requested_picture();
-                self.threads.worker.request(Request { role, number, surface, settings, picture });
+                if role == Role::Own {
+                    self.requested.seen = Some(Seen { view: self.view(), size: self.model.size });
+                    self.requested.preparations[Role::AsSeen as usize] = None;
+                }
+                let request = Request { role, number, surface, settings, picture };
+                self.threads.worker.request(request);
                 self.model.sources.progress[role as usize] = Some(Progress { done: 0, of: 1 });
                 self.window.request_redraw();
             }
@@ -87,7 +134,7 @@ impl ViewerWindow {
             Role::Other => self.model.comparison.prepared = None,
             Role::Coarse => self.model.sources.coarse = None,
             Role::FewerWavelengths => self.model.sources.fewer_wavelengths = None,
-            Role::Preview => {}
+            Role::Preview | Role::AsSeen => {}
             Role::Own => self.set_title(),
         }
     }
@@ -97,15 +144,16 @@ impl ViewerWindow {
         let model = &self.model;
         (!model.size.contains(&0)).then(|| RequestedPicture {
             loaded: model.loaded.clone(),
-            view: self.view(),
+            views: vec![self.view()],
             size: model.size,
             sampling: model.settings.sampling(),
         })
     }
 
-    fn view(&self) -> View {
+    pub(super) fn view(&self) -> View {
         let (shown, scene) = (self.model.shown(), &self.model.loaded.scene);
         View {
+            environment: scene.environment.as_ref().map(|e| e.placed(shown.surroundings)),
             camera: shown.shown_camera(scene),
             base_color: shown.base_color,
             pigment: scene.pigment.is_some(),
@@ -134,7 +182,7 @@ impl ViewerWindow {
             size: model.size,
             compare: if is_own { model.comparison.mode } else { Compare::Alone },
             sampling: model.sampling(stage),
-            inset: model.hemisphere_light().filter(|_| stage != Stage::Pigment),
+            inset: model.hemisphere().filter(|_| stage != Stage::Pigment),
         })
     }
 

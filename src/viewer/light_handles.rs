@@ -1,0 +1,250 @@
+//! The lights of the scene, drawn where they stand in the picture and dragged there.
+
+use super::model::Model;
+use super::{orbit, style};
+use crate::scene::lamp::Shape;
+use crate::scene::{Camera, FarLight, Lamp, Light, Room};
+use egui::{Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
+use glam::{DVec3, Vec2, Vec3};
+
+/// Radius of a handle, and of what can be grabbed around it \[points\].
+const RADIUS: f32 = 5.0;
+const REACH: f32 = 9.0;
+/// Part of the picture's height that the sphere takes on which far lights stand.
+const SPHERE: f32 = 0.8;
+/// The colour of a light.
+const GLOW: Color32 = Color32::from_rgb(255, 236, 170);
+
+/// The camera and the picture that lights are drawn in.
+#[derive(Clone, Copy)]
+struct Frame {
+    camera: Camera,
+    /// Pixels, of which a point has one here.
+    size: [u32; 2],
+    corner: Pos2,
+}
+
+/// Draws a handle for each light over the picture, and lets it be dragged where it is within `touched`.
+pub fn show(ui: &mut Ui, touched: Rect, picture: Rect, model: &mut Model) {
+    let size = [picture.width(), picture.height()].map(|n| n as u32);
+    if !model.visible.lights || size.contains(&0) {
+        return;
+    }
+    let camera = model.settings.shown_camera(&model.loaded.scene);
+    let frame = Frame { camera, size, corner: picture.min };
+    let bounds = model.loaded.scene.mesh.bounds();
+    let room = Room { centre: bounds.centre.as_dvec3(), unit: model.loaded.scene.unit };
+    let painter = ui.painter_at(picture);
+    for (number, light) in model.settings.lights.iter_mut().enumerate() {
+        let Some(at) = frame.place(light).filter(|at| touched.contains(*at)) else { continue };
+        let around = Rect::from_center_size(at, vec2(2.0 * REACH, 2.0 * REACH));
+        let handle = ui.interact(around, ui.id().with(("light handle", number)), Sense::drag());
+        let is_held = handle.dragged();
+        if handle.hovered() || is_held {
+            ui.ctx().set_cursor_icon(if is_held { CursorIcon::Grabbing } else { CursorIcon::Grab });
+            frame.name(&painter, at, number, light);
+        }
+        if let Some(to) = handle.interact_pointer_pos().filter(|to| is_held && *to != at) {
+            *light = frame.moved(*light, to);
+        }
+        frame.draw(&painter, at, light, &room);
+    }
+}
+
+impl Frame {
+    /// Where `light` stands in the picture.
+    fn place(&self, light: &Light) -> Option<Pos2> {
+        let point = match light {
+            Light::Far(light) => self.camera.target + light.direction() * self.sphere(),
+            Light::Lamp(lamp) => lamp.middle.as_vec3(),
+        };
+        self.point(point)
+    }
+
+    fn point(&self, point: Vec3) -> Option<Pos2> {
+        orbit::pixel_of(&self.camera, point, self.size).map(|at| self.corner + vec2(at.x, at.y))
+    }
+
+    /// Direction in which the picture looks at `at`.
+    fn ray(&self, at: Pos2) -> Vec3 {
+        let from_corner = at - self.corner;
+        orbit::ray(&self.camera, Vec2::new(from_corner.x, from_corner.y), self.size)
+    }
+
+    /// Radius of the sphere around the camera's target on which far lights stand, so that all of them are in the picture.
+    fn sphere(&self) -> f32 {
+        let half = (self.camera.field_of_view / 2.0).sin();
+        let across = self.size[0].min(self.size[1]) as f32 / self.size[1] as f32;
+        SPHERE * self.camera.distance * half * across
+    }
+
+    /// Whether a far light shines from the viewer's side.
+    fn is_in_front(&self, light: &FarLight) -> bool {
+        light.direction().dot(self.camera.eye() - self.camera.target) >= 0.0
+    }
+
+    fn moved(&self, light: Light, to: Pos2) -> Light {
+        match light {
+            Light::Far(light) => self.far_light_moved(light, to).into(),
+            Light::Lamp(lamp) => Light::Lamp(self.lamp_moved(lamp, to)),
+        }
+    }
+
+    /// `light` on the sphere below `to`, on the side where it was; beyond the sphere's edge, on the edge.
+    fn far_light_moved(&self, light: FarLight, to: Pos2) -> FarLight {
+        let (ray, radius) = (self.ray(to), self.sphere());
+        let from_eye = self.camera.target - self.camera.eye();
+        let along = from_eye.dot(ray);
+        let missed = ray * along - from_eye; // from the target to the ray, across it
+        let half_chord = (radius.powi(2) - missed.length_squared()).max(0.0).sqrt();
+        let side = if self.is_in_front(&light) { -half_chord } else { half_chord };
+        let point = if half_chord > 0.0 { missed + ray * side } else { missed.reject_from(from_eye) };
+        let direction = point.normalize_or(light.direction());
+        // Just above the horizon, where light still reaches a plane.
+        let theta = f64::from(direction.z.clamp(-1.0, 1.0).acos().to_degrees()).min(89.0);
+        let phi = f64::from(direction.y.atan2(direction.x).to_degrees());
+        // Rounded to a tenth of a degree, which is short on a command line.
+        let tenth = |x: f64| (x * 10.0).round() / 10.0;
+        FarLight { theta: tenth(theta), phi: tenth(phi), ..light }
+    }
+
+    /// `lamp` below `to`, as far before the eye as it was.
+    fn lamp_moved(&self, lamp: Lamp, to: Pos2) -> Lamp {
+        let eye = self.camera.eye();
+        let forward = (self.camera.target - eye).normalize_or(Vec3::Y);
+        let depth = (lamp.middle.as_vec3() - eye).dot(forward);
+        let ray = self.ray(to);
+        let moved = (eye + ray * (depth / ray.dot(forward))).as_dvec3();
+        // Rounded to a thousandth of what is seen, which is short on a command line.
+        let across = f64::from(2.0 * self.camera.distance * (self.camera.field_of_view / 2.0).tan());
+        let digits = 10f64.powf((1e3 / across).log10().ceil());
+        Lamp { middle: (moved * digits).round() / digits, ..lamp }
+    }
+
+    /// Draws `light` at `at`: a disc, hollow where it shines from behind the scene, or the outline of a lamp.
+    fn draw(&self, painter: &Painter, at: Pos2, light: &Light, room: &Room) {
+        let is_hollow = match light {
+            Light::Far(light) => !self.is_in_front(light),
+            Light::Lamp(lamp) => {
+                let outline = self.outline(lamp, room);
+                painter.add(egui::Shape::closed_line(outline, Stroke::new(1.0, GLOW.gamma_multiply(0.6))));
+                false
+            }
+        };
+        painter.circle_filled(at, RADIUS + 1.5, style::GLASS);
+        if is_hollow {
+            painter.circle_stroke(at, RADIUS - 0.5, Stroke::new(1.5, GLOW));
+        } else {
+            painter.circle_filled(at, RADIUS, GLOW);
+        }
+    }
+
+    /// The outline of `lamp` in the picture; nothing where a part of it is behind the eye.
+    fn outline(&self, lamp: &Lamp, room: &Room) -> Vec<Pos2> {
+        const SIDES: usize = 48;
+        let corners: Vec<DVec3> = match lamp.shape {
+            Shape::Sphere { diameter } => {
+                let toward = (self.camera.eye().as_dvec3() - lamp.middle).normalize_or(DVec3::Z);
+                let (across, along) = toward.any_orthonormal_pair();
+                let angle = |i: usize| std::f64::consts::TAU * i as f64 / SIDES as f64;
+                let point = |i: usize| across * angle(i).cos() + along * angle(i).sin();
+                (0..SIDES).map(|i| lamp.middle + point(i) * (0.5 * diameter)).collect()
+            }
+            Shape::Rectangle { .. } => lamp.corners(room).to_vec(),
+        };
+        corners
+            .into_iter()
+            .map(|corner| self.point(corner.as_vec3()))
+            .collect::<Option<_>>()
+            .unwrap_or_default()
+    }
+
+    /// Names a light beside its handle, with where it stands.
+    fn name(&self, painter: &Painter, at: Pos2, number: usize, light: &Light) {
+        let place = match light {
+            Light::Far(FarLight { theta, phi, .. }) => format!("θ {theta:.1}°  φ {phi:.1}°"),
+            Light::Lamp(Lamp { middle, .. }) => format!("{}, {}, {}", middle.x, middle.y, middle.z),
+        };
+        if matches!(light, Light::Far(_))
+            && let Some(target) = self.point(self.camera.target)
+        {
+            painter.line_segment([target, at], Stroke::new(1.0, GLOW.gamma_multiply(0.5)));
+        }
+        let text = format!("light {}  {place}", number + 1);
+        let galley = painter.layout_no_wrap(text, FontId::proportional(12.0), style::TEXT);
+        let clip = painter.clip_rect();
+        let size = galley.size() + vec2(12.0, 6.0);
+        let left = (at.x + 12.0).min(clip.right() - size.x - 20.0);
+        let ground = Align2::LEFT_CENTER.anchor_size(pos2(left, (at.y - 20.0).max(clip.top() + 14.0)), size);
+        painter.rect_filled(ground, 4.0, style::GLASS);
+        painter.galley(ground.min + vec2(6.0, 3.0), galley, style::TEXT);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::viewer::hand::Hand;
+    use egui::Key;
+
+    fn frame() -> Frame {
+        let camera = Camera::looking(Vec3::new(1.0, -3.0, 2.0), Vec3::new(0.1, 0.0, 0.2), 0.6).unwrap();
+        Frame { camera, size: [640, 480], corner: pos2(10.0, 20.0) }
+    }
+
+    #[test]
+    fn a_light_that_is_dragged_stands_below_the_pointer() {
+        let frame = frame();
+        // Above the horizon and on the viewer's side of the sphere.
+        let light: Light = Light::point(20.0, -60.0, 2.0);
+        let lamp = Light::parse("sphere:0.1:0.2,0.3,1").unwrap();
+        for to in [pos2(330.0, 130.0), pos2(400.0, 200.0)] {
+            for light in [light, lamp] {
+                let moved = frame.moved(light, to);
+                let at = frame.place(&moved).unwrap();
+                assert!((at - to).length() < 1.5, "{light}: {at} where {to} was meant");
+                assert!(moved != light);
+            }
+        }
+    }
+
+    #[test]
+    fn a_light_stays_on_its_side_above_the_horizon_and_on_the_sphere() {
+        let frame = frame();
+        for (theta, phi) in [(30.0, -70.0), (60.0, 110.0), (5.0, 0.0)] {
+            let light = FarLight { theta, phi, intensity: 3.0, size: 0.5 };
+            let front = frame.is_in_front(&light);
+            let at = frame.place(&light.into()).unwrap();
+            let same = frame.far_light_moved(light, at);
+            assert!(
+                (same.theta - theta).abs() < 0.2 && same.intensity == 3.0 && same.size == 0.5,
+                "{same:?}"
+            );
+            let near = frame.far_light_moved(light, at + vec2(5.0, 0.0));
+            assert_eq!(frame.is_in_front(&near), front);
+            let low = frame.far_light_moved(light, pos2(330.0, 5000.0));
+            assert_eq!(low.theta, 89.0);
+            let beyond = frame.far_light_moved(light, pos2(330.0, -5000.0));
+            let up = frame.camera.eye() - frame.camera.target;
+            assert!(beyond.direction().dot(up).abs() < 0.35 * up.length(), "on the edge: {beyond:?}");
+        }
+    }
+
+    #[test]
+    fn the_hand_drags_a_light_and_the_camera_stays() {
+        let mut hand = Hand::new([900.0, 700.0], 1.0);
+        let before = hand.model.settings.clone();
+        let size = [hand.picture.width(), hand.picture.height()].map(|n| n as u32);
+        let camera = before.camera;
+        let at = Frame { camera, size, corner: Pos2::ZERO }.place(&before.lights[0]).unwrap();
+        hand.point(at);
+        assert!(hand.says("light 1  θ"));
+        hand.drag(at, at + vec2(30.0, 12.0));
+        assert!(hand.model.settings.lights != before.lights && hand.model.settings.camera == before.camera);
+        hand.key(Key::L);
+        let moved = hand.model.settings.clone();
+        let at = Frame { camera, size, corner: Pos2::ZERO }.place(&moved.lights[0]).unwrap();
+        hand.drag(at, at + vec2(30.0, 12.0));
+        assert!(hand.model.settings.lights == moved.lights && hand.model.settings.camera != moved.camera);
+    }
+}
