@@ -7,17 +7,21 @@ use crate::picture_file::quoted;
 use crate::scene::Scene;
 use crate::surface::Source;
 use crate::surface::prepare::{Level, Step};
-use crate::viewer::ViewSettings;
+use crate::viewer::{Output, ViewSettings};
 use std::path::Path;
 
-/// The `diffract render` that draws the picture of `settings` at `size` \[pixels\] into `output`. What is the default, or `scene`'s own, is
+/// The `diffract render` that draws the picture of `settings` into `output`. What is the default, or `scene`'s own, is
 /// left out.
-pub fn render(settings: &ViewSettings, scene: &Scene, size: [u32; 2], output: &str) -> String {
+pub fn render(settings: &ViewSettings, scene: &Scene, output: &Output<'_>) -> String {
     let mut words = Words(vec![settings.scene.clone()]);
     words.settings(settings, scene);
-    words.option("size", format!("{}x{}", size[0], size[1]));
+    let Output { size: [width, height], file, turntable } = *output;
+    words.option("size", format!("{width}x{height}"));
+    if let Some(count) = turntable {
+        words.option("turntable", count.to_string());
+    }
     let words: Vec<String> = words.0.iter().map(|word| quoted(word)).collect();
-    format!("diffract render {} -o {}", words.join(" "), quoted(output))
+    format!("diffract render {} -o {}", words.join(" "), quoted(file))
 }
 
 /// The arguments of the `diffract view` that begins with `settings`, from whatever folder.
@@ -149,13 +153,17 @@ mod tests {
     use crate::viewer::OpticsSettings;
     use crate::viewer::settings_of_a_plate as settings;
 
+    const OUTPUT: Output<'_> = Output { size: [64, 48], file: "a.png", turntable: None };
+
     #[test]
     fn the_command_line_names_what_differs_and_quotes_it() {
         let (mut s, scene) = settings();
-        let plain = render(&s, &scene, [64, 48], "a.png");
+        let plain = render(&s, &scene, &OUTPUT);
         let expected = "diffract render plate --method spectral --windows 1x1 --basis taylor --samples 1 --tolerance 1e-2 ";
         assert!(plain.starts_with(expected), "{plain}");
         assert!(plain.ends_with("--size 64x48 -o a.png"), "{plain}");
+        let turn = render(&s, &scene, &Output { turntable: Some(24), ..OUTPUT });
+        assert!(turn.ends_with("--size 64x48 --turntable 24 -o a.png"), "{turn}");
         assert!(!plain.contains("--eye") && !plain.contains("--surface") && !plain.contains("--seed"));
         let by_table = OpticsSettings {
             method: Method::Table,
@@ -163,7 +171,7 @@ mod tests {
             windows: Windows::All,
             ..s.optics.clone()
         };
-        let table = render(&ViewSettings { optics: by_table, ..s.clone() }, &scene, [64, 48], "a.png");
+        let table = render(&ViewSettings { optics: by_table, ..s.clone() }, &scene, &OUTPUT);
         let expected = "--method table --windows all --beyond copies --samples 1 --tolerance 1e-2";
         assert!(table.contains(expected), "{table}");
         assert!(!table.contains("--terms") && !table.contains("--basis"), "{table}");
@@ -176,21 +184,21 @@ mod tests {
             ..s.optics.clone()
         };
         let repeats = ViewSettings { coherence: through, optics: named, ..s.clone() };
-        let told = render(&repeats, &scene, [64, 48], "a.png");
+        let told = render(&repeats, &scene, &OUTPUT);
         assert!(told.contains("--coherence grating:3x7") && !told.contains("--wavelengths"), "{told}");
         assert!(told.contains("--method spectral --windows 1x1"), "{told}");
         assert!(!told.contains("--tone"), "{told}");
         s.tone = Tone::Neutral;
-        let told = render(&s, &scene, [64, 48], "a.png");
+        let told = render(&s, &scene, &OUTPUT);
         assert!(told.contains("--tone neutral"), "{told}");
         let neutral = Scene { tone: Tone::Neutral, ..scene.clone() };
-        assert!(!render(&s, &neutral, [64, 48], "a.png").contains("--tone"));
+        assert!(!render(&s, &neutral, &OUTPUT).contains("--tone"));
         s.tone = Tone::None;
-        assert!(render(&s, &neutral, [64, 48], "a.png").contains("--tone none"));
+        assert!(render(&s, &neutral, &OUTPUT).contains("--tone none"));
         s.surface.name = "my scan's.png".into();
         s.surface.pixel_size = Some([0.09, 0.1]);
         s.camera.phi += 0.25;
-        let told = render(&s, &scene, [64, 48], "a.png");
+        let told = render(&s, &scene, &OUTPUT);
         assert!(told.contains("--surface 'my scan'\\''s.png' --pixel-size 0.09umx0.1um"), "{told}");
         assert!(told.contains("--eye ") && told.contains("--target "), "{told}");
     }

@@ -50,7 +50,7 @@ pub(crate) use panel::rows::ALL as ROWS;
 #[cfg(test)]
 pub(crate) use settings::tests::settings as settings_of_a_plate;
 pub use settings::{OpticsSettings, ViewSettings};
-pub use start::{CommandLine, LastView, Start};
+pub use start::{CommandLine, LastView, Output, Start};
 
 use crate::error::{Error, Remedy, Result};
 use crate::vk::instance::Instance;

@@ -11,8 +11,19 @@ use crate::surface::Source;
 use crate::vk::selection::DeviceChoice;
 use ash::vk;
 
-/// Writes the command that draws a picture of settings of a scene, at a size \[pixels\], into a file. The words are the caller's.
-pub type CommandLine = fn(&ViewSettings, &Scene, [u32; 2], &str) -> String;
+/// Writes the command that draws the picture of settings of a scene. The words are the caller's.
+pub type CommandLine = fn(&ViewSettings, &Scene, &Output<'_>) -> String;
+
+/// What a command draws into files.
+#[derive(Clone, Copy, Debug)]
+pub struct Output<'a> {
+    /// Pixels.
+    pub size: [u32; 2],
+    /// The file; of a turntable, its name without numbers.
+    pub file: &'a str,
+    /// Pictures of a turntable, where it is one.
+    pub turntable: Option<u32>,
+}
 
 /// The window that was closed last. Where and in which words it is kept is the caller's.
 #[derive(Clone, Copy, Debug)]

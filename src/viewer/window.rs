@@ -16,7 +16,7 @@ use super::prepared::{Prepared, ROLES};
 use super::presenter::{Presenter, ShownPictures};
 use super::render_thread::RenderThread;
 use super::settings::ViewSettings;
-use super::start::{CommandLine, LastView, Start};
+use super::start::{CommandLine, LastView, Output, Start};
 use super::text_dump::TextDump;
 use super::worker::Worker;
 use super::{layout, style};
@@ -254,12 +254,13 @@ impl ViewerWindow {
 
     /// The command that draws what is shown.
     pub fn command(&self) -> String {
-        self.command_line(self.model.size.map(|n| n.max(1)), "picture.png")
+        let size = self.model.size.map(|n| n.max(1));
+        self.command_line(&Output { size, file: "picture.png", turntable: None })
     }
 
-    /// The command that draws what is shown, at `size`, into `output`.
-    fn command_line(&self, size: [u32; 2], output: &str) -> String {
-        (self.write_command)(&self.model.shown(), &self.model.loaded.scene, size, output)
+    /// The command that draws what is shown into `output`.
+    fn command_line(&self, output: &Output<'_>) -> String {
+        (self.write_command)(&self.model.shown(), &self.model.loaded.scene, output)
     }
 
     /// When a frame has to be drawn even without an event.

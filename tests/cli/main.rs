@@ -35,3 +35,5 @@ mod viewer_panel;
 mod viewer_record;
 mod viewer_samples;
 mod viewer_start;
+mod viewer_wayland;
+mod wayland;

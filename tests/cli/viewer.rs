@@ -25,6 +25,17 @@ pub struct Word {
     pub at: [i16; 2],
 }
 
+/// All that can be read in the window whose words are in `sandbox`, the last drawn first.
+pub fn words_of(sandbox: &Sandbox) -> Vec<Word> {
+    let text = std::fs::read_to_string(sandbox.path("words")).unwrap_or_default();
+    let word = |line: &str| {
+        let mut parts = line.splitn(3, ' ');
+        let mut number = || parts.next()?.parse().ok();
+        Some(Word { at: [number()?, number()?], text: parts.next().unwrap_or_default().to_owned() })
+    };
+    text.lines().filter_map(word).collect()
+}
+
 impl Viewer {
     /// The viewer with `arguments`, when it has drawn its picture.
     pub fn open(arguments: &[&str]) -> Self {
@@ -62,13 +73,7 @@ impl Viewer {
 
     /// All that can be read in the window, the last drawn first.
     pub fn words(&self) -> Vec<Word> {
-        let text = std::fs::read_to_string(self.sandbox.path("words")).unwrap_or_default();
-        let word = |line: &str| {
-            let mut parts = line.splitn(3, ' ');
-            let mut number = || parts.next()?.parse().ok();
-            Some(Word { at: [number()?, number()?], text: parts.next().unwrap_or_default().to_owned() })
-        };
-        text.lines().filter_map(word).collect()
+        words_of(&self.sandbox)
     }
 
     /// Waits until something in the window contains `part`.

@@ -8,6 +8,7 @@ use crate::viewer::event::{Event, OpenedScene};
 use crate::viewer::frame::LoadedScene;
 use crate::viewer::job_queue::Job;
 use crate::viewer::model::{Actions, Concern, SaveAs};
+use crate::viewer::start::Output;
 use crate::viewer::{orbit, save};
 use std::path::Path;
 
@@ -79,7 +80,8 @@ impl ViewerWindow {
             Some(request) => {
                 let stem = save::free_name(Path::new(""));
                 let name = stem.with_extension("png").to_string_lossy().into_owned();
-                let command = self.command_line(request.size, &name);
+                let output = Output { size: request.size, file: &name, turntable: None };
+                let command = self.command_line(&output);
                 let with_exr = format == SaveAs::PngAndExr;
                 self.saves.push(PendingSave { stem, with_exr, command, is_recorded: false });
                 self.threads.render.submit(Job::Picture(request));

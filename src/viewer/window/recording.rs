@@ -8,6 +8,7 @@ use crate::viewer::frame::FrameRequest;
 use crate::viewer::job_queue::Job;
 use crate::viewer::model::{Concern, Progress};
 use crate::viewer::save;
+use crate::viewer::start::Output;
 use std::path::{Path, PathBuf};
 
 /// A turntable that is being recorded.
@@ -40,7 +41,8 @@ impl ViewerWindow {
         let views = sequence.typical_views(&frame.view);
         let file = folder.join("turn.png");
         let name = file.to_string_lossy().into_owned();
-        let command = format!("{} --turntable {count}", self.command_line(frame.size, &name));
+        let output = Output { size: frame.size, file: &name, turntable: Some(count) };
+        let command = self.command_line(&output);
         self.model.say(format!("recording into {}", folder.display()));
         self.model.recording = Some(Progress { done: 0, of: count as usize });
         self.recording = Some(Recording { sequence, file, command, first: None, done: 0 });
