@@ -86,6 +86,7 @@ const FLOORS: [(&str, &[&str]); 24] = [
             "measure",
             "setup",
             "picture_file",
+            "figure",
             "render",
             "vk",
             "precompute",

@@ -50,13 +50,18 @@ impl PixelErrors {
 
 /// The mean ꟻLIP error of two displayed pictures (Andersson et al. 2020): what an observer sees who flips between them, from
 /// 0 (nothing) to 1, at a distance of 67 pixels a degree.
-pub fn flip(picture: &[[u8; 4]], exact: &[[u8; 4]], [width, height]: [u32; 2]) -> f64 {
+pub fn flip(picture: &[[u8; 4]], exact: &[[u8; 4]], size: [u32; 2]) -> f64 {
+    let errors = flip_map(picture, exact, size);
+    errors.iter().map(|error| f64::from(*error)).sum::<f64>() / errors.len().max(1) as f64
+}
+
+/// The same of each pixel.
+pub fn flip_map(picture: &[[u8; 4]], exact: &[[u8; 4]], [width, height]: [u32; 2]) -> Vec<f32> {
     let image = |pixels: &[[u8; 4]]| {
         let rgb: Vec<u8> = pixels.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
         nv_flip::FlipImageRgb8::with_data(width, height, &rgb)
     };
-    let map = nv_flip::flip(image(exact), image(picture), nv_flip::DEFAULT_PIXELS_PER_DEGREE);
-    f64::from(nv_flip::FlipPool::from_image(&map).mean())
+    nv_flip::flip(image(exact), image(picture), nv_flip::DEFAULT_PIXELS_PER_DEGREE).to_vec()
 }
 
 /// `count` of `pixels`, or all of them, in their order: a random choice that is the same every time.

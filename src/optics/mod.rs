@@ -5,6 +5,7 @@
 pub mod brdf;
 pub mod coherence;
 pub mod color;
+pub mod color_difference;
 pub mod footprint;
 pub mod geometry;
 pub mod grating;

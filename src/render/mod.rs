@@ -5,7 +5,6 @@ pub mod accumulate;
 mod around;
 pub mod device_brdf;
 pub mod device_mesh;
-pub mod difference;
 pub mod evaluator;
 pub mod exposure;
 pub mod footprints;
@@ -22,7 +21,7 @@ pub mod source;
 mod surroundings;
 pub mod tables;
 pub mod target;
-mod upload;
+pub mod upload;
 pub mod window;
 
 /// SPIR-V of a shader, by the name of its file.

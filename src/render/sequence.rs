@@ -40,8 +40,8 @@ impl Sequence {
     pub fn check(&self, first: &View) -> Result<()> {
         if self.motion == Motion::LightSweep && first.lights.is_empty() && first.environment.is_none() {
             return Err(Error::usage(
-                "--light-sweep turns the lights, and the scene has none",
-                "add a light, as in --light 40,180",
+                "a light sweep turns the lights, and the scene has none",
+                "add a light",
             ));
         }
         Ok(())

@@ -13,6 +13,7 @@ mod normals;
 pub mod obj;
 pub mod primitives;
 pub mod scene_file;
+mod scene_writer;
 pub mod snake;
 
 mod tangents;

@@ -13,7 +13,7 @@ use crate::optics::reflectance::{Film, Reflectance};
 use crate::surface::prepare::Step;
 use crate::units;
 use glam::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
@@ -37,6 +37,8 @@ const METRES_PER_MICROMETRE: f64 = 1e-6;
 pub struct Scene {
     /// The mesh, in a world whose up is +z.
     pub mesh: Mesh,
+    /// Where the mesh is from.
+    pub mesh_source: MeshSource,
     /// The surface: a built-in name or a file.
     pub surface: OsString,
     /// Distance between samples of a surface file, where the scene gives it \[µm\].
@@ -67,8 +69,19 @@ pub struct Scene {
     pub background: Background,
     /// Length of one unit of the scene's coordinates \[m\].
     pub unit: f64,
+    /// Options of the program that draws it, by name, with their values: what is computed and how. Nobody has checked them yet.
+    pub options: Vec<[String; 2]>,
     /// The files that the scene consists of: its own, those of mesh, surface and pigment.
     pub files: Vec<PathBuf>,
+}
+
+/// Where a mesh is from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MeshSource {
+    /// A built-in mesh, or a file.
+    pub name: PathBuf,
+    /// Which axis of the file points up.
+    pub up: Up,
 }
 
 #[derive(Deserialize)]
@@ -99,6 +112,8 @@ struct File {
     shadows: bool,
     camera: FileCamera,
     lights: Vec<String>,
+    #[serde(default)]
+    options: toml::Table,
 }
 
 #[derive(Deserialize)]
@@ -134,11 +149,13 @@ impl FileEnvironment {
 }
 
 /// Which axis of the mesh file points up.
-#[derive(Clone, Copy, Deserialize, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, Default, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
-enum Up {
+pub enum Up {
+    /// The second one.
     #[default]
     Y,
+    /// The third one.
     Z,
 }
 
@@ -231,6 +248,7 @@ impl Scene {
     fn of_mesh(path: &Path, progress: &Progress<'_>) -> Result<Self> {
         let mut scene = Self::open("sphere")?;
         scene.mesh = upright(obj::load(path, progress)?, Up::Y);
+        scene.mesh_source = MeshSource { name: path.to_owned(), up: Up::Y };
         scene.files.push(path.to_owned());
         let bounds = scene.mesh.bounds();
         /// A little air around the mesh.
@@ -252,7 +270,7 @@ impl Scene {
         let file: File = toml::from_str(text).map_err(|e| {
             let line =
                 e.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
-            Error::failed(format!("line {line}: {}", e.message()), "see assets/scenes for whole examples")
+            Error::failed(format!("line {line}: {}", e.message()), remedy(e.message()))
         })?;
         let Triple(base_color) = file.base_color;
         let background = file.background.color().to_array();
@@ -281,11 +299,16 @@ impl Scene {
         let material_file =
             file.material.as_ref().filter(|m| !Material::is_built_in(m)).map(|m| folder.join(m));
         Ok(Self {
-            files: [mesh_file, surface_file, material_file, environment_file, pigment.clone()]
+            files: [mesh_file.clone(), surface_file, material_file, environment_file, pigment.clone()]
                 .into_iter()
                 .flatten()
                 .collect(),
+            mesh_source: MeshSource {
+                name: mesh_file.unwrap_or_else(|| PathBuf::from(&file.mesh)),
+                up: file.up,
+            },
             mesh: open_mesh(&file.mesh, file.up, folder, progress)?,
+            options: options(file.options, folder)?,
             surface,
             pixel_size: file.pixel_size.as_deref().map(units::length_pair).transpose()?,
             full_height: file.height.as_deref().map(units::length).transpose()?,
@@ -305,8 +328,43 @@ impl Scene {
     }
 }
 
+/// What to do about what the parser of TOML says: where a key is unknown, the one that it resembles.
+fn remedy(message: &str) -> String {
+    let mut quoted = message.split('`').skip(1).step_by(2);
+    let unknown = quoted.next().filter(|_| message.starts_with("unknown field"));
+    let resembling = unknown.and_then(|key| {
+        let distance = |known: &&str| strsim::damerau_levenshtein(key, known);
+        quoted.min_by_key(distance).filter(|known| distance(known) <= 1 + known.len() / 4)
+    });
+    match resembling {
+        Some(known) => format!("do you mean `{known}`? See assets/scenes for whole examples"),
+        None => "see assets/scenes for whole examples".to_owned(),
+    }
+}
+
 /// Meshes that scene files can name instead of a file.
 const BUILT_IN_MESHES: [&str; 4] = ["snake", "plate", "sphere", "disc"];
+
+/// The options of the table `options` as words. Names of files that lie in `folder` start from there.
+fn options(table: toml::Table, folder: &Path) -> Result<Vec<[String; 2]>> {
+    let word = |(name, value): (String, toml::Value)| {
+        let value = match value {
+            toml::Value::String(text) if folder.join(&text).is_file() => {
+                folder.join(&text).to_string_lossy().into_owned()
+            }
+            toml::Value::String(text) => text,
+            number @ (toml::Value::Integer(_) | toml::Value::Float(_)) => number.to_string(),
+            other => {
+                return Err(Error::failed(
+                    format!("options: `{name}` is a {}", other.type_str()),
+                    "give a text or a number, as on the command line",
+                ));
+            }
+        };
+        Ok([name, value])
+    };
+    table.into_iter().map(word).collect()
+}
 
 /// What the surface reflects: a material of that name or in that file, below a film.
 fn reflectance(material: Option<&str>, film: Option<&str>, folder: &Path) -> Result<Option<Reflectance>> {
@@ -440,6 +498,13 @@ mod tests {
         assert!(wrong("mesh = 3\n").contains("line 1"), "{}", wrong("mesh = 3\n"));
         let plate = BUILT_IN[1].1;
         assert!(wrong(&format!("unknown = 1\n{plate}")).contains("unknown"));
+        for (key, meant) in
+            [("exposur", "`exposure`"), ("base_colour", "`base_color`"), ("light", "`lights`")]
+        {
+            let said = wrong(&format!("{key} = 1\n{plate}"));
+            assert!(said.contains("line 1") && said.contains(&format!("do you mean {meant}?")), "{said}");
+        }
+        assert!(!wrong(&format!("zzz = 1\n{plate}")).contains("do you mean"));
         for (three, other, count) in [
             ("eye = [1.0,", "eye = [9.0, 1.0,", 4),
             ("target = [0.02,", "target = [", 2),

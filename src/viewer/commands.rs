@@ -69,9 +69,14 @@ pub const COMMANDS: &[Command] = &[
         run: |model| model.actions.save = Some(SaveAs::PngAndExr),
     },
     Command {
-        name: "compare: off, split, error in false colour",
+        name: "compare: off, split, or the difference in false colour",
         shortcuts: &[key(Key::C)],
-        run: |model| model.comparison.mode = model.comparison.mode.next(),
+        run: |model| model.comparison.step(),
+    },
+    Command {
+        name: "swap the picture and what it is compared with",
+        shortcuts: &[key(Key::X)],
+        run: |model| model.comparison.swap(),
     },
     Command {
         name: "measure the error against the f64 reference",

@@ -12,26 +12,86 @@ pub enum Compare {
     Alone,
     /// The scene drawn with the other setting is shown beside it.
     Beside,
-    /// The relative difference from the other setting is shown in false colour.
-    Error,
+    /// The difference from the other setting is shown in false colour.
+    Difference(Metric),
+}
+
+/// A measure of how far two pictures are apart, pixel by pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Metric {
+    /// |a − b|/|b| of linear radiance.
+    Relative,
+    /// CIEDE2000 of what is displayed.
+    ColorDifference,
+    /// ꟻLIP of what is displayed (Andersson et al. 2020).
+    Flip,
+}
+
+impl Metric {
+    /// What stands along the colour scale, at equal distances.
+    pub fn ticks(self) -> &'static [&'static str] {
+        match self {
+            Self::Relative => &["0.01 %", "0.1 %", "1 %", "10 %", "100 %"],
+            Self::ColorDifference => &["0.1", "1: noticeable", "10", "100"],
+            Self::Flip => &["0", "0.25", "0.5", "0.75", "1"],
+        }
+    }
+
+    /// The place of `value` on the colour scale, 0 to 1.
+    pub fn place(self, value: f64) -> f64 {
+        let logarithmic =
+            |low: f64, decades: f64| ((value.max(1e-20) / low).log10() / decades).clamp(0.0, 1.0);
+        match self {
+            Self::Relative => logarithmic(1e-4, 4.0),
+            Self::ColorDifference => logarithmic(0.1, 3.0),
+            Self::Flip => value.clamp(0.0, 1.0),
+        }
+    }
+
+    /// The number for a whole picture, with what it is.
+    pub fn describe(self, total: f64) -> String {
+        match self {
+            Self::Relative => format!("relative L2 {:.3} %", total * 1e2),
+            Self::ColorDifference => format!("mean ΔE00 {total:.3}"),
+            Self::Flip => format!("mean FLIP {total:.4}"),
+        }
+    }
+}
+
+/// A side of the comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The user's own picture.
+    Own,
+    /// What it is compared with.
+    Other,
 }
 
 impl Compare {
     /// All, in the order in which a key steps through them.
-    pub const ALL: [Self; 3] = [Self::Alone, Self::Beside, Self::Error];
+    pub const ALL: [Self; 5] = [
+        Self::Alone,
+        Self::Beside,
+        Self::Difference(Metric::Relative),
+        Self::Difference(Metric::ColorDifference),
+        Self::Difference(Metric::Flip),
+    ];
 
     /// The name on the panel.
     pub fn name(self) -> &'static str {
         match self {
             Self::Alone => "off",
             Self::Beside => "split",
-            Self::Error => "error",
+            Self::Difference(Metric::Relative) => "error",
+            Self::Difference(Metric::ColorDifference) => "ΔE",
+            Self::Difference(Metric::Flip) => "FLIP",
         }
     }
 
     /// The next one.
     pub fn next(self) -> Self {
-        Self::ALL[(self as usize + 1) % Self::ALL.len()]
+        let place = Self::ALL.iter().position(|mode| *mode == self).unwrap_or(0);
+        Self::ALL[(place + 1) % Self::ALL.len()]
     }
 }
 
@@ -80,8 +140,25 @@ mod tests {
 
     #[test]
     fn the_key_steps_through_all_and_comes_back() {
-        let steps: Vec<_> = std::iter::successors(Some(Compare::Alone), |c| Some(c.next())).take(4).collect();
-        assert_eq!(steps, [Compare::Alone, Compare::Beside, Compare::Error, Compare::Alone]);
+        let steps: Vec<_> = std::iter::successors(Some(Compare::Alone), |c| Some(c.next())).take(5).collect();
+        assert_eq!(steps, Compare::ALL);
+        assert_eq!(steps[4].next(), Compare::Alone);
+    }
+
+    #[test]
+    fn scales_have_their_ticks_at_their_values() {
+        for (metric, values) in [
+            (Metric::Relative, &[1e-4, 1e-3, 1e-2, 1e-1, 1.0][..]),
+            (Metric::ColorDifference, &[0.1, 1.0, 10.0, 100.0]),
+            (Metric::Flip, &[0.0, 0.25, 0.5, 0.75, 1.0]),
+        ] {
+            assert_eq!(metric.ticks().len(), values.len());
+            for (i, value) in values.iter().enumerate() {
+                let even = i as f64 / (values.len() - 1) as f64;
+                assert!((metric.place(*value) - even).abs() < 1e-9, "{metric:?} {value}");
+            }
+            assert_eq!([metric.place(0.0), metric.place(1e9)], [0.0, 1.0]);
+        }
     }
 
     #[test]

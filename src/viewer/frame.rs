@@ -112,6 +112,8 @@ pub struct RenderedFrame {
     pub exposure: Option<f64>,
     /// The hemisphere, if it was asked for.
     pub inset: Option<Arc<Inset>>,
+    /// How far the two pictures are apart, where their difference is shown.
+    pub difference: Option<f64>,
     /// [`Prepared::number`] of the setting shown.
     pub number: u64,
 }

@@ -90,7 +90,7 @@ pub fn pointer(ui: &mut Ui, touched: Rect, rect: Rect, model: &mut Model) {
             model.settings.camera = orbit::zoomed(model.settings.camera, steps, radius);
         }
     }
-    if model.comparison.mode != Compare::Alone {
+    if model.comparison.mode != Compare::Alone && model.comparison.whole.is_none() {
         split(ui, rect, model);
     }
 }

@@ -76,7 +76,11 @@ mod tests {
     fn set(hand: &mut Hand, number: usize) {
         let settings = &mut hand.model.settings;
         match number {
-            0 => settings.optics.windows = Windows::ONE,
+            0 => {
+                settings.optics.windows = Windows::ONE;
+                hand.model.comparison.mode = crate::viewer::compare::Compare::Beside;
+                hand.model.comparison.surface = Some(settings.surface.clone());
+            }
             1 => {
                 settings.optics.windows = Windows::All;
                 settings.optics.method = Method::Table;
@@ -284,6 +288,52 @@ mod tests {
         hand.key_held(Key::Y, Modifiers::COMMAND);
         hand.key_held(Key::Z, Modifiers::COMMAND | Modifiers::SHIFT);
         assert!(hand.model.settings == turned);
+    }
+
+    #[test]
+    fn the_picture_and_what_it_is_compared_with_are_swapped_without_a_line() {
+        let mut hand = Hand::new(LARGE, 1.0);
+        hand.model.comparison.split = 0.3;
+        let part = |hand: &Hand| hand.model.comparison.own_part();
+        assert_eq!(part(&hand), 1.0);
+        hand.key(Key::X);
+        assert_eq!(part(&hand), 0.0);
+        assert!(hand.reads("B: not ready yet"));
+        hand.key(Key::X);
+        assert_eq!(part(&hand), 1.0);
+        assert!(hand.says("A: taylor, 1 %"));
+        hand.key(Key::C);
+        assert_eq!(part(&hand), 0.3, "the line is where it was");
+        assert!(hand.says("not ready yet") && !hand.says("B: "));
+        hand.key(Key::C);
+        assert!(hand.reads("1: noticeable"), "the scale of ΔE");
+        for _ in 0..2 {
+            hand.key(Key::C);
+        }
+        assert_eq!(part(&hand), 1.0);
+        hand.key(Key::C);
+        assert_eq!(part(&hand), 0.3);
+    }
+
+    #[test]
+    fn another_surface_is_compared_with_and_levelled_alone() {
+        let mut hand = Hand::new(LARGE, 1.0);
+        let own = hand.model.settings.clone();
+        hand.press("split");
+        hand.press("same");
+        assert_eq!(hand.model.comparison.surface.as_ref(), Some(&own.surface));
+        let lists = hand.all(own.surface.name.to_str().unwrap());
+        let upper = lists.iter().map(|t| t.rect.center()).min_by(|a, b| a.y.total_cmp(&b.y)).unwrap();
+        hand.click(upper);
+        hand.press("xenopeltis");
+        let planes = hand.all("plane");
+        let upper = planes.iter().map(|t| t.rect.center()).min_by(|a, b| a.y.total_cmp(&b.y)).unwrap();
+        hand.click(upper);
+        let other = hand.model.comparison.surface.clone().unwrap();
+        assert_eq!((other.name.to_str(), other.level()), (Some("xenopeltis"), crate::surface::Level::Plane));
+        assert_eq!(hand.model.settings, own, "the picture's own surface stays");
+        hand.press("same");
+        assert_eq!(hand.model.comparison.surface, None);
     }
 
     #[test]

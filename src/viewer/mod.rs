@@ -10,6 +10,7 @@ mod changes;
 mod commands;
 mod compare;
 mod controls;
+mod difference;
 pub mod error_probe;
 mod event;
 mod frame;

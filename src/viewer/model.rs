@@ -1,7 +1,7 @@
 //! The state that panel, input and background threads share: what the user has set, and what there is to show.
 
 use super::changes::Changes;
-use super::compare::{self, Compare};
+use super::compare::{self, Compare, Side};
 use super::controls::in_controls;
 use super::error_probe::ProbeStatus;
 use super::frame::{LoadedScene, RenderedFrame};
@@ -88,10 +88,40 @@ pub struct Comparison {
     pub mode: Compare,
     /// Position of the split as a fraction of the picture's width.
     pub split: f32,
+    /// The side that is shown alone, without a split.
+    pub whole: Option<Side>,
     /// The other setting.
     pub optics: OpticsSettings,
+    /// The other surface; `None` for the user's own.
+    pub surface: Option<Source>,
     /// The other setting, ready to be drawn.
     pub prepared: Option<Arc<Prepared>>,
+}
+
+impl Comparison {
+    /// Goes on to the next mode, with a split.
+    pub fn step(&mut self) {
+        (self.mode, self.whole) = (self.mode.next(), None);
+    }
+
+    /// Shows the other side alone, and the user's own at the next call.
+    pub fn swap(&mut self) {
+        if self.mode == Compare::Alone {
+            (self.mode, self.whole) = (Compare::Beside, Some(Side::Other));
+        } else {
+            let is_other = self.whole == Some(Side::Other);
+            self.whole = Some(if is_other { Side::Own } else { Side::Other });
+        }
+    }
+
+    /// The part of the picture's width that shows the user's own side.
+    pub fn own_part(&self) -> f32 {
+        match (self.mode, self.whole) {
+            (Compare::Alone, _) | (_, Some(Side::Own)) => 1.0,
+            (_, Some(Side::Other)) => 0.0,
+            (_, None) => self.split,
+        }
+    }
 }
 
 /// The first colours of settings in preparation.
@@ -333,7 +363,9 @@ impl Model {
             comparison: Comparison {
                 mode: Compare::Alone,
                 split: 0.5,
+                whole: None,
                 optics: compare::strict(&settings.optics),
+                surface: None,
                 prepared: None,
             },
             last_coherence: LastCoherence::default(),
@@ -461,7 +493,7 @@ impl Model {
     /// Returns to the settings at the start, whose scene is shown.
     pub fn return_to_start(&mut self) {
         self.settings = self.original.clone();
-        self.comparison.mode = Compare::Alone;
+        (self.comparison.mode, self.comparison.surface) = (Compare::Alone, None);
         self.choose_default_view();
     }
 

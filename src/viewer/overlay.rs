@@ -1,19 +1,21 @@
 //! What is drawn over the picture: state, messages, split, error scale, list of keys.
 
-use super::compare::Compare;
+use super::compare::{Compare, Metric, Side};
 use super::hemisphere;
 use super::input;
 use super::inspector_pane;
-use super::model::{Model, Progress};
+use super::model::{Comparison, Model, Progress};
 use super::palette_pane;
 use super::quality::Quality;
 use super::settings::OpticsSettings;
 use super::style;
-use crate::render::difference;
+use crate::figure::palette::ColorMap;
 use crate::setup::Method;
+use crate::surface::{Source, prepare};
 use egui::{
     Align2, Color32, FontId, Label, Mesh, Painter, Rect, RichText, ScrollArea, Sense, Stroke, Ui, pos2, vec2,
 };
+use std::path::Path;
 
 /// Distance to the edge [points].
 pub const MARGIN: f32 = 12.0;
@@ -100,12 +102,21 @@ fn progress(painter: &Painter, at: egui::Pos2, width: f32, what: &str, part: f32
     ground
 }
 
-fn named(optics: &OpticsSettings) -> String {
+/// A side of the comparison by its settings, and by its surface where the two sides differ in it.
+fn named(surface: Option<&Source>, optics: &OpticsSettings) -> String {
     let by = match optics.method {
         Method::Spectral => optics.basis.name(),
         Method::Table | Method::Reference => optics.method.name(),
     };
-    let mut text = format!("{by}, {} %", (optics.tolerance * 1e6).round() / 1e4);
+    let mut text = String::new();
+    if let Some(surface) = surface {
+        let name = Path::new(&surface.name).file_name().unwrap_or_default();
+        text += &format!("{}, ", name.to_string_lossy());
+        if !surface.prepare.is_empty() {
+            text += &format!("{}, ", prepare::describe(&surface.prepare));
+        }
+    }
+    text += &format!("{by}, {} %", (optics.tolerance * 1e6).round() / 1e4);
     let terms = optics.terms.filter(|_| optics.method == Method::Spectral);
     for (number, name) in [(terms, "terms"), (optics.wavelengths, "wavelengths")] {
         if let Some(n) = number {
@@ -115,9 +126,51 @@ fn named(optics: &OpticsSettings) -> String {
     text
 }
 
-/// The line between the pictures, with the name of each setting beside it.
+/// What stands left and right of the split.
+fn sides(model: &Model) -> [String; 2] {
+    let Comparison { mode, optics, surface, prepared, .. } = &model.comparison;
+    let own_surface = surface.as_ref().map(|_| &model.applied.surface);
+    let other = match mode {
+        _ if prepared.is_none() => "not ready yet".to_owned(),
+        Compare::Difference(metric) => {
+            let total = model.frame.as_ref().and_then(|frame| frame.difference);
+            let total = total.map_or(String::new(), |total| format!("{} ", metric.describe(total)));
+            format!("{total}against {}", named(surface.as_ref(), optics))
+        }
+        _ => named(surface.as_ref(), optics),
+    };
+    [named(own_surface, &model.applied.optics), other]
+}
+
+/// The line between the pictures, with the name of each setting beside it; or which side is shown alone.
 fn split(painter: &Painter, rect: Rect, model: &Model) {
-    let x = rect.left() + model.comparison.split * rect.width();
+    let x = rect.left() + model.comparison.own_part() * rect.width();
+    let top = rect.top() + MARGIN;
+    let [own, other] = sides(model);
+    if let Some(side) = model.comparison.whole {
+        let text = match side {
+            Side::Own => format!("A: {own}"),
+            Side::Other => format!("B: {other}"),
+        };
+        note(painter, pos2(rect.center().x, top), Align2::CENTER_TOP, rect.width(), &text, style::TEXT);
+    } else {
+        line(painter, rect, x);
+        let left = painter.with_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
+        // Names that do not fit are cut off instead of wrapped.
+        let wide = f32::INFINITY;
+        note(&left, pos2(x - MARGIN, top), Align2::RIGHT_TOP, wide, &own, style::TEXT);
+        let right = painter.with_clip_rect(Rect::from_min_max(pos2(x, rect.top()), rect.max));
+        note(&right, pos2(x + MARGIN, top), Align2::LEFT_TOP, wide, &other, style::TEXT);
+    }
+    if let Compare::Difference(metric) = model.comparison.mode
+        && model.comparison.whole != Some(Side::Own)
+    {
+        scale(painter, rect, metric);
+    }
+}
+
+/// The line at `x` between the pictures, with its grip.
+fn line(painter: &Painter, rect: Rect, x: f32) {
     painter.line_segment([pos2(x, rect.top()), pos2(x, rect.bottom())], Stroke::new(3.0, style::GLASS));
     painter.line_segment([pos2(x, rect.top()), pos2(x, rect.bottom())], Stroke::new(1.0, Color32::WHITE));
     let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(9.0, 30.0));
@@ -127,27 +180,13 @@ fn split(painter: &Painter, rect: Rect, model: &Model) {
         let line = [pos2(x + dx, y - 7.0), pos2(x + dx, y + 7.0)];
         painter.line_segment(line, Stroke::new(1.0, Color32::from_gray(110)));
     }
-    let top = rect.top() + MARGIN;
-    let left = painter.with_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
-    // Names that do not fit are cut off instead of wrapped.
-    let wide = f32::INFINITY;
-    note(&left, pos2(x - MARGIN, top), Align2::RIGHT_TOP, wide, &named(&model.applied.optics), style::TEXT);
-    let right = painter.with_clip_rect(Rect::from_min_max(pos2(x, rect.top()), rect.max));
-    let ready = model.comparison.prepared.is_some();
-    let other = match model.comparison.mode {
-        _ if !ready => "not ready yet".to_owned(),
-        Compare::Error => format!("error against {}", named(&model.comparison.optics)),
-        _ => named(&model.comparison.optics),
-    };
-    note(&right, pos2(x + MARGIN, top), Align2::LEFT_TOP, wide, &other, style::TEXT);
-    if model.comparison.mode == Compare::Error {
-        scale(painter, rect);
-    }
 }
 
-/// The colour scale of relative errors.
-fn scale(painter: &Painter, rect: Rect) {
+/// The colour scale of a difference.
+fn scale(painter: &Painter, rect: Rect, metric: Metric) {
     const SIZE: egui::Vec2 = vec2(220.0, 10.0);
+    /// Steps of the scale; between them colours go on evenly.
+    const STEPS: u32 = 20;
     let ground = Rect::from_min_size(
         rect.right_bottom() - vec2(264.0 + MARGIN + HANDLE, 44.0 + MARGIN),
         vec2(264.0, 44.0),
@@ -155,34 +194,39 @@ fn scale(painter: &Painter, rect: Rect) {
     painter.rect_filled(ground, 4.0, style::GLASS);
     let bar = Rect::from_min_size(ground.min + vec2(22.0, 8.0), SIZE);
     let mut mesh = Mesh::default();
-    let stops = difference::STOPS.len();
-    for (i, stop) in difference::STOPS.iter().enumerate() {
-        let x = bar.left() + bar.width() * i as f32 / (stops - 1) as f32;
-        let [r, g, b] = stop.map(|c| (c * 255.0).round() as u8);
+    for i in 0..=STEPS {
+        let share = i as f32 / STEPS as f32;
+        let x = bar.left() + bar.width() * share;
+        let [r, g, b] = ColorMap::Viridis.at(share.into()).0;
         for y in [bar.top(), bar.bottom()] {
             mesh.colored_vertex(pos2(x, y), Color32::from_rgb(r, g, b));
         }
         if i > 0 {
-            let n = 2 * i as u32;
+            let n = 2 * i;
             mesh.add_triangle(n - 2, n - 1, n);
             mesh.add_triangle(n - 1, n, n + 1);
         }
     }
     painter.add(mesh);
-    for (i, name) in ["0.01 %", "0.1 %", "1 %", "10 %", "100 %"].into_iter().enumerate() {
-        let x = bar.left() + bar.width() * i as f32 / 4.0;
+    let ticks = metric.ticks();
+    for (i, name) in ticks.iter().enumerate() {
+        let x = bar.left() + bar.width() * i as f32 / (ticks.len() - 1) as f32;
         let at = pos2(x, bar.bottom() + 5.0);
         painter.text(at, Align2::CENTER_TOP, name, FontId::proportional(11.0), style::TEXT);
     }
 }
 
+/// Lists the keys and gestures, in two columns where they fit side by side.
 fn help(ui: &mut Ui, model: &mut Model) {
     /// Room for the frame and the title of the list of keys.
     const FRAME: egui::Vec2 = vec2(40.0, 70.0);
-    /// Width of the column of keys, and of what they do.
-    const COLUMNS: [f32; 2] = [180.0, 290.0];
+    /// Width of keys, and of what they do.
+    const WIDTHS: [f32; 2] = [160.0, 250.0];
     let room = ui.ctx().content_rect().size() - FRAME;
-    let whats = COLUMNS[1].min(room.x - COLUMNS[0]);
+    let is_wide = room.x > 2.0 * (WIDTHS[0] + WIDTHS[1]) + 24.0;
+    let whats = WIDTHS[1].min(room.x - WIDTHS[0]);
+    let rows: Vec<(String, &str)> = input::list().collect();
+    let columns = rows.chunks(if is_wide { rows.len().div_ceil(2) } else { rows.len() });
     egui::Window::new("Keys")
         .open(&mut model.visible.help)
         .collapsible(false)
@@ -190,18 +234,27 @@ fn help(ui: &mut Ui, model: &mut Model) {
         .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
         .show(ui.ctx(), |ui| {
             ScrollArea::vertical().max_height(room.y).show(ui, |ui| {
-                for (key, what) in input::list() {
-                    ui.horizontal_top(|ui| {
-                        let cell = |ui: &mut Ui, width: f32, text: RichText| {
-                            ui.scope(|ui| {
-                                ui.set_width(width);
-                                ui.add(Label::new(text).wrap());
-                            });
-                        };
-                        cell(ui, COLUMNS[0], RichText::new(key).color(style::ACCENT));
-                        cell(ui, whats, RichText::new(what));
-                    });
-                }
+                ui.horizontal_top(|ui| {
+                    for column in columns {
+                        ui.vertical(|ui| keys(ui, column, [WIDTHS[0], whats]));
+                    }
+                });
             });
         });
+}
+
+/// Shows keys and what they do in a column of each, as wide as `widths` say.
+fn keys(ui: &mut Ui, rows: &[(String, &str)], widths: [f32; 2]) {
+    for (key, what) in rows {
+        ui.horizontal_top(|ui| {
+            let cell = |ui: &mut Ui, width: f32, text: RichText| {
+                ui.scope(|ui| {
+                    ui.set_width(width);
+                    ui.add(Label::new(text).wrap());
+                });
+            };
+            cell(ui, widths[0], RichText::new(key).color(style::ACCENT));
+            cell(ui, widths[1], RichText::new(*what));
+        });
+    }
 }

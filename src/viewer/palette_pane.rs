@@ -6,7 +6,9 @@ use super::style;
 use crate::scene::scene_file::BUILT_IN;
 use crate::surface::Source;
 use crate::surface::synth::Kind;
-use egui::{Align, Align2, Key, Layout, Modifiers, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
+use egui::{
+    Align2, Color32, FontId, Key, Modifiers, Rect, RichText, ScrollArea, Sense, TextEdit, Ui, pos2, vec2,
+};
 
 /// A line of the palette.
 #[derive(Clone)]
@@ -83,7 +85,7 @@ pub fn show(ui: &Ui, rect: Rect, model: &mut Model) {
         .constrain_to(rect)
         .show(ui.ctx(), |ui| {
             ui.set_width(WIDTH.min(rect.width() - 40.0));
-            let hint = "part of a command's name; ↑ ↓ choose, Enter runs";
+            let hint = "part of a command's name; arrow keys choose, Enter runs";
             let text = TextEdit::singleline(&mut palette.text).hint_text(hint).desired_width(f32::INFINITY);
             let edited = ui.add(text);
             edited.request_focus();
@@ -112,17 +114,33 @@ pub fn show(ui: &Ui, rect: Rect, model: &mut Model) {
 
 /// Shows an entry with its keys; whether it is clicked.
 fn line(ui: &mut Ui, entry: &Entry, is_chosen: bool) -> bool {
-    let shown = ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        ui.label(RichText::new(entry.keys()).color(style::FAINT));
-        ui.with_layout(Layout::left_to_right(Align::Center).with_main_justify(true), |ui| {
-            ui.selectable_label(is_chosen, RichText::new(entry.name()))
-        })
-        .inner
-    });
+    /// Height of a line \[points\].
+    const HEIGHT: f32 = 22.0;
+    let (rect, line) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::click());
+    let ground = match (is_chosen, line.hovered()) {
+        (true, _) => ui.visuals().selection.bg_fill,
+        (false, true) => ui.visuals().widgets.hovered.weak_bg_fill,
+        (false, false) => Color32::TRANSPARENT,
+    };
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 4.0, ground);
+    let font = FontId::proportional(13.0);
+    let inner = rect.shrink2(vec2(8.0, 0.0));
+    let keys =
+        painter.text(inner.right_center(), Align2::RIGHT_CENTER, entry.keys(), font.clone(), style::FAINT);
+    // A name that is too long is cut off before the keys.
+    let before = Rect::from_min_max(rect.min, pos2(keys.left() - 8.0, rect.bottom()));
+    painter.with_clip_rect(before).text(
+        inner.left_center(),
+        Align2::LEFT_CENTER,
+        entry.name(),
+        font,
+        style::TEXT,
+    );
     if is_chosen {
-        shown.inner.scroll_to_me(None);
+        line.scroll_to_me(None);
     }
-    shown.inner.clicked()
+    line.clicked()
 }
 
 #[cfg(test)]

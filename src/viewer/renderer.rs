@@ -1,6 +1,7 @@
 //! What the render thread draws with: a painter for each setting, and results that are kept between frames.
 
 use super::compare::Compare;
+use super::difference;
 use super::error_probe::{self, Probe};
 use super::frame::{FrameRequest, LoadedScene, PictureCost, RenderedFrame};
 use super::inset::{self, Inset, InsetRequest};
@@ -10,12 +11,13 @@ use super::prepared::Prepared;
 use super::quality::{Detail, Quality};
 use crate::error::{Error, Result};
 use crate::optics::validity::Validity;
-use crate::render::difference::DifferencePass;
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::picture::Painter;
 use crate::render::sampling::Sampling;
 use crate::render::source::Source;
+use crate::render::target;
+use crate::render::upload;
 use crate::vk::device::Device;
 use crate::vk::image::Image;
 use std::sync::Arc;
@@ -102,7 +104,6 @@ pub struct Renderer {
     // For moving pictures.
     coarse: Option<Slot>,
     fewer_wavelengths: Option<Slot>,
-    difference: Option<DifferencePass>,
     // With the number of the setting that it was computed for.
     inset: Option<(Arc<Inset>, u64)>,
     counted: Option<CountedPicture>,
@@ -120,7 +121,6 @@ impl Renderer {
             other: None,
             coarse: None,
             fewer_wavelengths: None,
-            difference: None,
             inset: None,
             counted: None,
             device,
@@ -196,14 +196,14 @@ impl Renderer {
         };
         let measured = if request.measured { expose(slot, request.shown, size)? } else { None };
         let Some(left) = slot.as_ref().map(|s| s.painter.target().display.clone()) else { return Ok(None) };
-        let mut right = left.clone();
+        let (mut right, mut difference) = (left.clone(), None);
         if let Some(other) = request.other.as_ref().filter(|_| request.compare != Compare::Alone) {
             let Some(more) = paint(&self.device, &mut self.other, other, request, size, &mut go_on)? else {
                 return Ok(None);
             };
             time = FrameTime { gpu: time.gpu + more.gpu, wall: time.wall + more.wall };
-            if let Some(image) = self.right_image(request)? {
-                right = image;
+            if let Some((image, total)) = self.right_image(request, size)? {
+                (right, difference) = (image, total);
             }
         } else {
             self.other = None;
@@ -223,6 +223,7 @@ impl Renderer {
             cost,
             exposure: measured,
             inset,
+            difference,
             number: request.own.number,
         }))))
     }
@@ -254,6 +255,7 @@ impl Renderer {
             cost: None,
             exposure: None,
             inset: None,
+            difference: None,
             number: request.own.number,
         };
         if samples < request.sampling.count {
@@ -262,20 +264,23 @@ impl Renderer {
         Ok(Some(RenderReply::Drawn(Box::new(frame))))
     }
 
-    /// The image right of the split: the other setting's, or the relative difference of both.
-    fn right_image(&mut self, request: &FrameRequest) -> Result<Option<Arc<Image>>> {
+    /// The image right of the split, of which `size` pixels are drawn: the other setting's, or the difference of both with its number for the
+    /// whole picture.
+    fn right_image(
+        &self,
+        request: &FrameRequest,
+        size: [u32; 2],
+    ) -> Result<Option<(Arc<Image>, Option<f64>)>> {
         let (Some(own), Some(other)) = (&self.own, &self.other) else { return Ok(None) };
-        if request.compare != Compare::Error {
-            return Ok(Some(other.painter.target().display.clone()));
-        }
-        let pass = match &mut self.difference {
-            Some(pass) => pass,
-            none => none.insert(DifferencePass::new(&self.device, request.size)?),
+        let Compare::Difference(metric) = request.compare else {
+            return Ok(Some((other.painter.target().display.clone(), None)));
         };
-        let targets = [own, other].map(|slot| slot.painter.target());
-        let geometry = other.painter.geometry();
-        pass.draw(geometry, targets, request.shown.exposure, request.shown.background)
-            .map(|image| Some(image.clone()))
+        let [judged, judge] = [own.painter.picture()?, other.painter.picture()?];
+        let map = difference::map(metric, &judged, &judge, request.shown, size);
+        let (format, data) = (target::DISPLAY, bytemuck::cast_slice(&map.pixels));
+        let size = size.map(|n| n as usize);
+        let image = upload::texture(&self.device, "difference", format, size, None, data)?;
+        Ok(Some((Arc::new(image), Some(map.total))))
     }
 
     /// Frees the painters of moving pictures that belong to a former setting.

@@ -5,7 +5,6 @@ mod recording;
 mod replies;
 mod requests;
 
-use super::compare::Compare;
 use super::error_probe::ErrorProbe;
 use super::event::Event;
 use super::frame::{FrameRequest, LoadedScene};
@@ -411,12 +410,11 @@ fn pictures(model: &Model) -> Option<ShownPictures<'_>> {
     let frame = model.frame.as_ref()?;
     let pair = |n: [u32; 2]| n.map(|n| n as f32);
     let area = pair(model.size);
-    let split = if model.comparison.mode == Compare::Alone { 1.0 } else { model.comparison.split };
     let place = Place {
         area,
         left: pair(frame.sizes[0]),
         right: pair(frame.sizes[1]),
-        split: (area[0] * split).round(),
+        split: (area[0] * model.comparison.own_part()).round(),
     };
     Some(ShownPictures { images: [&frame.images[0], &frame.images[1]], place })
 }

@@ -64,7 +64,7 @@ fn the_window_shows_and_saves_what_render_draws_through_drags_keys_drops_and_siz
     let program = view(&sandbox, &display, &["sphere"]);
     let window = display.window();
     wait_for("the size", || display.look(window).filter(|p| p.dimensions() == (320, 240)));
-    for key in ['p', 'b'] {
+    for key in ['p', 'b', 'l'] {
         display.key(letter(key), &[]);
     }
     let shows = |expected: &RgbImage, what: &str| {
@@ -150,7 +150,7 @@ fn a_split_shows_both_settings_and_errors_have_colours_and_escape_closes() {
     let own = render("own.png", &["--tolerance", "1e-1", "--terms", "2"]);
     let other = render("other.png", &["--tolerance", "1e-2", "--basis", "optimal"]);
     assert!(own != other);
-    for key in ['p', 'b'] {
+    for key in ['p', 'b', 'l'] {
         display.key(letter(key), &[]);
     }
     wait_for("the picture", || display.look(window).filter(|shown| same(shown, &own)));

@@ -71,7 +71,7 @@ fn each_drag_moves_what_it_is_for_and_nothing_else() {
 #[test]
 fn a_double_click_looks_at_the_point_under_it_and_f1_lists_the_keys() {
     // High enough for the whole list.
-    let viewer = Viewer::open(&["sphere", "--size", "900x520"]);
+    let viewer = Viewer::open(&["sphere", "--size", "900x720"]);
     // On a busy machine two clicks may come too far apart to be one.
     let target = wait_for("a new target", || {
         viewer.display.click(1, FROM, 2);

@@ -8,7 +8,7 @@ use std::process::Stdio;
 
 #[test]
 fn a_window_of_wayland_draws_answers_keys_and_closes_without_a_word() {
-    for (scale, closes_by_key) in [(1.0, true), (1.5, false), (2.0, true)] {
+    for (scale, closes_by_key) in [(1.0_f64, true), (1.5, false), (2.0, true)] {
         let (sandbox, wayland) = (Sandbox::with_small_surface(), Wayland::new(scale));
         let arguments = ["view", "sphere", "--tolerance", "1e-1", "--samples", "1"];
         let mut command = sandbox.command([&arguments[..], &SMALL].concat());
@@ -21,7 +21,8 @@ fn a_window_of_wayland_draws_answers_keys_and_closes_without_a_word() {
         // The window fills the output of 1800 × 1200 pixels, whatever the scale, and the panel's rows keep their height in points.
         let heading = |text: &str| f64::from(wait_for(text, || find(text)).at[1]);
         let rows = heading("tone mapping") - heading("exposure");
-        assert!((rows / scale - 24.0).abs() < 3.0, "{rows} pixels at a scale of {scale}");
+        // The compositor asks for whole scales and makes the window smaller itself where its own is none.
+        assert!((rows / scale.ceil() - 24.0).abs() < 3.0, "{rows} pixels at a scale of {scale}");
         wayland.key("F1");
         wait_for("the list of keys", || find("left drag"));
         wayland.key("Escape");

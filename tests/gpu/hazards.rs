@@ -5,7 +5,6 @@ use crate::evaluation::{colours, grating, layers, patch, shading, window};
 use crate::mean::source;
 use diffract::optics::coherence::Windows;
 use diffract::optics::footprint::FootprintSizes;
-use diffract::render::difference::DifferencePass;
 use diffract::render::evaluator::Evaluator;
 use diffract::render::frame::{Shown, View};
 use diffract::render::picture::Painter;
@@ -188,25 +187,5 @@ fn a_picture_before_its_surroundings_and_under_a_lamp_has_all_its_barriers() {
         assert_clean(&events, &[&drawing[..], &[TransferWrite, TransferRead, HostRead]].concat());
         let without_source: Vec<Event> = events.iter().cloned().map(without_color_source).collect();
         assert!(!check(&without_source).is_empty(), "barriers from attachments are not looked at");
-    });
-}
-
-#[test]
-fn the_comparison_of_two_pictures_has_all_its_barriers() {
-    let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
-    let scene = Scene::open("plate").unwrap();
-    with_device(|device| {
-        let events = recorded(device, || {
-            let (white, view) = (Pigment::white(), view(&scene, 1));
-            let mut painter =
-                Painter::new(device, &window(&layers), &shading, &scene.mesh, &white, SIZE, 1).unwrap();
-            painter.draw(&view, 0.0, DVec3::ZERO).unwrap();
-            let mut errors = DifferencePass::new(device, SIZE).unwrap();
-            for _ in 0..2 {
-                errors.draw(painter.geometry(), [painter.target(); 2], 0.0, DVec3::ONE).unwrap();
-            }
-        });
-        assert_clean(&events, &[Access::ColorAttachment, Access::ShaderRead, Access::VertexRead]);
     });
 }

@@ -80,7 +80,9 @@ rows! {
     ILLUMINANT = Row::setting("illuminant", "--illuminant", "Spectrum of the light. D65: daylight. A: incandescent lamp. E: equal energy.")
         .copied(|to, from| to.illuminant.clone_from(&from.illuminant));
     COMPARE = Row::other("show", "What lies right of the line. off: nothing. split: the same scene with the settings below. \
-        error: its relative difference from them in false colour.  [C]");
+        In false colour, how far the picture is from it: error: relative, of radiance. ΔE: CIEDE2000 of what is displayed; 1 is just noticeable. FLIP: what is seen when flipping between them, 0 to 1.  [C, X]");
+    OTHER_SURFACE = Row::other("other surface", "The height field of what is compared with: the same, or another, as a model beside a scan.");
+    OTHER_LEVEL = Row::other("other level", "What is subtracted from the heights of the other surface: nothing, their mean, or the plane that fits them.");
     SURFACE = Row::setting("height field", "--surface", "The surface that diffracts: a generated one, or a file that was opened or dropped on the window.")
         .copied(|to, from| to.surface.clone_from(&from.surface));
     SPACING = Row::setting("sample spacing", "--pixel-size", "Distance between neighbouring samples of the height image along x and y, in nanometres.")

@@ -1,7 +1,7 @@
 //! The rows of scene, lights and comparison.
 
 use super::rows::{self, DEGREES, STOPS, WATTS, number, quantity};
-use super::{optics, section, short};
+use super::{optics, section, short, surface};
 use crate::optics::color::Tone;
 use crate::scene::environment::Placement;
 use crate::scene::lamp::{Lamp, Shape, Strength};
@@ -172,13 +172,36 @@ pub fn compare(ui: &mut Ui, model: &mut Model) {
     section(ui, "Compare", |ui| {
         rows::show(ui, &rows::COMPARE, |ui| {
             for compare in Compare::ALL {
-                ui.selectable_value(&mut model.comparison.mode, compare, compare.name());
+                if ui.selectable_label(model.comparison.mode == compare, compare.name()).clicked() {
+                    (model.comparison.mode, model.comparison.whole) = (compare, None);
+                }
             }
         });
         if model.comparison.mode != Compare::Alone {
+            other_surface(ui, model);
             rows::without_reset(ui, |ui| {
                 optics::setting(ui, "other", &mut model.comparison.optics, model.settings.coherence);
             });
         }
     });
+}
+
+/// Shows which surface the picture is compared with.
+fn other_surface(ui: &mut Ui, model: &mut Model) {
+    let own = &model.settings.surface;
+    let other = &mut model.comparison.surface;
+    rows::show(ui, &rows::OTHER_SURFACE, |ui| {
+        let mut chosen = other.clone().unwrap_or_else(|| own.clone());
+        let mut is_same = other.is_none();
+        if ui.checkbox(&mut is_same, "same").changed() {
+            *other = (!is_same).then(|| chosen.clone());
+        }
+        if other.is_some() {
+            surface::list(ui, "other surface name", &mut chosen, &model.files);
+            *other = Some(chosen);
+        }
+    });
+    if let Some(other) = other {
+        rows::show(ui, &rows::OTHER_LEVEL, |ui| surface::level(ui, other));
+    }
 }

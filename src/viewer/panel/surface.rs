@@ -14,7 +14,9 @@ use egui::{ComboBox, RichText, Ui};
 /// Shows the rows of height field, coherence and refractive index.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     section(ui, "Surface", |ui| {
-        rows::show(ui, &rows::SURFACE, |ui| name(ui, &mut model.settings.surface, &model.files));
+        rows::show(ui, &rows::SURFACE, |ui| {
+            list(ui, "surface name", &mut model.settings.surface, &model.files);
+        });
         let source = &mut model.settings.surface;
         let kind = source.kind();
         if kind.is_none() {
@@ -24,13 +26,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
                 ui.add(number(&mut source.seed).range(0..=9999));
             });
         }
-        rows::show(ui, &rows::LEVEL, |ui| {
-            for level in [Level::None, Level::Mean, Level::Plane] {
-                if ui.selectable_label(source.level() == level, level.to_string()).clicked() {
-                    source.set_level(level);
-                }
-            }
-        });
+        rows::show(ui, &rows::LEVEL, |ui| level(ui, source));
         coherence(ui, &mut model.settings, &mut model.last_coherence);
         rows::show(ui, &rows::INDEX, |ui| match &mut model.settings.reflectance {
             Reflectance::Schlick(ior) => {
@@ -46,10 +42,10 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 }
 
 /// Shows the list of surfaces: those of the files that were opened, then the generated ones.
-fn name(ui: &mut Ui, source: &mut Source, files: &[Source]) {
+pub fn list(ui: &mut Ui, id: &str, source: &mut Source, files: &[Source]) {
     let text = source.name.to_string_lossy().into_owned();
     let kind = source.kind();
-    let list = ComboBox::from_id_salt("surface name").selected_text(short(&text)).truncate();
+    let list = ComboBox::from_id_salt(id).selected_text(short(&text)).truncate();
     list.width(ui.available_width()).show_ui(ui, |ui| {
         for file in files {
             let path = file.name.to_string_lossy();
@@ -64,6 +60,15 @@ fn name(ui: &mut Ui, source: &mut Source, files: &[Source]) {
             }
         }
     });
+}
+
+/// Shows what is subtracted from the heights of `source`.
+pub fn level(ui: &mut Ui, source: &mut Source) {
+    for level in [Level::None, Level::Mean, Level::Plane] {
+        if ui.selectable_label(source.level() == level, level.to_string()).clicked() {
+            source.set_level(level);
+        }
+    }
 }
 
 /// Shows the coherence: a Gaussian window of some length, or a number of copies. `last` remembers both.

@@ -20,8 +20,10 @@ impl ViewerWindow {
         self.request_preview(&own);
         self.request_preparation(Role::Own, &own);
         if self.model.comparison.mode != Compare::Alone {
-            let optics = self.model.comparison.optics.clone();
-            self.request_preparation(Role::Other, &ViewSettings { optics, ..own.clone() });
+            let (optics, surface) =
+                (self.model.comparison.optics.clone(), self.model.comparison.surface.clone());
+            let surface = surface.unwrap_or_else(|| own.surface.clone());
+            self.request_preparation(Role::Other, &ViewSettings { optics, surface, ..own.clone() });
         }
         let ready = self.is_own_ready();
         if ready && !self.model.pacing.moving {

@@ -1,0 +1,245 @@
+//! Scenes as the text of a scene file, which reads as the same scene.
+
+use super::environment;
+use super::scene_file::{Scene, Up};
+use super::{Background, Camera};
+use crate::error::{Error, Result};
+use crate::optics::material::Material;
+use crate::optics::reflectance::Reflectance;
+use glam::Vec3;
+use serde::Serialize;
+use std::path::Path;
+
+/// A scene file in the order in which it is read best. Twin of `File` in `scene_file.rs`.
+#[derive(Serialize)]
+struct File {
+    scale: String,
+    mesh: String,
+    up: Up,
+    surface: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pixel_size: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    height: Option<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    prepare: Vec<String>,
+    base_color: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pigment: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    material: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    film: Option<String>,
+    exposure: f64,
+    tone: &'static str,
+    background: toml::Value,
+    shadows: bool,
+    lights: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    environment: Option<FileEnvironment>,
+    camera: FileCamera,
+    #[serde(skip_serializing_if = "toml::Table::is_empty")]
+    options: toml::Table,
+}
+
+#[derive(Serialize)]
+struct FileCamera {
+    eye: [f64; 3],
+    target: [f64; 3],
+    field_of_view: String,
+}
+
+#[derive(Serialize)]
+struct FileEnvironment {
+    name: String,
+    rotation: String,
+    exposure: f64,
+}
+
+impl Scene {
+    /// The text of a scene file in `folder` that reads as this scene. Files that lie in the folder are named from there, others from the root.
+    ///
+    /// # Errors
+    /// For names of files that are not UTF-8.
+    pub fn to_toml(&self, folder: &Path) -> Result<String> {
+        let path = |path: &Path| named_from(path, folder);
+        let (material, film) = match &self.reflectance {
+            Some(Reflectance::Fresnel { material, film }) if material.constant_index().is_none() => {
+                let name = &material.name;
+                let name = if Material::is_built_in(name) { name.clone() } else { path(Path::new(name))? };
+                (Some(name), film.as_ref().map(ToString::to_string))
+            }
+            _ => (None, None),
+        };
+        let options = self.options.iter().map(|[name, value]| {
+            let is_file = Path::new(value).is_file();
+            let value = if is_file { path(Path::new(value))? } else { value.clone() };
+            Ok((name.clone(), toml::Value::String(value)))
+        });
+        let file = File {
+            scale: format!("{} m", self.unit),
+            mesh: path(&self.mesh_source.name)?,
+            up: self.mesh_source.up,
+            surface: path(Path::new(&self.surface))?,
+            pixel_size: self.pixel_size.map(|[x, y]| format!("{x}umx{y}um")),
+            height: self.full_height.map(|height| format!("{height}um")),
+            prepare: self.prepare.iter().map(ToString::to_string).collect(),
+            base_color: shortest(self.base_color),
+            pigment: self.pigment.as_deref().map(path).transpose()?,
+            material,
+            film,
+            exposure: self.exposure,
+            tone: self.tone.name(),
+            background: match self.background {
+                Background::Surroundings => "surroundings".into(),
+                Background::Color(color) => color.to_array().to_vec().into(),
+            },
+            shadows: self.shadows,
+            lights: self.lights.iter().map(ToString::to_string).collect(),
+            environment: self
+                .environment
+                .as_ref()
+                .map(|own| {
+                    let name = &own.name;
+                    let is_built_in = environment::is_built_in(name);
+                    let name = if is_built_in { name.clone() } else { path(Path::new(name))? };
+                    let (rotation, exposure) =
+                        (format!("{}deg", own.placement.rotation), own.placement.exposure);
+                    Ok::<_, Error>(FileEnvironment { name, rotation, exposure })
+                })
+                .transpose()?,
+            camera: FileCamera {
+                eye: shortest(eye_of(&self.camera)),
+                target: shortest(self.camera.target),
+                field_of_view: format!("{}deg", f64::from(self.camera.field_of_view).to_degrees()),
+            },
+            options: options.collect::<Result<_>>()?,
+        };
+        toml::to_string(&file).map_err(|e| {
+            Error::failed(format!("the scene cannot be written ({e})"), "report this as a bug of diffract")
+        })
+    }
+}
+
+/// The name of a file as a scene file in `folder` has it; what is no file, such as the name of something built in, as it is.
+fn named_from(path: &Path, folder: &Path) -> Result<String> {
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let named = if path.is_file() {
+        let from_root = absolute(path);
+        from_root.strip_prefix(absolute(folder)).map(Path::to_owned).unwrap_or(from_root)
+    } else {
+        path.to_owned()
+    };
+    named
+        .to_str()
+        .map(str::to_owned)
+        .ok_or_else(|| Error::failed(format!("the name {} is not UTF-8", path.display()), "rename the file"))
+}
+
+/// The numbers with no more digits than it takes to tell them from other 32-bit floats.
+fn shortest(v: Vec3) -> [f64; 3] {
+    v.to_array().map(|x| x.to_string().parse().unwrap_or_else(|_| x.into()))
+}
+
+/// An eye that makes `camera` when it is read again. The eye that follows from a camera's angles may be off in the last bits.
+fn eye_of(camera: &Camera) -> Vec3 {
+    /// Representable numbers by which a coordinate may be off.
+    const STEPS: [i32; 5] = [0, 1, -1, 2, -2];
+    let eye = camera.eye();
+    let moved = |x: f32, steps: i32| {
+        (0..steps.abs()).fold(x, |x, _| if steps > 0 { x.next_up() } else { x.next_down() })
+    };
+    let near = (0..STEPS.len().pow(3)).map(|i| [i, i / STEPS.len(), i / STEPS.len().pow(2)]);
+    let near = near.map(|places| places.map(|place| STEPS[place % STEPS.len()]));
+    let mut eyes = near.map(|[i, j, k]| Vec3::new(moved(eye.x, i), moved(eye.y, j), moved(eye.z, k)));
+    let reads_the_same = |eye: &Vec3| {
+        Camera::looking(*eye, camera.target, camera.field_of_view).is_ok_and(|read| read == *camera)
+    };
+    eyes.find(reads_the_same).unwrap_or(eye)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::color::Tone;
+    use crate::optics::reflectance::Film;
+    use crate::scene::environment::Placement;
+    use crate::scene::scene_file::BUILT_IN;
+    use crate::scene::{Environment, Light};
+    use crate::surface::prepare::Step;
+
+    fn read(text: &str, folder: &Path) -> Scene {
+        Scene::parse(text, folder).unwrap_or_else(|e| panic!("{e} in\n{text}"))
+    }
+
+    /// What a scene is, without its mesh.
+    fn described(scene: &Scene) -> String {
+        let plain =
+            Scene { mesh: crate::scene::primitives::plate(), files: Vec::new(), unit: 0.0, ..scene.clone() };
+        format!("{plain:?}")
+    }
+
+    #[test]
+    fn every_built_in_scene_reads_as_itself_and_writes_as_itself() {
+        for (name, _) in BUILT_IN {
+            let scene = Scene::open(name).unwrap();
+            let text = scene.to_toml(Path::new("")).unwrap();
+            let again = read(&text, Path::new(""));
+            assert_eq!(described(&again), described(&scene), "{name}");
+            assert!(
+                (again.unit / scene.unit - 1.0).abs() < 1e-12
+                    && again.mesh.vertices() == scene.mesh.vertices()
+            );
+            assert_eq!(again.to_toml(Path::new("")).unwrap(), text, "{name}");
+        }
+    }
+
+    #[test]
+    fn everything_that_can_be_set_is_kept_and_files_move_with_their_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).unwrap();
+            path
+        };
+        let mesh = file("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n");
+        let (scan, spectrum) = (file("a scan.png", "x"), file("lamp.csv", "400,1\n700,1\n"));
+        let mut scene = Scene::open(&mesh).unwrap();
+        scene.surface = scan.clone().into();
+        (scene.pixel_size, scene.full_height) = (Some([0.1, 0.097_66]), Some(0.4347));
+        scene.prepare = ["level rows", "crop 40um", "invert"].map(|step| Step::parse(step).unwrap()).to_vec();
+        (scene.base_color, scene.exposure, scene.tone) = (Vec3::new(0.1, 0.7, 0.3), -1.5, Tone::Neutral);
+        scene.background = Background::Color(glam::DVec3::new(0.25, 0.5, 1.0));
+        scene.lights =
+            ["sun:30,-40,2.5", "sphere:0.1:0.2,0.3,1,60W"].map(|l| Light::parse(l).unwrap()).to_vec();
+        scene.environment =
+            Some(Environment::open("studio").unwrap().placed(Placement { rotation: 40.5, exposure: -2.0 }));
+        scene.shadows = false;
+        scene.unit = 0.104;
+        let material = Material::from_name_or_file("gold").unwrap();
+        scene.reflectance =
+            Some(Reflectance::Fresnel { material, film: Some(Film::parse("120nm:1.7").unwrap()) });
+        let spectrum_name = spectrum.to_str().unwrap().to_owned();
+        scene.options = [["illuminant", &spectrum_name], ["tolerance", "2e-2"], ["windows", "all"]]
+            .map(|pair| pair.map(str::to_owned))
+            .to_vec();
+        for step in 0..40u16 {
+            let x = f32::from(step);
+            scene.camera.phi = 0.13 * x;
+            scene.camera.theta = 0.07 * x + 0.05;
+            scene.camera =
+                Camera::looking(scene.camera.eye(), scene.camera.target, scene.camera.field_of_view).unwrap();
+            let text = scene.to_toml(folder.path()).unwrap();
+            let again = read(&text, folder.path());
+            assert_eq!(described(&again), described(&scene), "{text}");
+            assert!(
+                text.contains("surface = \"a scan.png\"") && text.contains("mesh = \"square.obj\""),
+                "{text}"
+            );
+        }
+        // From another folder, files are named from the root.
+        let elsewhere = tempfile::tempdir().unwrap();
+        let text = scene.to_toml(elsewhere.path()).unwrap();
+        assert_eq!(read(&text, elsewhere.path()).surface, scene.surface);
+    }
+}
