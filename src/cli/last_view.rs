@@ -1,5 +1,6 @@
-//! The settings of the window that was closed last, for the next one: the arguments of a `diffract view`, as JSON in
-//! `$XDG_STATE_HOME/diffract/last-view.json`, else in `~/.local/state/diffract`.
+//! What one window leaves for the next, as JSON in `$XDG_STATE_HOME/diffract`, else in `~/.local/state/diffract`: the arguments of the
+//! `diffract view` that begins with the settings of the window that was closed last (`last-view.json`), and the files that were opened
+//! lately (`recent.json`).
 
 use super::view_command;
 use crate::error::{Error, Result};
@@ -11,32 +12,55 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
 
-fn path() -> Option<PathBuf> {
+/// The file for the settings of the window that was closed last.
+const LAST: &str = "last-view.json";
+/// The file for the names of files that were opened lately.
+const RECENT: &str = "recent.json";
+
+fn path(name: &str) -> Option<PathBuf> {
     let absolute = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
     absolute("XDG_STATE_HOME")
         .or_else(|| absolute("HOME").map(|home| home.join(".local/state")))
-        .map(|base| base.join("diffract").join("last-view.json"))
+        .map(|base| base.join("diffract").join(name))
 }
 
 /// Whether there is a window to go on with.
 pub fn is_kept() -> bool {
-    path().is_some_and(|path| path.is_file())
+    path(LAST).is_some_and(|path| path.is_file())
 }
 
-/// Keeps `settings` of `scene` in the place of those that were kept before. A user without a folder for it loses them.
+/// Keeps `settings` of `scene` in the place of those that were kept before.
 ///
 /// # Errors
 /// Where the file cannot be written.
 pub fn keep(settings: &ViewSettings, scene: &Scene) -> Result<()> {
-    let Some(path) = path() else { return Ok(()) };
+    write(LAST, &view_command::view(settings, scene))
+}
+
+/// Writes `words` into the file of this `name`. A user without a folder for it loses them.
+fn write(name: &str, words: &[String]) -> Result<()> {
+    let Some(path) = path(name) else { return Ok(()) };
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, &e))?;
     }
-    let words = view_command::view(settings, scene);
     output::write_atomically(&path, |file| {
-        let text = serde_json::to_string(&words).unwrap_or_default();
+        let text = serde_json::to_string(words).unwrap_or_default();
         file.write_all(text.as_bytes()).map_err(|e| output::write_failed(&path, &e))
     })
+}
+
+/// The files that were opened lately, the newest first; none where the list is damaged, which the next file that is opened mends.
+pub fn recent() -> Vec<String> {
+    let text = path(RECENT).and_then(|path| input::read_text(&path, "a list of files").ok());
+    text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
+}
+
+/// Keeps the list of files that were opened lately.
+///
+/// # Errors
+/// Where the file cannot be written.
+pub fn keep_recent(names: &[String]) -> Result<()> {
+    write(RECENT, names)
 }
 
 /// The arguments that are kept.
@@ -45,7 +69,7 @@ pub fn keep(settings: &ViewSettings, scene: &Scene) -> Result<()> {
 /// Where nothing is kept, and where it is damaged.
 pub fn words() -> Result<Vec<OsString>> {
     let nothing = || Error::failed("there is no window to go on with", "begin with `diffract view`");
-    let path = path().ok_or_else(nothing)?;
+    let path = path(LAST).ok_or_else(nothing)?;
     let text = input::read_text(&path, "the settings of a window")?;
     let words: Vec<String> = serde_json::from_str(&text).map_err(|e| damaged(&e).at(path.display()))?;
     Ok(words.into_iter().map(OsString::from).collect())

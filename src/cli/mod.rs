@@ -20,6 +20,7 @@ mod range;
 mod remedies;
 mod render;
 mod scale;
+mod scene_options;
 mod sequence;
 mod surface;
 mod trade;

@@ -29,7 +29,7 @@ use crate::units;
 use clap::Args;
 use indicatif::ProgressBar;
 use std::collections::BTreeSet;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `render`.
@@ -72,6 +72,13 @@ pub struct Arguments {
     device: DeviceOptions,
     #[command(flatten)]
     cache: CacheOptions,
+}
+
+impl Arguments {
+    /// The scene.
+    pub fn scene(&self) -> &OsStr {
+        &self.scene
+    }
 }
 
 /// Draws and writes.

@@ -1,6 +1,6 @@
 //! From the process's words to arguments; wrong use becomes the program's own one-line error.
 
-use super::{Arguments, write};
+use super::{Arguments, scene_options, write};
 use crate::error::{Error, Result};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
@@ -38,7 +38,10 @@ pub enum Wanted {
 pub fn understand(words: impl IntoIterator<Item = OsString>) -> Result<Wanted> {
     let words: Vec<OsString> = words.into_iter().collect();
     match Arguments::try_parse_from(&words) {
-        Ok(arguments) => Ok(Wanted::Work(Box::new(arguments))),
+        Ok(arguments) => {
+            let expanded = scene_options::with_those_of_the_scene(&words, &arguments)?;
+            Ok(Wanted::Work(Box::new(expanded.unwrap_or(arguments))))
+        }
         Err(e) if matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
             Ok(Wanted::Words(e))
         }
@@ -58,7 +61,8 @@ fn command(words: &[OsString]) -> String {
     named
 }
 
-fn in_one_line(e: &clap::Error, command: &str) -> Error {
+/// What clap has to say of wrong words for `command`, in the program's own words.
+pub fn in_one_line(e: &clap::Error, command: &str) -> Error {
     let see = format!("see `{command} --help`");
     let text = |kind| match e.get(kind) {
         Some(ContextValue::String(s)) => Some(s.clone()),

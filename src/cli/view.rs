@@ -3,14 +3,14 @@
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, Exposure, OpticsOptions, SurfaceOptions, ViewOptions, real,
 };
-use super::{check_validation, last_view, prepare, validation, view_command};
+use super::{check_validation, last_view, prepare, scene_options, usage, validation, view_command};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::setup::{self, Method, Settings};
 use crate::units;
-use crate::viewer::{self, LastView, Start};
+use crate::viewer::{self, LastView, SceneFiles, Start};
 use ash::vk;
-use clap::{Args, Parser, ValueEnum};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, ValueEnum};
 use std::ffi::{OsStr, OsString};
 
 /// Arguments of `view`.
@@ -51,6 +51,13 @@ pub struct Arguments {
     device: DeviceOptions,
     #[command(flatten)]
     cache: CacheOptions,
+}
+
+impl Arguments {
+    /// The scene.
+    pub fn scene(&self) -> &OsStr {
+        &self.scene
+    }
 }
 
 /// How frames are presented.
@@ -138,7 +145,14 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
         device: arguments.device.wish(),
         validation: validation(),
         command_line: view_command::render,
-        last: LastView { is_kept: last_view::is_kept(), keep: last_view::keep, open: last },
+        scenes: SceneFiles { open, write: view_command::write_scene },
+        last: LastView {
+            is_kept: last_view::is_kept(),
+            keep: last_view::keep,
+            open: last,
+            recent: last_view::recent,
+            keep_recent: last_view::keep_recent,
+        },
     })
 }
 
@@ -152,9 +166,30 @@ struct Line {
 
 /// What a window starts with that goes on with the last one.
 fn last() -> Result<Start> {
-    let line = Line::try_parse_from(last_view::words()?)
+    let words = last_view::words()?;
+    let understood = understood(&words)
         .map_err(|e| last_view::damaged(&e.to_string().lines().next().unwrap_or_default()))?;
-    start(&line.arguments)
+    start(&understood?)
+}
+
+/// What a window of the scene called `name` starts with.
+fn open(name: &str) -> Result<Start> {
+    let understood = understood(&[name.into()]).map_err(|e| usage::in_one_line(&e, "diffract view"))?;
+    start(&understood?)
+}
+
+/// The arguments that `words` without a program and a command stand for, with the options of their scene; or what is wrong with those.
+fn understood(words: &[OsString]) -> std::result::Result<Result<Arguments>, clap::Error> {
+    let arguments = Line::try_parse_from(words)?.arguments;
+    Ok(match scene_options::of(&arguments.scene, "view") {
+        Ok(None) => Ok(arguments),
+        Ok(Some(options)) => {
+            let command = Line::command().args_override_self(true);
+            let matches = command.try_get_matches_from(options.iter().chain(words))?;
+            Ok(Line::from_arg_matches(&matches)?.arguments)
+        }
+        Err(e) => Err(e),
+    })
 }
 
 #[cfg(test)]

@@ -1,13 +1,17 @@
 //! The command line that draws what the window shows.
 
 use super::options::as_options;
+use super::scene_options;
+use crate::error::Result;
 use crate::optics::coherence::{Coherence, Windows};
 use crate::optics::reflectance::Reflectance;
+use crate::output;
 use crate::picture_file::quoted;
 use crate::scene::Scene;
 use crate::surface::Source;
 use crate::surface::prepare::{Level, Step};
 use crate::viewer::{Output, ViewSettings};
+use std::io::Write;
 use std::path::Path;
 
 /// The `diffract render` that draws the picture of `settings` into `output`. What is the default, or `scene`'s own, is
@@ -29,6 +33,45 @@ pub fn view(settings: &ViewSettings, scene: &Scene) -> Vec<String> {
     let mut words = Words(vec![settings.scene.clone()]);
     words.settings(settings, scene);
     words.0.into_iter().map(absolute).collect()
+}
+
+/// Writes `settings` of `scene` as a scene file: all that determines the picture but its size.
+///
+/// # Errors
+/// Where the file cannot be written, and for names of files that are not UTF-8.
+pub fn write_scene(settings: &ViewSettings, scene: &Scene, path: &Path) -> Result<()> {
+    let mut words = Words(Vec::new());
+    words.optics(settings);
+    words.option("seed", settings.surface.seed.to_string());
+    if let Some(channel) = &settings.surface.channel {
+        words.option("channel", channel);
+    }
+    let pairs =
+        words.0.chunks_exact(2).map(|pair| [pair[0].trim_start_matches('-').to_owned(), pair[1].clone()]);
+    // A material with a spectrum has keys of its own in the file.
+    let has_spectrum = matches!(&settings.reflectance, Reflectance::Fresnel { material, .. } if material.constant_index().is_none());
+    let is_option = |[name, _]: &[String; 2]| {
+        scene_options::OF_SCENES.contains(&name.as_str()) && !(has_spectrum && name == "film")
+    };
+    let written = Scene {
+        surface: settings.surface.name.clone(),
+        pixel_size: settings.surface.pixel_size,
+        full_height: settings.surface.height,
+        prepare: settings.surface.prepare.clone(),
+        camera: settings.shown_camera(scene),
+        lights: settings.lights.clone(),
+        environment: scene.environment.as_ref().map(|own| own.placed(settings.surroundings)),
+        base_color: settings.base_color,
+        reflectance: has_spectrum.then(|| settings.reflectance.clone()),
+        exposure: settings.exposure,
+        tone: settings.tone,
+        options: pairs.filter(is_option).collect(),
+        ..scene.clone()
+    };
+    let text = written.to_toml(path.parent().unwrap_or(Path::new("")))?;
+    output::write_atomically(path, |file| {
+        file.write_all(text.as_bytes()).map_err(|e| output::write_failed(path, &e))
+    })
 }
 
 /// The name of a file from the root, and any other word as it is.

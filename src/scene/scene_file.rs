@@ -345,6 +345,27 @@ fn remedy(message: &str) -> String {
 /// Meshes that scene files can name instead of a file.
 const BUILT_IN_MESHES: [&str; 4] = ["snake", "plate", "sphere", "disc"];
 
+/// The options of the scene file called `name`, whose other content is not looked at; none of a built-in scene and of a mesh.
+///
+/// # Errors
+/// A file that cannot be read or is no TOML.
+pub fn options_of(name: &OsStr) -> Result<Vec<[String; 2]>> {
+    let path = Path::new(name);
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+    if !extension.eq_ignore_ascii_case("toml") {
+        return Ok(Vec::new());
+    }
+    let text = input::read_text(path, "a scene file")?;
+    // What is wrong with the rest is said when the scene is opened.
+    let Ok(table) = toml::from_str::<toml::Table>(&text) else { return Ok(Vec::new()) };
+    match table.get("options") {
+        Some(toml::Value::Table(own)) => {
+            options(own.clone(), path.parent().unwrap_or(Path::new(""))).map_err(|e| e.at(path.display()))
+        }
+        _ => Ok(Vec::new()),
+    }
+}
+
 /// The options of the table `options` as words. Names of files that lie in `folder` start from there.
 fn options(table: toml::Table, folder: &Path) -> Result<Vec<[String; 2]>> {
     let word = |(name, value): (String, toml::Value)| {

@@ -39,6 +39,26 @@ const fn control(key: Key) -> Shortcut {
 /// All commands.
 pub const COMMANDS: &[Command] = &[
     Command {
+        name: "open a scene, a mesh or a height field",
+        shortcuts: &[control(Key::O)],
+        run: |model| model.file_choice.open(),
+    },
+    Command {
+        name: "save the scene with all settings",
+        shortcuts: &[control(Key::S)],
+        run: |model| model.file_choice.save_scene(),
+    },
+    Command {
+        name: "next surface of the folder",
+        shortcuts: &[key(Key::PageDown)],
+        run: |model| model.actions.step_surface = Some(Step::Forward),
+    },
+    Command {
+        name: "surface before it in the folder",
+        shortcuts: &[key(Key::PageUp)],
+        run: |model| model.actions.step_surface = Some(Step::Back),
+    },
+    Command {
         name: "show the whole mesh",
         shortcuts: &[key(Key::F)],
         run: |model| model.actions.frame = true,

@@ -1,6 +1,7 @@
 //! Events that the background threads send to the window.
 
 use super::error_probe::ProbeStatus;
+use super::folder::Neighbour;
 use super::frame::LoadedScene;
 use super::inspector::reference::Answer;
 use super::job_queue::RenderReply;
@@ -32,4 +33,6 @@ pub enum Event {
     Inspector(u64, Result<Answer>),
     /// A scene was read.
     Scene(Box<OpenedScene>),
+    /// Another height file of the folder.
+    Neighbour(Result<Neighbour>),
 }

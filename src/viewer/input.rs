@@ -29,7 +29,7 @@ pub fn list() -> impl Iterator<Item = (String, &'static str)> {
 
 /// Applies key presses to `model`.
 pub fn keys(ui: &Ui, model: &mut Model) {
-    if model.visible.typing || ui.ctx().text_edit_focused() {
+    if model.visible.typing || ui.ctx().text_edit_focused() || model.file_choice.is_open() {
         return;
     }
     let pressed: Vec<&Command> =

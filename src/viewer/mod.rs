@@ -13,6 +13,9 @@ mod controls;
 mod difference;
 pub mod error_probe;
 mod event;
+mod file_pane;
+mod files;
+mod folder;
 mod frame;
 mod framing;
 mod graph;
@@ -51,7 +54,7 @@ pub(crate) use panel::rows::ALL as ROWS;
 #[cfg(test)]
 pub(crate) use settings::tests::settings as settings_of_a_plate;
 pub use settings::{OpticsSettings, ViewSettings};
-pub use start::{CommandLine, LastView, Output, Start};
+pub use start::{CommandLine, LastView, Output, SceneFiles, Start};
 
 use crate::error::{Error, Remedy, Result};
 use crate::vk::instance::Instance;

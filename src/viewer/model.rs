@@ -1,9 +1,10 @@
 //! The state that panel, input and background threads share: what the user has set, and what there is to show.
 
-use super::changes::Changes;
+use super::changes::{Changes, Step};
 use super::compare::{self, Compare, Side};
 use super::controls::in_controls;
 use super::error_probe::ProbeStatus;
+use super::files::FileChoice;
 use super::frame::{LoadedScene, RenderedFrame};
 use super::framing;
 use super::graph::History;
@@ -17,6 +18,7 @@ use crate::render::frame::View;
 use crate::render::sampling::Sampling;
 use crate::scene::{Camera, FarLight};
 use crate::surface::Source;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// One-off actions that the user has asked for.
@@ -28,6 +30,10 @@ pub struct Actions {
     pub measure: bool,
     /// Reset all settings.
     pub reset: bool,
+    /// Write the scene into this file.
+    pub save_scene: Option<PathBuf>,
+    /// Go to another surface of the same folder, or another generated one.
+    pub step_surface: Option<Step>,
     /// Record a turntable, or stop recording.
     pub record: bool,
     /// Copy the command that draws the picture.
@@ -337,6 +343,8 @@ pub struct Model {
     pub failure: Option<Failure>,
     /// Surfaces from files, to choose again.
     pub files: Vec<Source>,
+    /// Files to open and to write.
+    pub file_choice: FileChoice,
     /// Which parts of the user interface are shown.
     pub visible: Visible,
     /// Pixels of the picture.
@@ -391,6 +399,7 @@ impl Model {
             notice: None,
             failure: None,
             files: Vec::new(),
+            file_choice: FileChoice::default(),
             visible: Visible { panel: true, help: false, inset: true, lights: true, typing: false },
             size: [0, 0],
             device: DeviceStatus { name: device, memory: 0, present_mode: "" },

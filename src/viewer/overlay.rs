@@ -1,6 +1,7 @@
 //! What is drawn over the picture: state, messages, split, error scale, list of keys.
 
 use super::compare::{Compare, Metric, Side};
+use super::file_pane;
 use super::hemisphere;
 use super::input;
 use super::inspector_pane;
@@ -39,6 +40,7 @@ pub fn show(ui: &mut Ui, rect: Rect, model: &mut Model) {
         help(ui, model);
     }
     palette_pane::show(ui, rect, model);
+    file_pane::show(ui, model);
 }
 
 /// Draws text on a dark background, anchored at `at` and at most `width` wide; returns the background's rectangle.

@@ -10,6 +10,7 @@ use crate::setup::Method;
 use crate::surface::Source;
 use crate::vk::selection::DeviceChoice;
 use ash::vk;
+use std::path::Path;
 
 /// Writes the command that draws the picture of settings of a scene. The words are the caller's.
 pub type CommandLine = fn(&ViewSettings, &Scene, &Output<'_>) -> String;
@@ -25,7 +26,7 @@ pub struct Output<'a> {
     pub turntable: Option<u32>,
 }
 
-/// The window that was closed last. Where and in which words it is kept is the caller's.
+/// The window that was closed last, and the files that were opened in it and before. Where and in which words they are kept is the caller's.
 #[derive(Clone, Copy, Debug)]
 pub struct LastView {
     /// Whether there was one.
@@ -34,6 +35,19 @@ pub struct LastView {
     pub keep: fn(&ViewSettings, &Scene) -> Result<()>,
     /// What a window that goes on with it starts with.
     pub open: fn() -> Result<Start>,
+    /// The files that were opened lately, the newest first.
+    pub recent: fn() -> Vec<String>,
+    /// Keeps the list of files that were opened lately.
+    pub keep_recent: fn(&[String]) -> Result<()>,
+}
+
+/// Scene files with all that a window sets. The words of their options are the caller's.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneFiles {
+    /// What a window of the scene of this name starts with.
+    pub open: fn(&str) -> Result<Start>,
+    /// Writes settings of a scene as a scene file.
+    pub write: fn(&ViewSettings, &Scene, &Path) -> Result<()>,
 }
 
 /// The options of `diffract view`.
@@ -83,6 +97,8 @@ pub struct Start {
     pub validation: bool,
     /// How the command of a saved picture is written.
     pub command_line: CommandLine,
+    /// Scene files.
+    pub scenes: SceneFiles,
     /// The window that was closed last.
     pub last: LastView,
 }

@@ -7,6 +7,7 @@ mod requests;
 
 use super::error_probe::ErrorProbe;
 use super::event::Event;
+use super::files::FileChoice;
 use super::frame::{FrameRequest, LoadedScene};
 use super::gui::PaintJobs;
 use super::inspector::reference::Reference;
@@ -15,7 +16,7 @@ use super::prepared::{Prepared, ROLES};
 use super::presenter::{Presenter, ShownPictures};
 use super::render_thread::RenderThread;
 use super::settings::ViewSettings;
-use super::start::{CommandLine, LastView, Output, Start};
+use super::start::{CommandLine, LastView, Output, SceneFiles, Start};
 use super::text_dump::TextDump;
 use super::worker::Worker;
 use super::{layout, style};
@@ -28,6 +29,7 @@ use crate::vk::surface::Surface;
 use ash::vk;
 use egui::{Rect, TexturesDelta, ViewportId};
 use recording::Recording;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -133,6 +135,13 @@ struct Motion {
     continuous: bool,
 }
 
+/// A surface that a step in a folder has led to.
+struct Tried {
+    path: PathBuf,
+    // The surface before it.
+    from: OsString,
+}
+
 /// When to draw without an event.
 struct Schedule {
     wake: Option<Instant>,
@@ -151,6 +160,8 @@ pub struct ViewerWindow {
     schedule: Schedule,
     saves: Vec<PendingSave>,
     recording: Option<Recording>,
+    tried: Option<Tried>,
+    scenes: SceneFiles,
     write_command: CommandLine,
     last: LastView,
     proxy: EventLoopProxy<Event>,
@@ -189,6 +200,8 @@ impl ViewerWindow {
             schedule: Schedule { wake: None, presented: Instant::now() },
             saves: Vec::new(),
             recording: None,
+            tried: None,
+            scenes: start.scenes,
             write_command: start.command_line,
             last: start.last,
             proxy,
@@ -197,6 +210,7 @@ impl ViewerWindow {
         };
         opened.model.measures_exposure = start.measures_exposure;
         opened.model.has_last = start.last.is_kept;
+        opened.model.file_choice = FileChoice::with_recent((start.last.recent)());
         opened.model.sources.pigment = Some(Arc::new(Prepared::pigment_alone()?));
         opened.set_title();
         // The first pass requests the source: by then the size of the picture is known, which sets how fine it has to be.

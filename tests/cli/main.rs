@@ -28,6 +28,7 @@ mod trade;
 mod usage;
 mod view;
 mod viewer;
+mod viewer_files;
 mod viewer_hand;
 mod viewer_inspector;
 mod viewer_losses;

@@ -98,6 +98,11 @@ impl Sandbox {
         self.folder.path().join("work").join(name)
     }
 
+    /// The program's own state folder.
+    pub fn state(&self) -> PathBuf {
+        self.folder.path().join("state/diffract")
+    }
+
     /// The program's own cache folder.
     pub fn cache(&self) -> PathBuf {
         self.folder.path().join("cache/diffract")

@@ -18,7 +18,7 @@ fn from_near_the_colours_are_as_fine_as_those_of_a_picture_from_there() {
     };
     let before = tables();
     // Away and back: from afar a coarser table does, which the window takes as `render` does.
-    for (button, turns) in [(5, 9), (4, 9)] {
+    for (button, turns) in [(5, 18), (4, 18)] {
         viewer.display.click(button, MIDDLE, turns);
         let (picture, command, _) = viewer.save(&[]);
         assert!(command.contains("--eye"), "{command}");

@@ -82,6 +82,10 @@ impl HeightField {
     }
 }
 
+/// What the names of height files end in, without the dot.
+pub const EXTENSIONS: [&str; 14] =
+    ["gsf", "gwy", "spm", "ibw", "sur", "x3p", "sdf", "npy", "txt", "csv", "xyz", "tif", "tiff", "png"];
+
 /// Reads a file that is in memory; `extension` is that of its name, in lower case.
 ///
 /// # Errors

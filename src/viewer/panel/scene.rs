@@ -27,6 +27,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
                 }
             });
         });
+        rows::show(ui, &rows::FILE, |ui| file(ui, model));
         rows::show(ui, &rows::EXPOSURE, |ui| {
             let exposure = &mut model.settings.exposure;
             ui.add(quantity(exposure, &STOPS).speed(0.05).range(-20.0..=20.0).fixed_decimals(1));
@@ -41,6 +42,27 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         });
         base_color(ui, &mut model.settings);
         turntable(ui, model);
+    });
+}
+
+/// Shows the buttons that open and save, and the files that were opened lately.
+fn file(ui: &mut Ui, model: &mut Model) {
+    ui.spacing_mut().item_spacing.x = 4.0;
+    if ui.small_button("open").clicked() {
+        model.file_choice.open();
+    }
+    if ui.small_button("save").clicked() {
+        model.file_choice.save_scene();
+    }
+    let recent = model.file_choice.recent();
+    ui.add_enabled_ui(!recent.is_empty(), |ui| {
+        ui.menu_button("recent", |ui| {
+            for path in &recent {
+                if ui.button(short(path)).on_hover_text(path).clicked() {
+                    model.actions.open = Some(path.clone());
+                }
+            }
+        });
     });
 }
 
@@ -188,19 +210,8 @@ pub fn compare(ui: &mut Ui, model: &mut Model) {
 
 /// Shows which surface the picture is compared with.
 fn other_surface(ui: &mut Ui, model: &mut Model) {
-    let own = &model.settings.surface;
     let other = &mut model.comparison.surface;
-    rows::show(ui, &rows::OTHER_SURFACE, |ui| {
-        let mut chosen = other.clone().unwrap_or_else(|| own.clone());
-        let mut is_same = other.is_none();
-        if ui.checkbox(&mut is_same, "same").changed() {
-            *other = (!is_same).then(|| chosen.clone());
-        }
-        if other.is_some() {
-            surface::list(ui, "other surface name", &mut chosen, &model.files);
-            *other = Some(chosen);
-        }
-    });
+    rows::show(ui, &rows::OTHER_SURFACE, |ui| surface::other(ui, other, &model.files));
     if let Some(other) = other {
         rows::show(ui, &rows::OTHER_LEVEL, |ui| surface::level(ui, other));
     }

@@ -14,9 +14,7 @@ use egui::{ComboBox, RichText, Ui};
 /// Shows the rows of height field, coherence and refractive index.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     section(ui, "Surface", |ui| {
-        rows::show(ui, &rows::SURFACE, |ui| {
-            list(ui, "surface name", &mut model.settings.surface, &model.files);
-        });
+        rows::show(ui, &rows::SURFACE, |ui| name(ui, &mut model.settings.surface, &model.files));
         let source = &mut model.settings.surface;
         let kind = source.kind();
         if kind.is_none() {
@@ -42,24 +40,48 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 }
 
 /// Shows the list of surfaces: those of the files that were opened, then the generated ones.
-pub fn list(ui: &mut Ui, id: &str, source: &mut Source, files: &[Source]) {
+fn name(ui: &mut Ui, source: &mut Source, files: &[Source]) {
     let text = source.name.to_string_lossy().into_owned();
-    let kind = source.kind();
-    let list = ComboBox::from_id_salt(id).selected_text(short(&text)).truncate();
+    let list = ComboBox::from_id_salt("surface name").selected_text(short(&text)).truncate();
     list.width(ui.available_width()).show_ui(ui, |ui| {
-        for file in files {
-            let path = file.name.to_string_lossy();
-            let chosen = file.name == source.name;
-            if ui.selectable_label(chosen, short(&path)).on_hover_text(&*path).clicked() && !chosen {
-                source.clone_from(file);
-            }
-        }
-        for other in Kind::ALL {
-            if ui.selectable_label(kind == Some(other), other.name()).clicked() && kind != Some(other) {
-                *source = Source::built_in(other);
-            }
+        if let Some(chosen) = choice(ui, Some(source), files) {
+            *source = chosen;
         }
     });
+}
+
+/// Shows the same list for what the picture is compared with, which may be its own surface.
+pub fn other(ui: &mut Ui, other: &mut Option<Source>, files: &[Source]) {
+    const SAME: &str = "same";
+    let text = other.as_ref().map_or(SAME.to_owned(), |other| other.name.to_string_lossy().into_owned());
+    let list = ComboBox::from_id_salt("other surface name").selected_text(short(&text)).truncate();
+    list.width(ui.available_width()).show_ui(ui, |ui| {
+        if ui.selectable_label(other.is_none(), SAME).clicked() {
+            *other = None;
+        }
+        if let Some(chosen) = choice(ui, other.as_ref(), files) {
+            *other = Some(chosen);
+        }
+    });
+}
+
+/// Shows the entries of a list of surfaces, of which `now` is chosen; another one that the user chooses.
+fn choice(ui: &mut Ui, now: Option<&Source>, files: &[Source]) -> Option<Source> {
+    let mut chosen = None;
+    for file in files {
+        let path = file.name.to_string_lossy();
+        let is_now = now.is_some_and(|now| now.name == file.name);
+        if ui.selectable_label(is_now, short(&path)).on_hover_text(&*path).clicked() && !is_now {
+            chosen = Some(file.clone());
+        }
+    }
+    for kind in Kind::ALL {
+        let is_now = now.is_some_and(|now| now.kind() == Some(kind));
+        if ui.selectable_label(is_now, kind.name()).clicked() && !is_now {
+            chosen = Some(Source::built_in(kind));
+        }
+    }
+    chosen
 }
 
 /// Shows what is subtracted from the heights of `source`.

@@ -1,16 +1,21 @@
 //! One-off actions of the user: reset, open, save, measure.
 
-use super::{PendingSave, ViewerWindow};
-use crate::error::Error;
+use super::{PendingSave, Tried, ViewerWindow};
+use crate::error::{Error, Result};
 use crate::scene::Scene;
 use crate::surface::Source;
+use crate::surface::synth::Kind;
+use crate::viewer::changes::Step;
+use crate::viewer::controls::in_controls;
 use crate::viewer::event::{Event, OpenedScene};
+use crate::viewer::folder::{self, Neighbour};
 use crate::viewer::frame::LoadedScene;
 use crate::viewer::job_queue::Job;
 use crate::viewer::model::{Actions, Concern, SaveAs};
+use crate::viewer::settings::ViewSettings;
 use crate::viewer::start::Output;
 use crate::viewer::{orbit, save};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Sample spacing \[µm\] and full height \[µm\] of a typical scan of a snake's skin, to start from where a file has no units.
 const TYPICAL_PIXEL: [f64; 2] = [0.1; 2];
@@ -30,6 +35,12 @@ impl ViewerWindow {
         }
         if actions.go_on {
             self.go_on();
+        }
+        if let Some(path) = actions.save_scene {
+            self.save_scene(path);
+        }
+        if let Some(step) = actions.step_surface {
+            self.step_surface(step);
         }
         if let Some(at) = actions.focus {
             self.focus(at.into());
@@ -124,10 +135,83 @@ impl ViewerWindow {
     /// Opens a scene or a mesh on a thread of its own, because a large one takes a while. If it `resets`, the settings at the start follow.
     fn open_scene(&mut self, name: String, resets: bool) {
         let message = format!("opening {name}");
+        let open = self.scenes.open;
         self.open_aside(message, move || {
-            let loaded = Scene::open(&name).and_then(LoadedScene::of);
-            OpenedScene { name, resets, loaded, settings: None }
+            let failed = |e| OpenedScene { name: name.clone(), resets, loaded: Err(e), settings: None };
+            let scene = match Scene::open(&name) {
+                Ok(scene) => scene,
+                Err(e) => return failed(e),
+            };
+            // A scene file that says how it is computed replaces all settings.
+            let settings = if scene.options.is_empty() || resets {
+                None
+            } else {
+                match open(&name) {
+                    Ok(start) => Some(start.settings()),
+                    Err(e) => return failed(e),
+                }
+            };
+            OpenedScene { loaded: LoadedScene::of(scene), name, resets, settings }
         });
+    }
+
+    /// Writes what is shown as a scene file.
+    fn save_scene(&mut self, path: PathBuf) {
+        let settings =
+            ViewSettings { scene: self.model.applied.scene.clone(), ..self.model.settings.clone() };
+        match (self.scenes.write)(&settings, &self.model.loaded.scene, &path) {
+            Ok(()) => {
+                self.model.succeed(Concern::Picture);
+                self.model.say(format!("saved {}", path.display()));
+                self.remember_file(&path.to_string_lossy());
+            }
+            Err(e) => self.model.report(Concern::Picture, &e),
+        }
+        self.window.request_redraw();
+    }
+
+    /// Puts a file in front of those that were opened lately.
+    pub(super) fn remember_file(&mut self, name: &str) {
+        if let Some(recent) = self.model.file_choice.remember(name)
+            && let Err(e) = (self.last.keep_recent)(recent)
+        {
+            self.model.say(in_controls(&e));
+        }
+    }
+
+    /// Goes to another surface: of the same folder, or another generated one.
+    fn step_surface(&mut self, step: Step) {
+        let surface = &self.model.settings.surface;
+        if let Some(kind) = surface.kind() {
+            let all = Kind::ALL;
+            let place = all.iter().position(|other| *other == kind).unwrap_or(0);
+            let next = match step {
+                Step::Forward => (place + 1) % all.len(),
+                Step::Back => (place + all.len() - 1) % all.len(),
+            };
+            self.model.settings.surface = Source::built_in(all[next]);
+            self.model.say(format!("{} of {}: {}", next + 1, all.len(), all[next].name()));
+            return self.window.request_redraw();
+        }
+        // From a file that was refused, steps go on: the surface is the one before it again.
+        let from = match &self.tried {
+            Some(tried) if tried.from == surface.name => tried.path.clone(),
+            _ => PathBuf::from(&surface.name),
+        };
+        self.aside("folder", move || Event::Neighbour(folder::neighbour(&from, step)));
+    }
+
+    /// Shows a file that a step has led to.
+    pub(super) fn show_neighbour(&mut self, found: Result<Neighbour>) {
+        match found {
+            Ok(Neighbour { path, number, of }) => {
+                let from = self.model.settings.surface.name.clone();
+                self.tried = Some(Tried { path: path.clone(), from });
+                self.open(path.to_string_lossy().into_owned());
+                self.model.say(format!("{number} of {of}: {}", path.display()));
+            }
+            Err(e) => self.model.report(Concern::Setting, &e),
+        }
     }
 
     /// Opens what the window that was closed last showed.
@@ -145,16 +229,19 @@ impl ViewerWindow {
 
     /// Has `open` done on a thread of its own, with `message` shown.
     fn open_aside(&mut self, message: String, open: impl FnOnce() -> OpenedScene + Send + 'static) {
+        self.model.say(message);
+        self.aside("scene", move || Event::Scene(Box::new(open())));
+    }
+
+    /// Has `work` done on a thread of its own.
+    fn aside(&mut self, name: &str, work: impl FnOnce() -> Event + Send + 'static) {
         let proxy = self.proxy.clone();
-        let open = move || {
-            let _ = proxy.send_event(Event::Scene(Box::new(open()))); // fails after the end of the event loop
+        let work = move || {
+            let _ = proxy.send_event(work()); // fails after the end of the event loop
         };
-        match std::thread::Builder::new().name("scene".to_owned()).spawn(open) {
-            Ok(_) => self.model.say(message),
-            Err(e) => {
-                let error = Error::failed(format!("the system refuses a thread ({e})"), "try again");
-                self.model.report(Concern::Setting, &error);
-            }
+        if let Err(e) = std::thread::Builder::new().name(name.to_owned()).spawn(work) {
+            let error = Error::failed(format!("the system refuses a thread ({e})"), "try again");
+            self.model.report(Concern::Setting, &error);
         }
         self.window.request_redraw();
     }

@@ -39,6 +39,7 @@ impl ViewerWindow {
                 }
             }
             Event::Scene(opened) => self.show_scene(*opened),
+            Event::Neighbour(found) => self.show_neighbour(found),
         }
         self.window.request_redraw();
         Ok(())
@@ -106,6 +107,7 @@ impl ViewerWindow {
     fn show_scene(&mut self, opened: OpenedScene) {
         match opened.loaded {
             Ok(loaded) => {
+                self.remember_file(&opened.name);
                 match opened.settings {
                     Some(settings) => self.model.go_on(opened.name, loaded, settings),
                     None => self.model.show_scene(opened.name, loaded),
@@ -147,6 +149,8 @@ impl ViewerWindow {
         model.pacing.quality.invalidate();
         model.succeed(Concern::Setting);
         model.remember_surface();
+        let name = model.settings.surface.name.to_string_lossy().into_owned();
+        self.remember_file(&name);
         self.drop_lighter();
         self.set_title();
     }

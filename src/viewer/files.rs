@@ -1,0 +1,130 @@
+//! Files that the user chooses to open or to write, and those that were opened lately.
+
+use crate::surface::files::EXTENSIONS;
+use egui_file_dialog::{DialogState, FileDialog};
+use std::path::{Path, PathBuf};
+
+/// Files that are listed as opened lately.
+const MOST_RECENT: usize = 12;
+
+/// What a file is chosen for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// A scene, a mesh or a height field, to be shown.
+    Open,
+    /// A scene file, to be written.
+    SaveScene,
+}
+
+/// A choice that was made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Chosen {
+    /// What for.
+    pub purpose: Purpose,
+    /// The file.
+    pub path: PathBuf,
+}
+
+/// The dialog in which files are chosen, and the list of those that were opened lately.
+#[derive(Default)]
+pub struct FileChoice {
+    dialog: Option<(Purpose, FileDialog)>,
+    // The newest first.
+    recent: Vec<String>,
+}
+
+impl FileChoice {
+    /// With a list of files that were opened lately, the newest first.
+    pub fn with_recent(recent: Vec<String>) -> Self {
+        Self { dialog: None, recent }
+    }
+
+    /// Whether a file is being chosen.
+    pub fn is_open(&self) -> bool {
+        self.dialog.is_some()
+    }
+
+    /// Lets the user choose a file to open.
+    pub fn open(&mut self) {
+        let all = [&["toml", "obj"][..], &EXTENSIONS].concat();
+        let mut dialog = dialog("Open a scene, a mesh or a height field")
+            .add_file_filter_extensions("all that can be shown", all)
+            .add_file_filter_extensions("scenes", vec!["toml"])
+            .add_file_filter_extensions("meshes", vec!["obj"])
+            .add_file_filter_extensions("height fields", EXTENSIONS.to_vec())
+            .default_file_filter("all that can be shown");
+        dialog.pick_file();
+        self.dialog = Some((Purpose::Open, dialog));
+    }
+
+    /// Lets the user choose where the scene is written.
+    pub fn save_scene(&mut self) {
+        let mut dialog = dialog("Save the scene with all settings")
+            .add_save_extension("scene", "toml")
+            .default_save_extension("scene")
+            .default_file_name("scene.toml");
+        dialog.save_file();
+        self.dialog = Some((Purpose::SaveScene, dialog));
+    }
+
+    /// Shows the dialog, if it is open; what was chosen in it.
+    pub fn update(&mut self, context: &egui::Context) -> Option<Chosen> {
+        let (purpose, dialog) = self.dialog.as_mut()?;
+        let purpose = *purpose;
+        dialog.update(context);
+        let path = dialog.take_picked();
+        if path.is_some() || !matches!(dialog.state(), DialogState::Open) {
+            self.dialog = None;
+        }
+        path.map(|path| Chosen { purpose, path })
+    }
+
+    /// Takes note of a file that was opened; the list where that has changed it.
+    pub fn remember(&mut self, name: &str) -> Option<&[String]> {
+        let path = Path::new(name);
+        let absolute = std::path::absolute(path).ok().filter(|_| path.is_file())?;
+        let name = absolute.to_str()?.to_owned();
+        if self.recent.first() == Some(&name) {
+            return None;
+        }
+        self.recent.retain(|known| *known != name);
+        self.recent.insert(0, name);
+        self.recent.truncate(MOST_RECENT);
+        Some(&self.recent)
+    }
+
+    /// The files that were opened lately and are still there, the newest first.
+    pub fn recent(&self) -> Vec<String> {
+        self.recent.iter().filter(|name| Path::new(name).is_file()).cloned().collect()
+    }
+}
+
+fn dialog(title: &str) -> FileDialog {
+    FileDialog::new().title(title).as_modal(true).default_size([620.0, 400.0]).min_size([320.0, 200.0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_newest_files_are_listed_once_as_long_as_they_are_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |n: usize| {
+            let path = folder.path().join(format!("{n}.png"));
+            std::fs::write(&path, "x").unwrap();
+            path.to_str().unwrap().to_owned()
+        };
+        let mut choice = FileChoice::with_recent(vec![file(0)]);
+        for n in 1..20 {
+            assert_eq!(choice.remember(&file(n)).unwrap()[0], file(n));
+        }
+        assert!(choice.remember(&file(19)).is_none(), "nothing new");
+        assert!(choice.remember("sinusoid").is_none(), "no file");
+        choice.remember(&file(15)).unwrap();
+        let recent = choice.recent();
+        assert_eq!((recent.len(), &recent[0], &recent[1]), (MOST_RECENT, &file(15), &file(19)));
+        std::fs::remove_file(folder.path().join("19.png")).unwrap();
+        assert_eq!(choice.recent()[1], file(18));
+    }
+}
