@@ -26,6 +26,7 @@ mod surface;
 mod trade;
 pub mod untrusted;
 mod usage;
+mod usage_error;
 mod verbosity;
 #[cfg(feature = "viewer")]
 mod view;

@@ -1,5 +1,6 @@
 //! The options that a scene file holds. They stand before those that the user gives, which replace them.
 
+use super::usage_error::in_one_line;
 use super::{Arguments, Command};
 use crate::error::{Error, Result};
 use crate::scene::scene_file;
@@ -26,7 +27,7 @@ pub fn with_those_of_the_scene(words: &[OsString], arguments: &Arguments) -> Res
     let all = [&words[..place], &options, &words[place..]].concat();
     let matches = program.try_get_matches_from(all);
     let expanded = matches.and_then(|matches| Arguments::from_arg_matches(&matches));
-    expanded.map(Some).map_err(|e| super::usage::in_one_line(&e, command).at(scene.display()))
+    expanded.map(Some).map_err(|e| in_one_line(&e, command).at(scene.display()))
 }
 
 /// The options of the scene called `scene` as `command` takes them; `None` where it has none.

@@ -3,7 +3,7 @@
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, Exposure, OpticsOptions, SurfaceOptions, ViewOptions, real,
 };
-use super::{check_validation, last_view, prepare, scene_options, usage, validation, view_command};
+use super::{check_validation, last_view, prepare, scene_options, usage_error, validation, view_command};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::setup::{self, Method, Settings};
@@ -174,7 +174,7 @@ fn last() -> Result<Start> {
 
 /// What a window of the scene called `name` starts with.
 fn open(name: &str) -> Result<Start> {
-    let understood = understood(&[name.into()]).map_err(|e| usage::in_one_line(&e, "diffract view"))?;
+    let understood = understood(&[name.into()]).map_err(|e| usage_error::in_one_line(&e, "diffract view"))?;
     start(&understood?)
 }
 

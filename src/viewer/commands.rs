@@ -121,6 +121,11 @@ pub const COMMANDS: &[Command] = &[
         },
     },
     Command {
+        name: "show or hide the height field",
+        shortcuts: &[key(Key::H)],
+        run: |model| model.surface_pane.open ^= true,
+    },
+    Command {
         name: "draw continuously, or only on changes",
         shortcuts: &[key(Key::Space)],
         run: |model| model.pacing.continuous ^= true,

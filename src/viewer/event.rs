@@ -6,8 +6,10 @@ use super::frame::LoadedScene;
 use super::inspector::reference::Answer;
 use super::job_queue::RenderReply;
 use super::settings::ViewSettings;
+use super::surface_pane::analysis::Analysis;
 use super::worker::WorkerReply;
 use crate::error::Result;
+use std::sync::Arc;
 
 /// What came of opening a scene.
 pub struct OpenedScene {
@@ -33,6 +35,8 @@ pub enum Event {
     Inspector(u64, Result<Answer>),
     /// A scene was read.
     Scene(Box<OpenedScene>),
+    /// What the surface pane shows of a height field.
+    Analysis(Result<Arc<Analysis>>),
     /// Another height file of the folder.
     Neighbour(Result<Neighbour>),
 }

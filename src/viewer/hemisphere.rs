@@ -3,6 +3,7 @@
 use super::inset::Inset;
 use super::model::Model;
 use super::style;
+use super::surface_pane::directions::direction;
 use crate::scene::{FarLight, Light};
 use egui::{Align2, Color32, CursorIcon, FontId, Mesh, Painter, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
 use glam::Vec2;
@@ -63,6 +64,9 @@ pub fn show(ui: &Ui, rect: Rect, inset: &Inset, model: &mut Model) {
         painter.circle_stroke(at, 5.0, Stroke::new(3.0, style::GLASS));
         painter.circle_stroke(at, 5.0, Stroke::new(1.5, style::ACCENT));
     }
+    if let Some(toward) = pointed_at(inset, model) {
+        painter.circle_stroke(disc.place(toward), 5.0, Stroke::new(2.0, Color32::WHITE));
+    }
     light(ui, &painter, disc, inset, model);
     let [theta, phi] = [inset.request.light.theta, inset.request.light.phi];
     let pointed = whole.hover_pos().map(|at| disc.flat(at)).filter(|flat| flat.length() <= 1.0);
@@ -73,6 +77,14 @@ pub fn show(ui: &Ui, rect: Rect, inset: &Inset, model: &mut Model) {
     let at = pos2(ground.center().x, ground.bottom() - 6.0);
     painter.text(at, Align2::CENTER_BOTTOM, caption, FontId::proportional(11.0), style::TEXT);
     corner(ui, &painter, ground, model);
+}
+
+/// The horizontal part of the direction in which the light that is shown goes from the frequency that the surface pane points at.
+fn pointed_at(inset: &Inset, model: &Model) -> Option<Vec2> {
+    let frequency = model.surface_pane.pointed_frequency()?;
+    let light = inset.request.light.direction().truncate().as_dvec2();
+    let toward = direction(frequency.into(), model.surface_pane.wavelength(), light)?;
+    Some(toward.as_vec2())
 }
 
 /// The disc as a mesh of coloured squares, which needs no texture upload when it changes.
@@ -154,7 +166,7 @@ fn corner(ui: &Ui, painter: &Painter, ground: Rect, model: &mut Model) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optics::geometry::direction;
+    use crate::optics::geometry::direction as unit;
     use crate::viewer::hand::Hand;
     use crate::viewer::inset::InsetRequest;
 
@@ -168,7 +180,7 @@ mod tests {
         hand.rest();
         let camera = hand.model.settings.camera;
         let disc = Disc { centre: pos2(12.0 + 8.0 + 66.0, 12.0 + 8.0 + 66.0), radius: 66.0 };
-        let to = direction(60.0, 0.0).truncate().as_vec2();
+        let to = unit(60.0, 0.0).truncate().as_vec2();
         hand.drag(disc.place(light.direction().truncate()), disc.place(to));
         let Light::Far(moved) = hand.model.settings.lights[0] else { panic!("a lamp") };
         assert!((moved.theta - 60.0).abs() < 1.0 && moved.phi.abs() < 1.0, "{moved:?}");
@@ -185,7 +197,7 @@ mod tests {
     fn a_place_on_the_disc_is_its_direction() {
         let disc = Disc { centre: pos2(100.0, 80.0), radius: 60.0 };
         for (theta, phi) in [(30.0, 45.0), (72.5, -120.0), (10.0, 180.0)] {
-            let flat = direction(theta, phi).truncate().as_vec2();
+            let flat = unit(theta, phi).truncate().as_vec2();
             let [t, p] = angles(disc.flat(disc.place(flat)));
             assert!((t - theta).abs() < 0.06 && (p - phi).abs().rem_euclid(360.0) < 0.06, "{t} {p}");
         }

@@ -49,6 +49,8 @@ fn close_innermost(model: &mut Model) {
         model.visible.help = false;
     } else if model.inspector.open {
         model.inspector.close();
+    } else if model.surface_pane.open {
+        model.surface_pane.open = false;
     } else if model.recording.is_some() {
         model.actions.record = true;
     } else {

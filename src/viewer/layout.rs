@@ -222,7 +222,7 @@ mod tests {
                 let beside = pos2(text.rect.left() + 112.0, text.rect.center().y);
                 for at in [text.rect.center(), beside].into_iter().take(if alone { 1 } else { 2 }) {
                     hand.point(at);
-                    assert!(hand.says(row.tip), "{label} at {at}");
+                    assert!(hand.says(row.tip), "{label} at {at}, the panel from {}", hand.picture.right());
                     assert!(row.option.is_none_or(|option| hand.says(option)), "{label}");
                     hand.point(pos2(20.0, 300.0));
                 }

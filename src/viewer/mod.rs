@@ -43,6 +43,8 @@ mod save;
 mod settings;
 mod start;
 mod style;
+mod surface_pane;
+mod surface_window;
 mod text_dump;
 mod window;
 mod worker;

@@ -13,6 +13,7 @@ use super::inspector::Inspector;
 use super::prepared::{Prepared, ROLES, Role};
 use super::quality::{Detail, Quality, QualityControl};
 use super::settings::{Needs, OpticsSettings, SceneSettings, ViewSettings};
+use super::surface_pane::SurfacePane;
 use crate::error::Error;
 use crate::render::frame::View;
 use crate::render::sampling::Sampling;
@@ -329,6 +330,8 @@ pub struct Model {
     pub probe: Option<ProbeStatus>,
     /// What is inspected.
     pub inspector: Inspector,
+    /// The height field, as it is shown.
+    pub surface_pane: SurfacePane,
     /// The palette of commands.
     pub palette: Palette,
     /// Side of the hemisphere \[points of the window\].
@@ -392,6 +395,7 @@ impl Model {
             },
             probe: None,
             inspector: Inspector::default(),
+            surface_pane: SurfacePane::default(),
             palette: Palette::default(),
             inset_side: 132.0,
             turntable: 120,
@@ -547,6 +551,12 @@ impl Model {
     pub fn hemisphere(&self) -> Option<InsetRequest> {
         /// Side from which on it has more points \[points of the window\].
         const FINE: f32 = 200.0;
+        let light = self.shown_light().filter(|_| self.visible.inset)?;
+        Some(InsetRequest { light, fine: self.inset_side > FINE && !self.pacing.moving })
+    }
+
+    /// The light that panes are about: that of the inspected pixel in its tangent frame, else the first of the scene.
+    pub fn shown_light(&self) -> Option<FarLight> {
         let inspected = self.inspector.light().filter(|light| !light.is_dark()).map(|light| {
             let [[theta, phi], _] = light.angles();
             FarLight { theta, phi, intensity: 1.0, size: 0.0 }
@@ -555,8 +565,7 @@ impl Model {
             let room = View::of(&self.loaded.scene, Vec::new()).room();
             self.settings.lights.first().map(|light| light.from_afar(&room))
         };
-        let light = inspected.or_else(first).filter(|_| self.visible.inset)?;
-        Some(InsetRequest { light, fine: self.inset_side > FINE && !self.pacing.moving })
+        inspected.or_else(first)
     }
 
     /// The samples that pictures of `stage` are summed of. What is compared or inspected is one sample.

@@ -10,6 +10,7 @@ use super::palette_pane;
 use super::quality::Quality;
 use super::settings::OpticsSettings;
 use super::style;
+use super::surface_window;
 use crate::figure::palette::ColorMap;
 use crate::setup::Method;
 use crate::surface::{Source, prepare};
@@ -36,6 +37,7 @@ pub fn show(ui: &mut Ui, rect: Rect, model: &mut Model) {
     inspector_pane::mark(&painter, rect, ui.ctx().pixels_per_point(), model);
     state(ui, &painter, rect, model);
     inspector_pane::show(ui, rect, model);
+    surface_window::show(ui, rect, model);
     if model.visible.help {
         help(ui, model);
     }

@@ -23,6 +23,7 @@ use super::{layout, style};
 use crate::error::{Error, Remedy, Result};
 use crate::render::frame::View;
 use crate::render::window::Place;
+use crate::surface::HeightField;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
 use crate::vk::surface::Surface;
@@ -117,6 +118,8 @@ struct Requested {
     pixel: Option<[u32; 2]>,
     // What the user's own source is fine enough for, as soon as it is ready.
     seen: Option<Seen>,
+    // The height field that is analysed for the surface pane.
+    analysis: Option<Arc<HeightField>>,
 }
 
 /// A picture as it is seen.
@@ -365,6 +368,7 @@ impl ViewerWindow {
         self.motion.continuous = self.model.pacing.continuous;
         self.request_frame(begins);
         self.inspect();
+        self.analyse();
     }
 
     /// Decides whether camera or lights are moving.

@@ -53,6 +53,8 @@ pub enum WorkerReply {
         /// Steps in total, as far as is known.
         of: usize,
     },
+    /// The height field of the user's own picture was read; its spectra may take their time.
+    Field(Arc<HeightField>),
     /// A setting is ready, with a note for the user if there is one.
     Ready(Role, Arc<Prepared>, Option<Error>),
     /// The request of this number failed.
@@ -182,7 +184,7 @@ impl Preparer {
                 reply(WorkerReply::Progress { role, done, of });
                 Ok(())
             };
-            match self.prepare(&request, &progress) {
+            match self.prepare(&request, &progress, reply) {
                 _ if queue.is_stopped() => {}
                 Ok((prepared, note)) => {
                     if role == Role::Own {
@@ -201,8 +203,12 @@ impl Preparer {
         &mut self,
         request: &Request,
         progress: &setup::Progress<'_>,
+        reply: &dyn Fn(WorkerReply),
     ) -> Result<(Arc<Prepared>, Option<Error>)> {
         let field = self.field(&request.surface)?;
+        if matches!(request.role, Role::Own | Role::Preview) {
+            reply(WorkerReply::Field(field.clone()));
+        }
         let mut settings = request.settings.clone();
         if let (Some(device), Some(picture)) = (&self.device, &request.picture)
             && setup::averages_footprints(&settings)
@@ -267,7 +273,7 @@ mod tests {
     fn a_preview_comes_before_what_takes_its_time() {
         let (sender, reports) = mpsc::channel();
         let worker = Worker::new(&device(), None, move |report| {
-            if !matches!(report, WorkerReply::Progress { .. }) {
+            if !matches!(report, WorkerReply::Progress { .. } | WorkerReply::Field(_)) {
                 let _ = sender.send(report);
             }
         })
@@ -286,7 +292,7 @@ mod tests {
     fn the_newest_request_wins_and_the_others_get_their_turn() {
         let (sender, reports) = mpsc::channel();
         let worker = Worker::new(&device(), None, move |report| {
-            if !matches!(report, WorkerReply::Progress { .. }) {
+            if !matches!(report, WorkerReply::Progress { .. } | WorkerReply::Field(_)) {
                 let _ = sender.send(report);
             }
         })
@@ -301,7 +307,7 @@ mod tests {
             match reports.recv_timeout(std::time::Duration::from_secs(60)).unwrap() {
                 WorkerReply::Ready(role, prepared, _) => ready.push((role, prepared.number)),
                 WorkerReply::Failed(_, _, e) => panic!("{e}"),
-                WorkerReply::Progress { .. } => {}
+                WorkerReply::Progress { .. } | WorkerReply::Field(_) => {}
             }
         }
         let own: Vec<u64> = ready.iter().filter(|r| r.0 == Role::Own).map(|r| r.1).collect();

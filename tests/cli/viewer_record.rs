@@ -10,7 +10,7 @@ const MIDDLE: [i16; 2] = [100, 160];
 
 #[test]
 fn from_near_the_colours_are_as_fine_as_those_of_a_picture_from_there() {
-    let table = ["sphere", "--method", "table", "--coherence", "gaussian:65um"];
+    let table = ["sphere", "--method", "table", "--coherence", "gaussian:200um"];
     let viewer = Viewer::open(&[&table[..], &SIZE].concat());
     let tables = || {
         let kept = std::fs::read_dir(viewer.sandbox.cache()).unwrap();
@@ -18,7 +18,7 @@ fn from_near_the_colours_are_as_fine_as_those_of_a_picture_from_there() {
     };
     let before = tables();
     // Away and back: from afar a coarser table does, which the window takes as `render` does.
-    for (button, turns) in [(5, 18), (4, 18)] {
+    for (button, turns) in [(5, 12), (4, 12)] {
         viewer.display.click(button, MIDDLE, turns);
         let (picture, command, _) = viewer.save(&[]);
         assert!(command.contains("--eye"), "{command}");

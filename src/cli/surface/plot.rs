@@ -6,6 +6,7 @@ use crate::figure::{Axis, ColorMap, ColorScale, Figure, Mark, Panel, Raster, Sca
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::optics::validity::Validity;
 use crate::surface::prepare;
+use crate::surface::statistics::picture::{self, Grid, histogram};
 use crate::surface::statistics::slopes::gradients;
 use crate::surface::statistics::spectrum::{Spectrum, analysed_part};
 use crate::surface::{HeightField, Source, Statistics};
@@ -62,8 +63,8 @@ fn caption(source: &Source, field: &HeightField, statistics: &Statistics) -> Str
 /// The heights in false colour, from the lower to the upper end of almost all of them, so that dust does not take the colours.
 fn heights(field: &HeightField, statistics: &Statistics) -> Panel {
     let [width, height] = field.patch_size();
-    let (size, values) = reduced([field.columns(), field.rows()], |c, r| field.row(r)[c] * 1e3);
-    let (low, high) = core(&values);
+    let grid = Grid::of_heights(field, MOST_PIXELS);
+    let [low, high] = grid.core();
     let scale = ColorScale { axis: Axis::linear("height [nm]", low, high), map: ColorMap::Viridis };
     let bar = scale_bar(width);
     let mut panel = Panel::new(
@@ -71,7 +72,7 @@ fn heights(field: &HeightField, statistics: &Statistics) -> Panel {
         Axis::linear("y [µm]", -height / 2.0, height / 2.0),
     )
     .to_scale()
-    .over(Raster::values(size[0], &values, scale))
+    .over(Raster::values(grid.size[0], &grid.values, scale))
     .titled("Heights")
     .with_scale_bar(bar, format!("{bar} µm"));
     if let Some(period) = statistics.periods.first() {
@@ -90,22 +91,11 @@ fn heights(field: &HeightField, statistics: &Statistics) -> Panel {
 
 /// The power spectrum over both halves, with the circles of the orders that light from straight above sends to the horizon.
 fn power(spectrum: &Spectrum) -> Panel {
-    let [columns, rows] = spectrum.samples;
-    let largest = [0, 1].map(|axis| spectrum.samples[axis] as f64 / 2.0 / spectrum.patch[axis]);
-    // What light can see: |f| ≤ 2/λ, with room around.
-    let side = largest[0].min(largest[1]).min(2.2 / SHORTEST);
-    let cells = [0, 1].map(|axis| (2.0 * side * spectrum.patch[axis]).round().max(1.0) as usize);
-    let density = |c: usize, r: usize| {
-        let place = |n: usize, cells: usize| n as isize - (cells / 2) as isize;
-        let (i, j) = (place(c, cells[0]), place(r, cells[1])); // rows grow down as the transform's places do
-        let inside = 2 * i.unsigned_abs() <= columns && 2 * j.unsigned_abs() <= rows;
-        let power = if inside { spectrum.value(i, j).norm_sqr() } else { 0.0 };
-        power * spectrum.patch[0] * spectrum.patch[1] * 1e6 // nm² µm²
-    };
-    let (size, values) = reduced(cells, density);
+    let side = picture::side_of_power(spectrum, SHORTEST);
+    let grid = Grid::of_power(spectrum, side, MOST_PIXELS);
     /// Decades below the peak that are shown.
     const DECADES: f64 = 7.0;
-    let scale = ColorScale::decades("power density [nm² µm²]", DECADES, &values);
+    let scale = ColorScale::decades("power density [nm² µm²]", DECADES, &grid.values);
     let axis = |name: &str| Axis::linear(format!("{name} [1/µm]"), -side, side);
     let circle = |radius: f64| -> Vec<[f64; 2]> {
         (0..=180)
@@ -121,7 +111,7 @@ fn power(spectrum: &Spectrum) -> Panel {
     };
     Panel::new(axis("f_x"), axis("f_y"))
         .to_scale()
-        .over(Raster::values(size[0], &values, scale))
+        .over(Raster::values(grid.size[0], &grid.values, scale))
         .titled("Power spectrum")
         .named("seen at normal incidence: within 1/λ at 380 nm", visible(SHORTEST, palette::SKY))
         .named("at 780 nm", visible(LONGEST, palette::VERMILION))
@@ -199,7 +189,7 @@ fn height_histogram(field: &HeightField, statistics: &Statistics) -> Panel {
     } else {
         (high - low) / BINS as f64
     };
-    let bars = histogram(field.heights().iter().map(|h| h * 1e3), low - step / 2.0, width, high);
+    let bars = histogram(field.heights().iter().map(|h| h * 1e3), [low - step / 2.0, high], width, BINS);
     let most = bars.iter().map(|b| b[2]).fold(0.0, f64::max);
     let (mean, sigma) = (h.mean * 1e3, h.sq * 1e3);
     let normal =
@@ -219,7 +209,7 @@ fn slope_histogram(field: &HeightField, statistics: &Statistics) -> Panel {
     let angles: Vec<f64> = gradients(field).iter().map(|g| g.atan().to_degrees()).collect();
     // A few steep facets would press all others into the first bins.
     let last = (1.6 * statistics.slopes.angle_95).min(statistics.slopes.angle_max).max(1e-3);
-    let bars = histogram(angles.into_iter(), 0.0, last / BINS as f64, last);
+    let bars = histogram(angles.into_iter(), [0.0, last], last / BINS as f64, BINS);
     let most = bars.iter().map(|b| b[2]).fold(0.0, f64::max);
     let (upright, rms) = (|x: f64| vec![[x, 0.0], [x, most]], statistics.slopes.sdq.atan().to_degrees());
     Panel::new(
@@ -233,48 +223,6 @@ fn slope_histogram(field: &HeightField, statistics: &Statistics) -> Panel {
         format!("95 % below {:.1}°", statistics.slopes.angle_95),
         Mark::dashed(upright(statistics.slopes.angle_95), palette::ORANGE),
     )
-}
-
-/// The density of `values` in bins of `width` from `low` to `high`, as the outline of a band: x, 0, density.
-fn histogram(values: impl Iterator<Item = f64>, low: f64, width: f64, high: f64) -> Vec<[f64; 3]> {
-    let width = if width > 0.0 { width } else { 1.0 };
-    let bins = (((high - low) / width).ceil() as usize).clamp(1, 4 * BINS);
-    let mut counts = vec![0.0; bins];
-    let mut all = 0.0;
-    for value in values {
-        all += 1.0;
-        if let Some(count) = counts.get_mut(((value - low) / width) as usize) {
-            *count += 1.0;
-        }
-    }
-    let density = |count: &f64| count / (f64::max(all, 1.0) * width);
-    let steps = counts
-        .iter()
-        .enumerate()
-        .flat_map(|(i, count)| [i, i + 1].map(|edge| [low + edge as f64 * width, 0.0, density(count)]));
-    steps.collect()
-}
-
-/// `values` averaged down until no side is longer than [`MOST_PIXELS`].
-fn reduced(size: [usize; 2], value: impl Fn(usize, usize) -> f64) -> ([usize; 2], Vec<f64>) {
-    let factor = size[0].max(size[1]).div_ceil(MOST_PIXELS);
-    let [columns, rows] = size.map(|n| (n / factor).max(1));
-    let mean = |i: usize| {
-        let (c0, r0) = (i % columns * factor, i / columns * factor);
-        let cells = (r0..(r0 + factor).min(size[1]))
-            .flat_map(|r| (c0..(c0 + factor).min(size[0])).map(move |c| (c, r)));
-        let (sum, count) = cells.fold((0.0, 0.0), |(sum, count), (c, r)| (sum + value(c, r), count + 1.0));
-        sum / count
-    };
-    ([columns, rows], (0..columns * rows).map(mean).collect())
-}
-
-/// The range of all values but the half percent at each end.
-fn core(values: &[f64]) -> (f64, f64) {
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let cut = sorted.len() / 200;
-    (sorted[cut], sorted[sorted.len() - 1 - cut])
 }
 
 /// A round length of about a quarter of `width`.
@@ -316,11 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn scale_bars_are_round_and_a_histogram_integrates_to_one() {
+    fn scale_bars_are_round() {
         assert_eq!([65.0, 20.0, 2.0, 0.9, 900.0].map(scale_bar), [10.0, 5.0, 0.5, 0.2, 200.0]);
-        let bars = histogram([0.1, 0.2, 0.6, 0.9].into_iter(), 0.0, 0.25, 1.0);
-        let area: f64 = bars.chunks(2).map(|b| (b[1][0] - b[0][0]) * b[0][2]).sum();
-        assert!((area - 1.0).abs() < 1e-12, "{bars:?}");
-        assert_eq!(bars[0], [0.0, 0.0, 2.0]);
     }
 }

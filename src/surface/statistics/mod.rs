@@ -6,7 +6,8 @@
 mod heights;
 mod line_periods;
 mod notes;
-mod periods;
+pub mod periods;
+pub mod picture;
 pub mod slopes;
 pub mod spectrum;
 mod texture;

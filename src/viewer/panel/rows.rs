@@ -62,7 +62,7 @@ rows! {
         .copied(|to, from| to.tone = from.tone);
     SAMPLES = Row::setting("samples", "--samples", "Samples a pixel that a still picture is the mean of: smooth edges, soft lights. 1: pixel centres only.")
         .copied(|to, from| to.samples = from.samples);
-    TURNTABLE = Row::setting("turntable", "--turntable", "Pictures of a whole turn of the camera about its target, which are recorded into a new folder.  [T]");
+    TURNTABLE = Row::other("turntable", "Pictures of a whole turn of the camera about its target, which are recorded into a new folder.  [T]");
     BASE_COLOR = Row::setting("base colour", "--base-color", "Colour of the pigment below the surface, linear sRGB. Black shows the diffraction alone.")
         .copied(|to, from| to.base_color = from.base_color);
     WINDOWS = Row::setting("windows", "--windows", "mean: what a pixel sees, the average over all positions of the coherence window. \
@@ -156,6 +156,30 @@ pub mod inspected {
     pub const COPY: Row = Row::other(
         "Copy for eval",
         "Copies the directions as CSV. `diffract eval --queries` answers them with the BRDF that is shown here.",
+    );
+}
+
+/// The parts of the surface pane.
+pub mod surface_pane {
+    use super::Row;
+
+    pub const SHOWN: Row = Row::other(
+        "heights",
+        "heights: in false colour, over the range of almost all of them. relief: as if lit from the upper left, exaggerated.",
+    );
+    pub const HEIGHTS: Row =
+        Row::other("surface", "Drag to draw the line of the profile. Double-click: the middle row.");
+    pub const PROFILE: Row = Row::other("profile", "The heights along the line, in nanometres.");
+    pub const HISTOGRAM: Row =
+        Row::other("distribution", "How often each height occurs: probability density over nanometres.");
+    pub const WAVELENGTH: Row = Row::other(
+        "orders of",
+        "Wavelength of the light whose first orders are shown in the power spectrum, in nanometres.",
+    );
+    pub const POWER: Row = Row::other(
+        "power spectrum",
+        "Power over spatial frequency, seven decades from black to yellow. What lies within the circle is sent to some viewer by the light that the hemisphere shows. \
+         Orange: periods that stand out. White: the inspected pixel.",
     );
 }
 

@@ -234,7 +234,7 @@ impl ViewerWindow {
     }
 
     /// Has `work` done on a thread of its own.
-    fn aside(&mut self, name: &str, work: impl FnOnce() -> Event + Send + 'static) {
+    pub(super) fn aside(&mut self, name: &str, work: impl FnOnce() -> Event + Send + 'static) {
         let proxy = self.proxy.clone();
         let work = move || {
             let _ = proxy.send_event(work()); // fails after the end of the event loop

@@ -39,6 +39,8 @@ impl ViewerWindow {
                 }
             }
             Event::Scene(opened) => self.show_scene(*opened),
+            Event::Analysis(Ok(analysis)) => self.model.surface_pane.take(analysis),
+            Event::Analysis(Err(e)) => self.model.report(Concern::Setting, &e),
             Event::Neighbour(found) => self.show_neighbour(found),
         }
         self.window.request_redraw();
@@ -51,6 +53,7 @@ impl ViewerWindow {
             WorkerReply::Progress { role, done, of } => {
                 model.sources.progress[role as usize] = Some(Progress { done, of });
             }
+            WorkerReply::Field(field) => model.surface_pane.take_field(field),
             WorkerReply::Ready(role, prepared, note) => {
                 let newest = self.requested.preparations[role as usize].as_ref().map(|r| r.number);
                 if newest != Some(prepared.number) {
@@ -143,6 +146,7 @@ impl ViewerWindow {
             let scene = model.applied.scene.clone();
             model.applied = ViewSettings { scene, ..request.settings.clone() };
         }
+        model.surface_pane.take_field(prepared.field.clone());
         model.sources.own = Some(prepared);
         model.sources.preview = None;
         model.sources.progress[Role::Preview as usize] = None;

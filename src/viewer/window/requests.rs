@@ -5,13 +5,16 @@ use crate::optics::coherence::Windows;
 use crate::render::frame::{Shown, View};
 use crate::setup::{self, Method};
 use crate::viewer::compare::{self, Compare};
+use crate::viewer::event::Event;
 use crate::viewer::frame::FrameRequest;
 use crate::viewer::job_queue::PixelRequest;
 use crate::viewer::model::{Progress, Stage};
 use crate::viewer::prepared::Role;
 use crate::viewer::quality::Quality;
 use crate::viewer::settings::{Needs, ViewSettings};
+use crate::viewer::surface_pane::analysis::Analysis;
 use crate::viewer::worker::{Request, RequestedPicture};
+use std::sync::Arc;
 
 impl ViewerWindow {
     /// Requests every setting that is needed and not requested yet.
@@ -191,6 +194,16 @@ impl ViewerWindow {
     /// The whole frame of the user's own settings, once they are what is shown.
     pub(super) fn own_frame(&self) -> Option<FrameRequest> {
         self.whole_frame().filter(|_| self.model.sources.stage() == Stage::Own)
+    }
+
+    /// Has the height field analysed that the surface pane shows.
+    pub(super) fn analyse(&mut self) {
+        let Some(field) = self.model.surface_pane.missing().cloned() else { return };
+        if self.requested.analysis.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, &field)) {
+            return;
+        }
+        self.requested.analysis = Some(field.clone());
+        self.aside("analysis", move || Event::Analysis(Analysis::of(&field).map(Arc::new)));
     }
 
     /// Requests the pixel that is inspected, once the whole frame is shown.
