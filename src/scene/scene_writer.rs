@@ -77,7 +77,7 @@ impl Scene {
             Ok((name.clone(), toml::Value::String(value)))
         });
         let file = File {
-            scale: format!("{} m", self.unit),
+            scale: format!("{} m", significant(self.unit)),
             mesh: path(&self.mesh_source.name)?,
             up: self.mesh_source.up,
             surface: path(Path::new(&self.surface))?,
@@ -111,7 +111,7 @@ impl Scene {
             camera: FileCamera {
                 eye: shortest(eye_of(&self.camera)),
                 target: shortest(self.camera.target),
-                field_of_view: format!("{}deg", f64::from(self.camera.field_of_view).to_degrees()),
+                field_of_view: format!("{}deg", degrees(self.camera.field_of_view)),
             },
             options: options.collect::<Result<_>>()?,
         };
@@ -139,6 +139,21 @@ fn named_from(path: &Path, folder: &Path) -> Result<String> {
 /// The numbers with no more digits than it takes to tell them from other 32-bit floats.
 fn shortest(v: Vec3) -> [f64; 3] {
     v.to_array().map(|x| x.to_string().parse().unwrap_or_else(|_| x.into()))
+}
+
+/// `x` to twelve digits: what a length loses on the way to metres and back is left out.
+fn significant(x: f64) -> f64 {
+    format!("{x:.11e}").parse().unwrap_or(x)
+}
+
+/// An angle \[rad\] in degrees, with as many digits as it takes to read the same angle.
+fn degrees(radians: f32) -> f64 {
+    let exact = f64::from(radians).to_degrees();
+    let rounded = |digits: i32| {
+        let factor = 10f64.powi(digits);
+        (exact * factor).round() / factor
+    };
+    (0..12).map(rounded).find(|degrees| degrees.to_radians() as f32 == radians).unwrap_or(exact)
 }
 
 /// An eye that makes `camera` when it is read again. The eye that follows from a camera's angles may be off in the last bits.

@@ -2,10 +2,13 @@
 
 use super::files::{Chosen, Purpose};
 use super::model::Model;
-use egui::Ui;
+use egui::{Key, Popup, Ui};
 
 /// Shows the dialog, if it is open, and does what was chosen.
 pub fn show(ui: &Ui, model: &mut Model) {
+    if ui.input(|input| input.key_pressed(Key::Escape)) && !Popup::is_any_open(ui.ctx()) {
+        model.file_choice.close();
+    }
     let Some(Chosen { purpose, path }) = model.file_choice.update(ui.ctx()) else { return };
     match purpose {
         Purpose::Open => model.actions.open = Some(path.to_string_lossy().into_owned()),

@@ -67,6 +67,11 @@ impl FileChoice {
         self.dialog = Some((Purpose::SaveScene, dialog));
     }
 
+    /// Closes the dialog.
+    pub fn close(&mut self) {
+        self.dialog = None;
+    }
+
     /// Shows the dialog, if it is open; what was chosen in it.
     pub fn update(&mut self, context: &egui::Context) -> Option<Chosen> {
         let (purpose, dialog) = self.dialog.as_mut()?;

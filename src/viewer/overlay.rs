@@ -12,6 +12,7 @@ use super::settings::OpticsSettings;
 use super::style;
 use super::surface_window;
 use crate::figure::palette::ColorMap;
+use crate::optics::coherence::Windows;
 use crate::setup::Method;
 use crate::surface::{Source, prepare};
 use egui::{
@@ -108,10 +109,7 @@ fn progress(painter: &Painter, at: egui::Pos2, width: f32, what: &str, part: f32
 
 /// A side of the comparison by its settings, and by its surface where the two sides differ in it.
 fn named(surface: Option<&Source>, optics: &OpticsSettings) -> String {
-    let by = match optics.method {
-        Method::Spectral => optics.basis.name(),
-        Method::Table | Method::Reference => optics.method.name(),
-    };
+    let by = if optics.windows == Windows::All { optics.method.name() } else { optics.basis.name() };
     let mut text = String::new();
     if let Some(surface) = surface {
         let name = Path::new(&surface.name).file_name().unwrap_or_default();

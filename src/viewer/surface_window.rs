@@ -7,7 +7,7 @@ use super::surface_pane::{Pictures, Pointed, Shown, SurfacePane};
 use crate::figure::palette::ColorMap;
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::viewer::model::Model;
-use crate::viewer::panel::rows::{self, surface_pane as tips};
+use crate::viewer::panel::rows::surface_pane as tips;
 use crate::viewer::style;
 use egui::{
     Align2, Color32, ColorImage, Painter, Pos2, Rect, Response, RichText, ScrollArea, Sense, Slider, Stroke,
@@ -19,6 +19,8 @@ use std::sync::Arc;
 /// Width of a column, height of curves \[points\].
 const COLUMN: f32 = 300.0;
 const CURVE: f32 = 96.0;
+/// Height at which all of it is seen where it is wide enough \[points\].
+const TALL: f32 = 520.0;
 /// Decades of power below its peak that are shown.
 const DECADES: f64 = 7.0;
 /// The line of the profile, and what is marked.
@@ -52,7 +54,8 @@ pub fn show(ui: &Ui, rect: Rect, model: &mut Model) {
         .open(&mut open)
         .collapsible(false)
         .resizable(false)
-        .default_pos(rect.left_bottom() - vec2(-40.0, 520.0))
+        .default_size([width, TALL])
+        .default_pos(pos2(rect.left() + 40.0, (rect.bottom() - TALL - 70.0).max(rect.top())))
         .constrain_to(rect)
         .show(ui.ctx(), |ui| {
             ScrollArea::vertical().max_height((rect.height() - 70.0).max(80.0)).show(ui, |ui| {
@@ -109,7 +112,7 @@ fn surface(ui: &mut Ui, pane: &mut SurfacePane, analysis: &Arc<Analysis>, pointe
             }
             Shown::Relief => format!("heights × {:.3}", analysis.exaggeration),
         };
-        ui.label(RichText::new(text).color(style::FAINT));
+        ui.label(RichText::new(text).color(style::FAINT)).on_hover_text(tips::HEIGHTS.tip);
     });
     let pictures = pictures(ui, pane, analysis);
     let heights = heights(ui, pane, analysis, &pictures, pointed);
@@ -203,7 +206,6 @@ fn heights(
         }
         None => {}
     }
-    response.on_hover_text_at_pointer(tips::HEIGHTS.tip);
     axes
 }
 
@@ -253,6 +255,7 @@ fn spectrum(
         if ui.add(slider).on_hover_text(tips::WAVELENGTH.tip).changed() {
             pane.wavelength = Some(nanometres * 1e-3);
         }
+        ui.label(RichText::new("(?)").color(style::FAINT)).on_hover_text(tips::POWER.tip);
     });
     let pictures = pictures(ui, pane, analysis);
     let side = analysis.side;
@@ -294,7 +297,6 @@ fn spectrum(
         }),
     };
     readout(&painter, axes.rect, &text);
-    response.on_hover_text_at_pointer(tips::POWER.tip);
     distribution(ui, analysis);
 }
 
@@ -303,13 +305,12 @@ fn distribution(ui: &mut Ui, analysis: &Analysis) {
     let ends =
         [analysis.histogram.first(), analysis.histogram.last()].map(|bar| bar.map_or(0.0, |bar| bar[0]));
     let [low, high] = if ends[1] > ends[0] { ends } else { [ends[0] - 1.0, ends[0] + 1.0] };
-    let (axes, response, painter) = plot(ui, CURVE, [low, high], [0.0, 1.05 * most]);
+    let (axes, _, painter) = plot(ui, CURVE, [low, high], [0.0, 1.05 * most]);
     axes.draw(&painter, ["nm", "1/nm"]);
     axes.bars(&painter, &analysis.histogram, style::ACCENT);
-    response.on_hover_text_at_pointer(tips::HISTOGRAM.tip);
     let (low, high) = analysis.field.range();
     let text = format!("RMS {:.2} nm, range {:.1} nm", analysis.rms, (high - low) * 1e3);
-    ui.label(RichText::new(text).color(style::FAINT)).on_hover_text(rows::surface_pane::HISTOGRAM.tip);
+    ui.label(RichText::new(text).color(style::FAINT)).on_hover_text(tips::HISTOGRAM.tip);
 }
 
 /// Room for a plot `height` points high with its axes.
@@ -396,7 +397,7 @@ mod tests {
             let reached = hand.sweep(at);
             let says = |part: &str| reached.iter().any(|text| text.contains(part));
             for part in [
-                "-99 to 99 nm",
+                "-100 to 100 nm",
                 "profile over 10.00 µm",
                 "strongest period 1.250 µm, azimuth 0.0°",
                 "RMS 70.7",

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 /// Long enough to keep a device busy, short enough for a hand not to feel it \[ms\].
 const LONGEST: f64 = 30.0;
-/// Sides of a tile are multiples of it, so that no group of neighbours is torn apart.
-const STEP: u32 = 16;
+/// Sides of a tile are multiples of it, so that no group of neighbours is torn apart. A pixel may take milliseconds on a software device.
+const STEP: u32 = 4;
 /// How much more than the picture on average its dearest part costs, at most.
 const DEAREST: f64 = 4.0;
 

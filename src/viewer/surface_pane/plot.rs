@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn values_are_round_and_within_the_range() {
         assert_eq!(round_values([-10.0, 10.0], 5), [-10.0, -5.0, 0.0, 5.0, 10.0]);
-        assert_eq!(round_values([0.13, 0.47], 4), [0.2, 0.4].map(|x: f64| (x / 0.1).round() * 0.1));
+        assert_eq!(round_values([0.13, 0.47], 4), [2.0, 3.0, 4.0].map(|tenths| tenths * 0.1));
         assert!(round_values([1.0, 1.0], 4).is_empty() && round_values([0.0, f64::NAN], 4).is_empty());
         assert_eq!([number(0.30000000000000004), number(-0.0), number(25.0)], ["0.3", "0", "25"]);
     }
