@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn everything_can_be_reached_in_small_windows() {
         for (size, scale) in
-            [([640.0, 480.0], 1.0), ([640.0, 480.0], 2.0), ([500.0, 400.0], 1.0), ([500.0, 400.0], 2.0)]
+            [([640.0, 480.0], 1.0), ([640.0, 480.0], 1.5), ([640.0, 480.0], 2.0), ([500.0, 400.0], 1.0)]
         {
             let mut seen: Vec<&str> = Vec::new();
             let mut hand = Hand::new(size, scale);

@@ -86,7 +86,7 @@ pub fn round_values([low, high]: [f64; 2], most: usize) -> Vec<f64> {
     if !(span.is_finite() && span > 0.0) {
         return Vec::new();
     }
-    let least = span / most.max(2) as f64;
+    let least = span / most.max(3) as f64;
     let power = 10f64.powf(least.log10().floor());
     let step =
         [1.0, 2.0, 5.0, 10.0].into_iter().map(|d| d * power).find(|step| *step >= least).unwrap_or(least);
