@@ -34,7 +34,7 @@ pub fn show(ui: &Ui, rect: Rect, model: &mut Model) {
         .collapsible(false)
         .resizable(false)
         .default_pos(corner)
-        .default_width(WIDTH)
+        .default_size([WIDTH, (rect.height() - 70.0).max(80.0)])
         .constrain_to(rect)
         .show(ui.ctx(), |ui| {
             ScrollArea::vertical().max_height((rect.height() - 70.0).max(80.0)).show(ui, |ui| {

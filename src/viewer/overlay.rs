@@ -8,7 +8,7 @@ use super::inspector_pane;
 use super::model::{Comparison, Model, Progress};
 use super::palette_pane;
 use super::quality::Quality;
-use super::settings::OpticsSettings;
+use super::settings::{OpticsSettings, ViewSettings};
 use super::style;
 use super::surface_window;
 use crate::figure::palette::ColorMap;
@@ -108,8 +108,9 @@ fn progress(painter: &Painter, at: egui::Pos2, width: f32, what: &str, part: f32
 }
 
 /// A side of the comparison by its settings, and by its surface where the two sides differ in it.
-fn named(surface: Option<&Source>, optics: &OpticsSettings) -> String {
-    let by = if optics.windows == Windows::All { optics.method.name() } else { optics.basis.name() };
+fn named(surface: Option<&Source>, settings: &ViewSettings, optics: &OpticsSettings) -> String {
+    let of_mean = settings.windows(optics) == Windows::All;
+    let by = if of_mean { optics.method.name() } else { optics.basis.name() };
     let mut text = String::new();
     if let Some(surface) = surface {
         let name = Path::new(&surface.name).file_name().unwrap_or_default();
@@ -137,11 +138,11 @@ fn sides(model: &Model) -> [String; 2] {
         Compare::Difference(metric) => {
             let total = model.frame.as_ref().and_then(|frame| frame.difference);
             let total = total.map_or(String::new(), |total| format!("{} ", metric.describe(total)));
-            format!("{total}against {}", named(surface.as_ref(), optics))
+            format!("{total}against {}", named(surface.as_ref(), &model.applied, optics))
         }
-        _ => named(surface.as_ref(), optics),
+        _ => named(surface.as_ref(), &model.applied, optics),
     };
-    [named(own_surface, &model.applied.optics), other]
+    [named(own_surface, &model.applied, &model.applied.optics), other]
 }
 
 /// The line between the pictures, with the name of each setting beside it; or which side is shown alone.
@@ -234,6 +235,7 @@ fn help(ui: &mut Ui, model: &mut Model) {
         .collapsible(false)
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
+        .default_size(room)
         .show(ui.ctx(), |ui| {
             ScrollArea::vertical().max_height(room.y).show(ui, |ui| {
                 ui.horizontal_top(|ui| {

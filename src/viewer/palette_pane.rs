@@ -82,6 +82,7 @@ pub fn show(ui: &Ui, rect: Rect, model: &mut Model) {
         .title_bar(false)
         .resizable(false)
         .anchor(Align2::CENTER_TOP, vec2(0.0, 24.0))
+        .default_height((rect.height() - 80.0).max(80.0))
         .constrain_to(rect)
         .show(ui.ctx(), |ui| {
             ui.set_width(WIDTH.min(rect.width() - 40.0));

@@ -5,12 +5,12 @@ use crate::viewer::Viewer;
 
 const ESCAPE: u32 = 0xff1b;
 const SIZE: [&str; 2] = ["--size", "500x320"];
-/// On the sphere, left of the panel.
-const MIDDLE: [i16; 2] = [100, 160];
+/// On the sphere, left of the panel and below the hemisphere.
+const MIDDLE: [i16; 2] = [100, 240];
 
 #[test]
 fn from_near_the_colours_are_as_fine_as_those_of_a_picture_from_there() {
-    let table = ["sphere", "--method", "table", "--coherence", "gaussian:200um"];
+    let table = ["sphere", "--method", "table", "--coherence", "gaussian:130um"];
     let viewer = Viewer::open(&[&table[..], &SIZE].concat());
     let tables = || {
         let kept = std::fs::read_dir(viewer.sandbox.cache()).unwrap();
