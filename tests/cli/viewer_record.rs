@@ -10,7 +10,7 @@ const MIDDLE: [i16; 2] = [100, 240];
 
 #[test]
 fn from_near_the_colours_are_as_fine_as_those_of_a_picture_from_there() {
-    let table = ["sphere", "--method", "table", "--coherence", "gaussian:130um"];
+    let table = ["sphere", "--method", "table", "--coherence", "gaussian:80um"];
     let viewer = Viewer::open(&[&table[..], &SIZE].concat());
     let tables = || {
         let kept = std::fs::read_dir(viewer.sandbox.cache()).unwrap();
