@@ -23,7 +23,7 @@ layout(set = 0, binding = 0, std140) uniform Frame {
     vec4 emitters[MAX_LIGHTS];      // w: FAR_AWAY, or what a lamp is; xyz: the middle of one that emits ALL_AROUND, the normal of one that emits TO_ONE_SIDE
     vec4 irradiances[MAX_LIGHTS];   // rgb: of a surface that faces the light, over pi, linear sRGB; of a lamp at distance 1 straight before it
     vec4 base_color;                // rgb: albedo of the pigment, linear sRGB; w: 1 where the pigment texture counts
-    ivec4 counts;                   // x: lights
+    vec4 grooves;                   // xy: cosine and sine of the angle by which the patch is turned, where it is one for all of an object
     vec4 surroundings;              // xy: cosine and sine of their rotation; z: what their picture's 1 stands for; w: variance of the specular order
     mat4 shadow_from_world[MAX_LIGHTS]; // to the clip space of each light's depth map
     Sample at;                      // which sample of the picture the frame is

@@ -14,6 +14,12 @@ layout(constant_id = 2) const bool FOOTPRINTS = true;  // whether footprints are
 layout(constant_id = 3) const bool SHADOWS = false;    // whether lights cast shadows
 layout(constant_id = 4) const bool MIRRORED = false;   // whether the radiance of surroundings in the mirrored direction is asked for
 layout(constant_id = 5) const bool LAMPS = false;      // whether lamps are among the lights, and how bright they are is asked for
+layout(constant_id = 6) const int GROOVES = 0;         // how the patch lies in the tangent frame
+
+// Values of `GROOVES`; src/render/grooves.rs says more.
+const int TURNED = 1, RADIAL = 2, MAPPED = 3;
+
+layout(set = 0, binding = 16) uniform sampler2D groove_map; // cosine and sine over (u, v)
 
 // Depth from each light; an array of samplers would need a feature that not every device has.
 layout(set = 0, binding = 10) uniform sampler2D shadow_0;
@@ -47,7 +53,21 @@ struct Face {
     bool back;   // whether the back of the surface is seen
     vec3 mirrored; // direction into which the surface mirrors the viewer, in the world
     float spread;  // variance of it over the part of a pixel that shading averages over, along each axis across it
+    vec2 turn;     // direction of the patch's x in the tangent frame
 };
+
+vec2 groove_turn() {
+    if (GROOVES == TURNED) {
+        return frame.grooves.xy;
+    }
+    vec2 turn = vec2(1.0, 0.0);
+    if (GROOVES == RADIAL) {
+        turn = vec2(pigment_uv.x - 0.5, 0.5 - pigment_uv.y);
+    } else if (GROOVES == MAPPED) {
+        turn = texture(groove_map, pigment_uv).rg;
+    }
+    return dot(turn, turn) > 0.0 ? normalize(turn) : vec2(1.0, 0.0);
+}
 
 Face face_seen() {
     vec3 normal = normalize(cross(dFdx(world), dFdy(world)));
@@ -56,11 +76,14 @@ Face face_seen() {
     vec3 mirrored = reflect(-normalize(to_eye), normalize(world_normal));
     vec3 dx = dFdxFine(mirrored), dy = dFdyFine(mirrored);
     float spread = frame.at.footprint * frame.at.footprint * 0.5 * (dot(dx, dx) + dot(dy, dy));
-    return Face(normal, dot(world_normal, normal) < 0.0, mirrored, spread);
+    return Face(normal, dot(world_normal, normal) < 0.0, mirrored, spread, groove_turn());
 }
 
 // Meshes are seen from both sides: where the back of a surface is seen, as of a mesh that is wound inward, its frame is turned about T.
 vec3 seen(Face face, vec3 direction) {
+    if (GROOVES != 0) {
+        direction.xy = vec2(dot(face.turn, direction.xy), face.turn.x * direction.y - face.turn.y * direction.x);
+    }
     return face.back ? vec3(direction.x, -direction.yz) : direction;
 }
 
@@ -131,7 +154,8 @@ bool in_shadow(Face face, int light, sampler2D map) {
     }
     vec3 place = clip.xyz / clip.w;
     vec2 texel = clamp((place.xy * 0.5 + 0.5) * size, vec2(0.0), size - 1.0);
-    return texelFetch(map, ivec2(texel), 0).r < place.z - bias;
+    // Behind the end of the map nothing is in shadow: what casts shadows ends before.
+    return texelFetch(map, ivec2(texel), 0).r < min(place.z - bias, 1.0);
 }
 
 bool in_shadow_of(Face face, int light) {

@@ -25,7 +25,7 @@ void main() {
         answers[n++] = frame.irradiances[i];
     }
     answers[n++] = frame.base_color;
-    answers[n++] = vec4(frame.counts);
+    answers[n++] = frame.grooves;
     answers[n++] = frame.surroundings;
     for (int i = 0; i < 4 * MAX_LIGHTS; ++i) {
         answers[n++] = frame.shadow_from_world[i >> 2][i & 3];

@@ -20,7 +20,7 @@ use crate::render::shading::Shading;
 use crate::render::source::cost::Cost;
 use crate::render::source::{Source, Summary};
 use crate::scene::{Light, Scene};
-use crate::setup::{self, Method, Settings};
+use crate::setup::{self, InUse, Method, Settings};
 use crate::surface::HeightField;
 use crate::units;
 use crate::vk::device::Device;
@@ -196,7 +196,7 @@ impl BenchmarkScene {
             settings.footprints =
                 footprints::sizes(&self.device, &self.scene.mesh, views, self.size, &sample)?;
         }
-        let source = prepare::source(&self.field, &settings, &self.device)?;
+        let source = prepare::source(&self.field, &settings, &self.device, &mut InUse::default())?;
         let (painter, directions) = self.painter(&source, &shading)?;
         Ok(Benchmark {
             painter,

@@ -4,10 +4,10 @@ use crate::cache::{Format, Key};
 use crate::error::{Error, Result};
 use crate::picture_file;
 use crate::render::frame::View;
-use crate::render::pigment::Pigment;
+use crate::render::object::ObjectTextures;
 use crate::render::sequence::Sequence;
-use crate::scene::Scene;
-use crate::surface::HeightField;
+use crate::scene::{Mesh, Object, Scene};
+use crate::setup::ObjectSurface;
 use std::fmt::Debug;
 use std::path::Path;
 
@@ -21,8 +21,8 @@ const SEQUENCES: Format = Format { name: "sequences", version: 1 };
 pub struct Origin(Key);
 
 impl Origin {
-    /// Of `sequence`, which begins with the view `first` of `scene`, at an exposure that is `measured` or the scene's. What files hold counts, and not
-    /// their names.
+    /// Of `sequence`, which begins with the view `first` of `scene`, whose objects have these `surfaces`, at an exposure that is `measured` or the
+    /// scene's. What files hold counts, and not their names.
     ///
     /// # Errors
     /// A pigment texture that cannot be read.
@@ -30,21 +30,36 @@ impl Origin {
         sequence: &Sequence,
         first: &View,
         (scene, measured): (&Scene, bool),
-        field: &HeightField,
+        surfaces: &[ObjectSurface],
         settings: &impl Debug,
     ) -> Result<Self> {
         let hash = |bytes: &[u8]| blake3::hash(bytes).to_hex().to_string();
-        let mesh = [
-            hash(bytemuck::cast_slice(scene.mesh.vertices())),
-            hash(bytemuck::cast_slice(scene.mesh.indices())),
-        ];
-        let pigment = scene.pigment.as_deref().map(Pigment::read).transpose()?;
-        let pigment = pigment.map(|pigment| (pigment.size, hash(&pigment.texels)));
+        let meshes = std::iter::once(&scene.mesh).chain(scene.objects.iter().map(|object| &object.mesh));
+        let mesh = |mesh: &Mesh| {
+            let [vertices, indices]: [&[u8]; 2] =
+                [bytemuck::cast_slice(mesh.vertices()), bytemuck::cast_slice(mesh.indices())];
+            [hash(vertices), hash(indices)]
+        };
+        let meshes: Vec<_> = meshes.map(mesh).collect();
+        let texture = |own: &ObjectTextures| {
+            let ObjectTextures { pigment, grooves } = own;
+            let map = hash(bytemuck::cast_slice(&grooves.texels));
+            (pigment.size, hash(&pigment.texels), grooves.layout, grooves.turn, grooves.size, map)
+        };
+        let textures: Vec<_> = ObjectTextures::of(scene)?.iter().map(texture).collect();
+        let other = |(object, surface): (&Object, &ObjectSurface)| {
+            let field = surface.field.as_ref();
+            let field = field.map(|f| ([f.columns(), f.rows()], f.pixel_size(), hash(bytemuck::cast_slice(f.heights()))));
+            (object.base_color, object.is_ground, field, surface.optics.clone())
+        };
+        let others: Vec<_> = scene.objects.iter().zip(&surfaces[1..]).map(other).collect();
         let shown = (scene.exposure, measured, scene.tone, scene.background, scene.shadows);
         // Rust writes numbers so that they are read back exactly.
         let turned = (sequence.motion, sequence.count, first);
-        let settings = format!("{:?}", (turned, shown, mesh, pigment, settings));
-        Key::new(&SEQUENCES, &settings, field).map(Self)
+        let settings = format!("{:?}", (turned, shown, meshes, textures, others, settings));
+        let field = surfaces[0].field.as_deref();
+        let nothing = || Error::failed("the first object has no surface", "report this as a bug of diffract");
+        Key::new(&SEQUENCES, &settings, field.ok_or_else(nothing)?).map(Self)
     }
 
     /// What picture number `frame` says of itself.

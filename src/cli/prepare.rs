@@ -38,8 +38,13 @@ pub fn scene(name: &OsStr) -> Result<Scene> {
     scene
 }
 
-/// The source of `field` under `settings` on `device`, from the cache or made with a progress bar.
-pub fn source(field: &HeightField, settings: &Settings, device: &Arc<Device>) -> Result<Source> {
+/// The source of `field` under `settings` on `device`, from what is `in_use`, from the cache or made with a progress bar.
+pub fn source(
+    field: &HeightField,
+    settings: &Settings,
+    device: &Arc<Device>,
+    in_use: &mut InUse,
+) -> Result<Source> {
     if setup::averages_footprints(settings) {
         detail(&format_args!(
             "pixels are averaged over standard deviations of (u, v) from {:.1e} on",
@@ -50,7 +55,7 @@ pub fn source(field: &HeightField, settings: &Settings, device: &Arc<Device>) ->
     let start = Instant::now();
     let bar = progress_bar("spectra");
     let progress = |what, done, of| show(&bar, what, done, of);
-    let made = setup::source(field, settings, device.candidate(), &mut InUse::default(), &progress)?;
+    let made = setup::source(field, settings, device.candidate(), in_use, &progress)?;
     bar.finish_and_clear();
     let (extent, summary) = (made.source.extent(), made.source.summary(&settings.shading));
     const MIB: f64 = 1024.0 * 1024.0;

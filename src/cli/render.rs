@@ -18,12 +18,12 @@ use crate::picture_file::{self, Format, Notes};
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::picture::Picture;
-use crate::render::reference_picture::{self, displayed_of, reference_mean};
+use crate::render::reference_picture::{self, ReferenceObject, displayed_of, reference_mean};
 use crate::render::sampling::{Sample, Sampling};
 use crate::render::sequence::Sequence;
 use crate::render::source::{ClassicalGrating, Source};
 use crate::scene::Scene;
-use crate::setup::{self, Method, PictureSettings, PreparedScene, Settings};
+use crate::setup::{self, InUse, Method, ObjectSurface, PictureSettings, PreparedScene, Settings};
 use crate::surface::HeightField;
 use crate::units;
 use clap::Args;
@@ -31,6 +31,7 @@ use indicatif::ProgressBar;
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]
@@ -110,7 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut scene = prepare::scene(&arguments.scene)?;
     files.reads(&scene.files).check()?;
     arguments.view.apply(&mut scene)?;
-    let field = arguments.surface.load(None, Some(&scene), "elaphe")?;
+    let field = Arc::new(arguments.surface.load(None, Some(&scene), "elaphe")?);
     let shading = arguments.optics.material_of(&scene, arguments.optics.beyond_of(&field, shading));
     let settings = PictureSettings {
         size: arguments.size,
@@ -119,7 +120,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let shaded = arguments.sample_pixels;
     let measured = arguments.view.exposure == Some(Exposure::Auto);
-    let work = Work { scene: &scene, field: &field, settings: &settings, shaded, measured };
+    let surfaces = ObjectSurface::of(&scene, &field, &settings.optics, &mut |s| s.load().map(Arc::new))?;
+    let work =
+        Work { scene: &scene, field: &field, surfaces: &surfaces, settings: &settings, shaded, measured };
     let view = setup::own_view(&scene, &settings.optics.shading);
     let shots = shots(&arguments.output, sequence.as_ref(), &view, &work)?;
     let views = sequence.map_or_else(|| vec![view.clone()], |sequence| sequence.typical_views(&view));
@@ -130,6 +133,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 struct Work<'a> {
     scene: &'a Scene,
     field: &'a HeightField,
+    /// Those of all objects.
+    surfaces: &'a [ObjectSurface],
     settings: &'a PictureSettings,
     /// Random pixels of a reference picture; all where there is no number.
     shaded: Option<usize>,
@@ -152,7 +157,7 @@ fn shots(output: &Path, sequence: Option<&Sequence>, view: &View, work: &Work<'_
     };
     sequence.check(view)?;
     let settings = &(work.settings, work.shaded);
-    let origin = Origin::of(sequence, view, (work.scene, work.measured), work.field, settings)?;
+    let origin = Origin::of(sequence, view, (work.scene, work.measured), work.surfaces, settings)?;
     let mut shots = Vec::new();
     for frame in sequence.frames.clone() {
         let (output, note) = (sequence.file(output, frame), origin.note(frame));
@@ -177,22 +182,25 @@ fn draw(
     shots: &[Shot],
 ) -> Result<()> {
     let Some(first) = shots.first() else { return Ok(()) };
-    let Work { scene, field, settings, .. } = *work;
+    let Work { scene, surfaces, settings, .. } = *work;
     let shading = &settings.optics.shading;
     let reference = settings.optics.method == Method::Reference;
-    if reference && scene.pigment.is_some() {
+    let textured = scene.pigment.is_some() || scene.objects.iter().any(|object| object.pigment.is_some());
+    if reference && textured {
         return Err(Error::usage(
             "--method reference knows no pigment texture",
             "leave `pigment` out of the scene",
         ));
     }
     let device = prepare::device(&arguments.device.wish())?;
-    let make = |optics: &Settings| match optics.method {
+    let mut in_use = InUse::default();
+    let make = |surface: &ObjectSurface| match (&surface.field, surface.optics.method) {
         // The frame's directions are all that the reference needs, and this source has no data.
-        Method::Reference => Ok(Source::ClassicalGrating(ClassicalGrating::default())),
-        _ => prepare::source(field, optics, &device),
+        (_, Method::Reference) => Ok(Source::ClassicalGrating(ClassicalGrating::default())),
+        (None, _) => Ok(setup::pigment_alone()),
+        (Some(field), _) => prepare::source(field, &surface.optics, &device, &mut in_use),
     };
-    let mut prepared = PreparedScene::new(&device, scene, settings, views, make)?;
+    let mut prepared = PreparedScene::new(&device, (scene, surfaces), settings, views, make)?;
     shots.iter().try_for_each(|shot| prepared.check(&shot.view))?;
     if reference && shading.windows == Windows::All {
         prepared.painter().ask_for_footprints()?;
@@ -280,7 +288,7 @@ fn reference_picture(
     shown: Shown,
     progress: nufft::Progress<'_>,
 ) -> Result<Picture> {
-    let Work { field, settings, shaded, .. } = *work;
+    let Work { field, surfaces, settings, shaded, .. } = *work;
     prepare::warn_of_coarse_samples(field, SHORTEST);
     let sampling = &settings.sampling;
     let mut directions = |sample: &Sample| prepared.directions(view, sample);
@@ -297,8 +305,12 @@ fn reference_picture(
     };
     // The sample's pixels grow.
     let chosen = |pixel| chosen.as_ref().is_none_or(|chosen| chosen.binary_search(&pixel).is_ok());
-    let shading = &settings.optics.shading;
-    let radiance = reference_mean(field, shading, view, sampling, &mut directions, &chosen, progress)?;
+    let colors = std::iter::once(view.base_color).chain(work.scene.objects.iter().map(|o| o.base_color));
+    let mut objects = Vec::new();
+    for (ObjectSurface { field, optics }, base_color) in surfaces.iter().zip(colors) {
+        objects.push(ReferenceObject { field: field.as_deref(), shading: &optics.shading, base_color });
+    }
+    let radiance = reference_mean(&objects, view, sampling, &mut directions, &chosen, progress)?;
     let display = displayed_of(view, settings.size, &radiance, shown);
     Ok(Picture { size: settings.size, radiance, display })
 }

@@ -13,6 +13,7 @@ use rustfft::num_complex::Complex64;
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::fmt;
+use std::path::PathBuf;
 
 /// The factor R of a surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -103,6 +104,16 @@ impl From<f64> for Reflectance {
 }
 
 impl Reflectance {
+    /// The file that the material is from, where it is from one.
+    pub fn file(&self) -> Option<PathBuf> {
+        match self {
+            Self::Fresnel { material, .. } if material.constant_index().is_none() => {
+                (!Material::is_built_in(&material.name)).then(|| PathBuf::from(&material.name))
+            }
+            _ => None,
+        }
+    }
+
     /// R at `wavelength` \[µm\] where the cosine between either direction and the half vector is `cos_half_angle`.
     pub fn at(&self, wavelength: f64, cos_half_angle: f64) -> f64 {
         match self {

@@ -1,6 +1,6 @@
 //! The sum of the samples of a picture, and its display.
 
-use super::frame::{COVERED, DisplayPass, Shown};
+use super::frame::{DisplayPass, Shown, covered};
 use super::shader;
 use super::target::{self, Geometry, Target};
 use crate::error::Result;
@@ -25,14 +25,14 @@ pub struct Accumulation {
 }
 
 impl Accumulation {
-    /// For samples that are drawn into `target`.
+    /// For samples that are drawn into `target` where a depth of `depth_format` says.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn new(device: &Arc<Device>, target: &Target) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, target: &Target, depth_format: vk::Format) -> Result<Self> {
         let descriptors = Descriptors::new(device, "accumulation set", &[Binding::texture(0)])?;
-        let drawing =
-            Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth: COVERED };
+        let depth = Some(covered(depth_format));
+        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth };
         let (vertex, fragment) = (shader!("display.vert"), shader!("accumulate.frag"));
         let own = Self {
             pipeline: Pipeline::adding(device, vertex, fragment, &drawing, &[&descriptors], 0)?,

@@ -1,6 +1,6 @@
 //! The surroundings as the background of a picture. Its shaders are `around.vert` and `around.frag`.
 
-use super::frame::{DisplayBlock, Shown};
+use super::frame::{DisplayBlock, Shown, covered};
 use super::frame_set::FrameSet;
 use super::shader;
 use super::target::{self, Geometry};
@@ -10,7 +10,7 @@ use crate::vk::commands::Recorder;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
 use crate::vk::image::Image;
-use crate::vk::pipeline::{Constant, Drawing, Pipeline};
+use crate::vk::pipeline::{Constant, Depth, Drawing, Pipeline};
 use crate::vk::sampler::Sampler;
 use ash::vk;
 use std::sync::Arc;
@@ -24,15 +24,16 @@ pub struct AroundPass {
 }
 
 impl AroundPass {
-    /// A pass over pictures that `frame` describes.
+    /// A pass over pictures that `frame` describes, with a depth of `depth_format`.
     ///
     /// # Errors
     /// Where the device refuses.
-    pub fn new(device: &Arc<Device>, frame: &FrameSet) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, frame: &FrameSet, depth_format: vk::Format) -> Result<Self> {
         let sum = Descriptors::new(device, "set of surroundings", &[Binding::texture(0)])?;
         let pipeline = |mean: bool| {
             // Where depth is what it was cleared to, nothing covers.
-            let depth = (!mean).then_some((vk::CompareOp::EQUAL, false));
+            let compare = vk::CompareOp::EQUAL;
+            let depth = (!mean).then_some(Depth { compare, ..covered(depth_format) });
             let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::DISPLAY], depth };
             /// `constant_id` of `around.frag`.
             const MEAN: u32 = 0;

@@ -122,7 +122,7 @@ pub fn median_pixel_area(painter: &mut Painter, view: &View) -> Result<Option<f6
 /// The area of the surface that each covered pixel shows \[units of the scene, squared\], from its depth and ω_r in its tangent frame.
 fn pixel_areas(view: &View, size: [u32; 2], depth: &[f32], to_view: &[[f32; 4]]) -> Vec<f64> {
     let camera = &view.camera;
-    let world_from_clip = camera.clip_from_world(size, view.centre, view.radius).as_dmat4().inverse();
+    let world_from_clip = view.clip_from_world(size).as_dmat4().inverse();
     let eye = camera.eye().as_dvec3();
     let forward = (camera.target.as_dvec3() - eye).normalize_or_zero();
     // Side of a pixel on the plane at distance 1 before the eye.
@@ -174,6 +174,7 @@ mod tests {
             filter: 0.5,
             share: Share::ALL,
             mirrored: Vec::new(),
+            objects: Vec::new(),
         };
         let all = Distribution::of(&[seen]);
         assert_eq!((all.count(), all.minor(0.0), all.minor(1.0), all.major(1.0)), (2, 1.0, 3.0, 4.0));

@@ -1,7 +1,8 @@
 //! A frame: depth, shading, display. The same commands draw offscreen and to a window.
 
-use super::device_mesh::{DeviceMesh, attributes};
-use super::frame_set::{FrameBlock, FrameSet};
+use super::device_mesh::attributes;
+use super::frame_set::FrameBlock;
+use super::object::DeviceObject;
 use super::sampling::Sample;
 use super::shader;
 use super::shadows::{self, Shadows};
@@ -21,11 +22,11 @@ use crate::vk::commands::Recorder;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
 use crate::vk::image::Image;
-use crate::vk::pipeline::{Code, Constant, Drawing, Pipeline};
+use crate::vk::pipeline::{Code, Constant, Depth, Drawing, Pipeline, Stencil};
 use crate::vk::sampler::Sampler;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Mat4, Vec3};
 use std::sync::Arc;
 
 /// What a frame shows.
@@ -37,6 +38,8 @@ pub struct View {
     pub centre: Vec3,
     /// Radius around `centre`.
     pub radius: f32,
+    /// Distance from `centre` to the farthest point of what is drawn, at least `radius`.
+    pub reach: f32,
     /// Length of a unit of the scene \[m\].
     pub unit: f64,
     /// Lights; those beyond [`most_lights`] are not drawn.
@@ -65,11 +68,12 @@ impl View {
 
     /// `scene` under `lights` alone, without surroundings and without its pigment texture.
     pub fn of(scene: &Scene, lights: Vec<Light>) -> Self {
-        let bounds = scene.mesh.bounds();
+        let bounds = scene.bounds();
         Self {
             camera: scene.camera,
             centre: bounds.centre,
             radius: bounds.radius,
+            reach: scene.reach(bounds.centre),
             unit: scene.unit,
             lights,
             environment: None,
@@ -77,6 +81,11 @@ impl View {
             base_color: scene.base_color,
             pigment: false,
         }
+    }
+
+    /// World to the clip space of a picture of `size` pixels.
+    pub fn clip_from_world(&self, size: [u32; 2]) -> Mat4 {
+        self.camera.clip_from_world(size, self.centre, self.reach)
     }
 
     /// Where and how large the scene is.
@@ -129,7 +138,7 @@ impl View {
             };
             shadow_from_world[i] = map.to_cols_array_2d();
         }
-        let clip_from_world = self.camera.clip_from_world(size, self.centre, self.radius);
+        let clip_from_world = self.clip_from_world(size);
         FrameBlock {
             clip_from_world: camera::jittered(clip_from_world, size, sample.jitter).to_cols_array_2d(),
             eye: self.camera.eye().extend(0.0).to_array(),
@@ -138,7 +147,7 @@ impl View {
             irradiances,
             shadow_from_world,
             base_color: self.base_color.extend(if self.pigment { 1.0 } else { 0.0 }).to_array(),
-            counts: [incidents.len() as i32, 0, 0, 0],
+            grooves: [0.0; 4],
             surroundings: self.surroundings().map_or([0.0; 4], |environment| {
                 let Placement { rotation, exposure } = environment.placement;
                 let (sin, cos) = rotation.to_radians().sin_cos();
@@ -151,21 +160,27 @@ impl View {
 
 /// The pass that finds what each pixel sees, and its directions there; before it, the depth maps of lights that cast shadows.
 pub struct GeometryPass {
-    pipeline: Pipeline,
+    // One for each object.
+    pipelines: Vec<Pipeline>,
     shadows: Option<Shadows>,
 }
 
 impl GeometryPass {
-    /// A pass that draws into `geometry` what `frame` describes, which reads its depth maps from now on.
+    /// A pass that draws `objects` into `geometry`; they read its depth maps from now on.
     ///
     /// # Errors
     /// Where the device refuses or has no room.
-    pub fn new(device: &Arc<Device>, frame: &FrameSet, geometry: &Geometry) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, objects: &[DeviceObject], geometry: &Geometry) -> Result<Self> {
         let drawing = Drawing {
             vertex_stride: size_of::<Vertex>() as u32,
             attributes: &attributes(),
             colors: &geometry.images().map(Image::format).collect::<Vec<_>>(),
-            depth: Some((vk::CompareOp::LESS, true)),
+            depth: Some(Depth {
+                format: geometry.settings.depth_format(),
+                compare: vk::CompareOp::LESS,
+                write: true,
+                stencil: geometry.settings.several.then_some(Stencil::Write),
+            }),
         };
         let GeometrySettings { lights, textured, footprints, shadows, mirrored, lamps, .. } =
             geometry.settings;
@@ -176,6 +191,7 @@ impl GeometryPass {
         const SHADOWS: u32 = 3;
         const MIRRORED: u32 = 4;
         const LAMPS: u32 = 5;
+        const GROOVES: u32 = 6;
         let constants = [
             Constant::new(LIGHTS, lights as u32),
             Constant::new(TEXTURED, textured),
@@ -184,25 +200,23 @@ impl GeometryPass {
             Constant::new(MIRRORED, mirrored),
             Constant::new(LAMPS, lamps),
         ];
-        let fragment = Some(shader!("geometry.frag").with(&constants));
-        let vertex = shader!("surface.vert").with(&constants);
-        let pipeline = Pipeline::graphics(device, vertex, fragment, &drawing, &[&frame.descriptors], 0)?;
-        // Last, because the frame reads its maps from now on.
+        let pipeline = |object: &DeviceObject| {
+            let constants = [constants.as_slice(), &[Constant::new(GROOVES, object.layout as u32)]].concat();
+            let fragment = Some(shader!("geometry.frag").with(&constants));
+            let vertex = shader!("surface.vert").with(&constants);
+            Pipeline::graphics(device, vertex, fragment, &drawing, &[&object.frame.descriptors], 0)
+        };
+        let pipelines = objects.iter().map(pipeline).collect::<Result<_>>()?;
+        // Last, because the objects read its maps from now on.
         let size = geometry.directions.size();
-        let shadows = shadows.then(|| Shadows::new(device, frame, lights, size)).transpose()?;
-        Ok(Self { pipeline, shadows })
+        let shadows = shadows.then(|| Shadows::new(device, objects, lights, size)).transpose()?;
+        Ok(Self { pipelines, shadows })
     }
 
-    /// Records the drawing of `mesh` into `geometry`, which it leaves readable by shaders.
-    pub fn record(
-        &self,
-        record: &Recorder<'_>,
-        geometry: &Geometry,
-        descriptors: &Descriptors,
-        mesh: &DeviceMesh,
-    ) {
+    /// Records the drawing of `objects` into `geometry`, which it leaves readable by shaders.
+    pub fn record(&self, record: &Recorder<'_>, geometry: &Geometry, objects: &[DeviceObject]) {
         if let Some(shadows) = &self.shadows {
-            shadows.record(record, mesh);
+            shadows.record(record, objects);
         }
         let change =
             |from: Access, to: Access| -> Vec<_> { geometry.images().map(|i| (i, from, to)).collect() };
@@ -212,16 +226,28 @@ impl GeometryPass {
         let mark = geometry.settings.marked.then_some([target::UNCOVERED; 4]);
         let colors: Vec<_> = geometry.images().map(|image| (image, mark)).collect();
         record.render(&colors, Some(&geometry.depth), |draw| {
-            draw.bind(&self.pipeline, &[descriptors]);
-            mesh.draw(draw);
+            for (number, (object, pipeline)) in objects.iter().zip(&self.pipelines).enumerate() {
+                draw.bind(pipeline, &[&object.frame.descriptors]);
+                if geometry.settings.several {
+                    draw.stencil(stencil_of(number));
+                }
+                object.mesh.draw(draw);
+            }
         });
         record.images(&change(Access::ColorAttachment, Access::ShaderRead));
     }
 }
 
-/// The test of passes over what the geometry pass covered: their one triangle stands where depth was cleared to, so that devices drop
-/// everything else before its shader runs, as no branch in it makes software devices do.
-pub(super) const COVERED: Option<(vk::CompareOp, bool)> = Some((vk::CompareOp::GREATER, false));
+/// The test of passes over what the geometry pass covered, in a depth of this `format`: their one triangle stands where depth was cleared to, so
+/// that devices drop everything else before its shader runs, as no branch in it makes software devices do.
+pub(super) fn covered(format: vk::Format) -> Depth {
+    Depth { format, compare: vk::CompareOp::GREATER, write: false, stencil: None }
+}
+
+/// What the stencil holds where object `number`, from 0, is seen; 0 where there is none.
+fn stencil_of(number: usize) -> u8 {
+    (number + 1).min(u8::MAX.into()) as u8
+}
 
 /// A pass that shades every covered pixel of a picture once, neighbours together: small triangles would leave most lanes of a
 /// device idle in a fragment stage of their own.
@@ -247,14 +273,16 @@ impl PixelPass {
         let constants = source.shade_constants(settings);
         let (code, sets) = (source.shade().with(&constants), [frame, &source.descriptors]);
         let push_bytes = size_of::<Part>() as u32;
+        let stencil = settings.several.then_some(Stencil::Match);
+        let depth = Some(Depth { stencil, ..covered(settings.depth_format()) });
         let parts = source.parts(settings);
         let adding = (parts > 1)
             .then(|| {
-                let (vertex, drawing) = (shader!("display.vert"), Self::drawing(COVERED));
+                let (vertex, drawing) = (shader!("display.vert"), Self::drawing(depth));
                 Pipeline::adding(device, vertex, code, &drawing, &sets, push_bytes)
             })
             .transpose()?;
-        Ok(Self { adding, parts, ..Self::new(device, code, sets, push_bytes, COVERED)? })
+        Ok(Self { adding, parts, ..Self::new(device, code, sets, push_bytes, depth)? })
     }
 
     /// The pass that finds out how fast the device reads the texture of `source`.
@@ -272,7 +300,7 @@ impl PixelPass {
         code: Code<'_>,
         sets: [&Descriptors; 2],
         push_bytes: u32,
-        depth: Option<(vk::CompareOp, bool)>,
+        depth: Option<Depth>,
     ) -> Result<Self> {
         let (vertex, drawing) = (shader!("display.vert"), Self::drawing(depth));
         let pipeline = Pipeline::graphics(device, vertex, Some(code), &drawing, &sets, push_bytes)?;
@@ -280,41 +308,20 @@ impl PixelPass {
     }
 
     /// A triangle over `target.radiance`.
-    fn drawing(depth: Option<(vk::CompareOp, bool)>) -> Drawing<'static> {
+    fn drawing(depth: Option<Depth>) -> Drawing<'static> {
         Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth }
     }
 
-    /// Records the pass over what `geometry` covers into `target.radiance`, which it leaves as a colour attachment. What is not covered
-    /// holds anything: who reads radiance asks the depth. `sets`: the frame and the source.
-    pub fn record(
-        &self,
-        record: &Recorder<'_>,
-        (geometry, target): (&Geometry, &Target),
-        sets: [&Descriptors; 2],
-    ) {
-        record.images(&[
-            (&target.radiance, Access::Nothing, Access::ColorAttachment),
-            (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
-        ]);
-        self.go_on(record, (geometry, target), sets);
-    }
-
-    /// Records another part of a pass that [`PixelPass::record`] began.
-    pub fn go_on(
-        &self,
-        record: &Recorder<'_>,
-        (geometry, target): (&Geometry, &Target),
-        sets: [&Descriptors; 2],
-    ) {
-        record.render_over(&[(&target.radiance, None)], &geometry.depth, |draw| {
-            for part in Part::each(self.parts) {
-                let pipeline = if part.first == 0 { Some(&self.pipeline) } else { self.adding.as_ref() };
-                let Some(pipeline) = pipeline else { break };
-                draw.bind(pipeline, &sets);
-                draw.push(pipeline, bytemuck::bytes_of(&part));
-                draw.draw(3);
-            }
-        });
+    /// Shades what the geometry pass found of object `number`. `sets`: the frame and the source.
+    fn draw(&self, draw: &Recorder<'_>, number: usize, sets: [&Descriptors; 2]) {
+        for part in Part::each(self.parts) {
+            let pipeline = if part.first == 0 { Some(&self.pipeline) } else { self.adding.as_ref() };
+            let Some(pipeline) = pipeline else { break };
+            draw.bind(pipeline, &sets);
+            draw.stencil(stencil_of(number));
+            draw.push(pipeline, bytemuck::bytes_of(&part));
+            draw.draw(3);
+        }
     }
 
     /// Records the pass of [`PixelPass::probe`] over all of `target.radiance`.
@@ -332,6 +339,36 @@ impl PixelPass {
             draw.draw(3);
         });
     }
+}
+
+/// An object as the shading pass needs it: its frame, its source, and the pass that shades it.
+pub type Shaded<'a> = (&'a DeviceObject, &'a BoundSource, &'a PixelPass);
+
+/// Records the shading of `objects` where `geometry` found them into `target.radiance`, which it leaves as a colour attachment. What is not
+/// covered holds anything: who reads radiance asks the depth.
+pub fn record_shading<'a>(
+    record: &Recorder<'_>,
+    (geometry, target): (&Geometry, &Target),
+    objects: impl Iterator<Item = Shaded<'a>>,
+) {
+    record.images(&[
+        (&target.radiance, Access::Nothing, Access::ColorAttachment),
+        (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
+    ]);
+    go_on_shading(record, (geometry, target), objects);
+}
+
+/// Records another part of what [`record_shading`] began.
+pub fn go_on_shading<'a>(
+    record: &Recorder<'_>,
+    (geometry, target): (&Geometry, &Target),
+    objects: impl Iterator<Item = Shaded<'a>>,
+) {
+    record.render_over(&[(&target.radiance, None)], &geometry.depth, |draw| {
+        for (number, (object, source, pass)) in objects.enumerate() {
+            pass.draw(draw, number, [&object.frame.descriptors, &source.descriptors]);
+        }
+    });
 }
 
 /// Push constants of `probe.frag`.
@@ -352,12 +389,12 @@ pub struct DisplayPass {
 }
 
 impl DisplayPass {
-    /// A pass that draws one sample into images of `format`.
+    /// A pass that draws one sample into images of `format` where a depth of `depth_format` says.
     ///
     /// # Errors
     /// Where the device refuses.
-    pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Self> {
-        Self::with(device, format, false)
+    pub fn new(device: &Arc<Device>, format: vk::Format, depth_format: vk::Format) -> Result<Self> {
+        Self::with(device, format, Some(covered(depth_format)))
     }
 
     /// A pass that draws the mean of samples into images of `format`.
@@ -365,16 +402,16 @@ impl DisplayPass {
     /// # Errors
     /// Where the device refuses.
     pub fn of_mean(device: &Arc<Device>, format: vk::Format) -> Result<Self> {
-        Self::with(device, format, true)
+        Self::with(device, format, None)
     }
 
-    fn with(device: &Arc<Device>, format: vk::Format, mean: bool) -> Result<Self> {
+    /// Without a `depth` test it is of a mean.
+    fn with(device: &Arc<Device>, format: vk::Format, depth: Option<Depth>) -> Result<Self> {
         let descriptors = Descriptors::new(device, "display set", &[Binding::texture(0)])?;
-        let depth = if mean { None } else { COVERED };
         let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[format], depth };
         /// `constant_id` of `display.frag`.
         const MEAN: u32 = 0;
-        let constants = [Constant::new(MEAN, mean)];
+        let constants = [Constant::new(MEAN, depth.is_none())];
         let fragment = Some(shader!("display.frag").with(&constants));
         let pipeline = Pipeline::graphics(
             device,

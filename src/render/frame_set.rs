@@ -1,6 +1,7 @@
 //! Descriptor set 0 of the graphics stages: the frame, the pigment and what the geometry pass found at each pixel. Its twins are
 //! `shaders/frame.glsl` and `shaders/pixel.glsl`.
 
+use super::grooves::GrooveDirections;
 use super::pigment::Pigment;
 use super::surroundings::Surroundings;
 use super::target::Geometry;
@@ -35,8 +36,8 @@ pub struct FrameBlock {
     pub irradiances: [[f32; 4]; MAX_LIGHTS],
     /// Albedo of the pigment; w: 1 where the texture counts.
     pub base_color: [f32; 4],
-    /// x: number of lights.
-    pub counts: [i32; 4],
+    /// Cosine and sine of the angle by which the patch is turned, where it is one for all of an object; zw unused.
+    pub grooves: [f32; 4],
     /// How the surroundings stand: cosine and sine of their rotation, what their picture's 1 stands for, and the variance of (u, v) over which
     /// the specular order spreads.
     pub surroundings: [f32; 4],
@@ -101,6 +102,8 @@ pub mod binding {
     pub const SURROUNDINGS: u32 = SHADOWS + super::MAX_LIGHTS as u32;
     /// How bright lamps are at every pixel.
     pub const FALLOFFS: u32 = SURROUNDINGS + 1;
+    /// Directions of grooves.
+    pub const GROOVES: u32 = FALLOFFS + 1;
 }
 
 /// The set and what it points to.
@@ -109,22 +112,28 @@ pub struct FrameSet {
     pub descriptors: Descriptors,
     frame: Buffer,
     pigment: Image,
+    _grooves: Image,
     _repeat: Sampler,
     edge: Sampler,
     nearest: Sampler,
     around: Sampler,
-    surroundings: Option<Surroundings>,
+    surroundings: Option<Arc<Surroundings>>,
 }
 
 impl FrameSet {
-    /// The set of a frame with `pigment` and what `geometry` holds.
+    /// The set of a frame with `pigment`, `grooves` and what `geometry` holds.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn new(device: &Arc<Device>, pigment: &Pigment, geometry: &Geometry) -> Result<Self> {
+    pub fn new(
+        device: &Arc<Device>,
+        pigment: &Pigment,
+        grooves: &GrooveDirections,
+        geometry: &Geometry,
+    ) -> Result<Self> {
         use vk::DescriptorType as T;
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        let images = (binding::PIGMENT..=binding::FALLOFFS).map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
+        let images = (binding::PIGMENT..=binding::GROOVES).map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
         let bindings: Vec<Binding> = std::iter::once((binding::FRAME, T::UNIFORM_BUFFER))
             .chain(images)
             .map(|(number, kind)| Binding { number, kind, stages })
@@ -132,6 +141,9 @@ impl FrameSet {
         let size = pigment.size.map(|n| n as usize);
         let format = vk::Format::R8G8B8A8_SRGB;
         let image = upload::texture(device, "pigment", format, size, None, &pigment.texels)?;
+        let (format, turns) = (vk::Format::R16G16_SFLOAT, bytemuck::cast_slice(&grooves.texels));
+        let size = grooves.size.map(|n| n as usize);
+        let directions = upload::texture(device, "groove directions", format, size, None, turns)?;
         let edge = Sampler::linear(device, "pixel sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         let nearest = Sampler::nearest(device, "shadow sampler")?;
         let repeat = Sampler::linear(device, "pigment sampler", vk::SamplerAddressMode::REPEAT)?;
@@ -141,6 +153,7 @@ impl FrameSet {
         let descriptors = Descriptors::new(device, "frame set", &bindings)?;
         descriptors.buffer(binding::FRAME, &frame);
         descriptors.image(binding::PIGMENT, &image, &repeat);
+        descriptors.image(binding::GROOVES, &directions, &repeat);
         let around = Sampler::equirectangular(device, "sampler of surroundings")?;
         // Every binding has to hold something; what there is none of is never read.
         descriptors.image(binding::SURROUNDINGS, &image, &around);
@@ -148,6 +161,7 @@ impl FrameSet {
             descriptors,
             frame,
             pigment: image,
+            _grooves: directions,
             _repeat: repeat,
             edge,
             nearest,
@@ -193,9 +207,23 @@ impl FrameSet {
         if let Some(there) = self.surroundings.as_ref().filter(|there| there.show(environment)) {
             return Ok(there.unit);
         }
-        let surroundings = Surroundings::new(device, environment)?;
+        let surroundings = Arc::new(Surroundings::new(device, environment)?);
+        let unit = surroundings.unit;
+        self.read_surroundings(surroundings);
+        Ok(unit)
+    }
+
+    /// Points the set at the picture of surroundings that `other` reads, where it is another. The device must not be using the set.
+    pub fn share_surroundings(&mut self, other: &Self) {
+        let same = |there: &Arc<Surroundings>| self.surroundings.as_ref().is_some_and(|own| Arc::ptr_eq(own, there));
+        if let Some(there) = other.surroundings.as_ref().filter(|there| !same(there)) {
+            self.read_surroundings(there.clone());
+        }
+    }
+
+    fn read_surroundings(&mut self, surroundings: Arc<Surroundings>) {
         self.descriptors.image(binding::SURROUNDINGS, &surroundings.image, &self.around);
-        Ok(self.surroundings.insert(surroundings).unit)
+        self.surroundings = Some(surroundings);
     }
 
     /// Points binding `number` of another set at the block.

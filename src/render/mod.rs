@@ -10,6 +10,8 @@ pub mod exposure;
 pub mod footprints;
 pub mod frame;
 pub mod frame_set;
+pub mod grooves;
+pub mod object;
 pub mod picture;
 pub mod pigment;
 pub mod reference_picture;

@@ -2,16 +2,16 @@
 
 use super::accumulate::Accumulation;
 use super::around::AroundPass;
-use super::device_mesh::DeviceMesh;
 use super::evaluator::{Asker, Query};
-use super::frame::{DisplayPass, GeometryPass, PixelPass, Probe, Shown, View};
-use super::frame_set::FrameSet;
+use super::frame::{DisplayPass, GeometryPass, PixelPass, Probe, Shown, View, go_on_shading, record_shading};
+use super::grooves::GrooveDirections;
+use super::object::{DeviceObject, ObjectData};
 use super::pigment::Pigment;
 use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
 use super::source::{BoundSource, Source};
 use super::target::{self, Geometry, GeometrySettings, Target};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::{MAX_LIGHTS, Mesh};
 use crate::vk::access::Access;
 use crate::vk::commands::{Commands, Recorder};
@@ -32,21 +32,18 @@ pub use directions::{Directions, Pixel};
 use display::Display;
 use tiles::Tiles;
 
-/// Draws pictures of one mesh with one surface.
+/// Draws pictures of one object or of several.
 pub struct Painter {
     commands: Commands,
     find: GeometryPass,
-    shade: PixelPass,
+    // At least one, with what each is shaded by.
+    objects: Vec<DeviceObject>,
+    shadings: Vec<ObjectShading>,
     geometry: Geometry,
     display: DisplayPass,
     target: Target,
-    mesh: DeviceMesh,
     timestamps: Timestamps,
     asker: Option<Asker>,
-    source: BoundSource,
-    // Of the specular order, where surroundings are read in the mirrored direction.
-    specular_spread: Option<f32>,
-    frame: FrameSet,
     // Milliseconds a pixel of the last picture that was drawn in tiles.
     pixel_time: Option<f64>,
     // What the display shows.
@@ -61,6 +58,14 @@ pub struct Painter {
     written: Option<Written>,
     found: Option<Written>,
     device: Arc<Device>,
+}
+
+/// What an object is shaded by.
+struct ObjectShading {
+    source: BoundSource,
+    pass: PixelPass,
+    // Of the specular order, where surroundings are read in the mirrored direction.
+    specular_spread: Option<f32>,
 }
 
 /// What is asked of the geometry pass.
@@ -119,34 +124,55 @@ impl Painter {
         size: [u32; 2],
         lights: usize,
     ) -> Result<Self> {
-        let source = source.bind(device, shading)?;
+        let grooves = &GrooveDirections::along();
+        let (base_color, casts_shadows) = (None, true);
+        let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, source, shading };
+        Self::of_objects(device, &[object], size, lights)
+    }
+
+    /// Uploads everything for pictures of `objects`, as [`Self::new`]. What is asked of the source of a painter is asked of the first.
+    ///
+    /// # Errors
+    /// Where the device has no room, and without any object.
+    pub fn of_objects(
+        device: &Arc<Device>,
+        objects: &[ObjectData<'_>],
+        size: [u32; 2],
+        lights: usize,
+    ) -> Result<Self> {
+        if objects.is_empty() {
+            return Err(Error::failed("there is no object", "report this as a bug of diffract"));
+        }
+        let bind = |object: &ObjectData<'_>| object.source.bind(device, object.shading);
+        let sources = objects.iter().map(bind).collect::<Result<Vec<_>>>()?;
         let settings = GeometrySettings {
             lights: lights.min(MAX_LIGHTS),
-            textured: pigment.is_textured(),
-            marked: source.asks_what_is_covered,
-            footprints: source.reads_footprints,
-            shadows: false,
-            mirrored: false,
-            lamps: false,
+            textured: objects.iter().any(|object| object.pigment.is_textured()),
+            marked: sources.iter().any(|source| source.asks_what_is_covered),
+            footprints: sources.iter().any(|source| source.reads_footprints),
+            several: objects.len() > 1,
+            ..GeometrySettings::default()
         };
         let geometry = Geometry::new(device, size, settings)?;
-        let frame = FrameSet::new(device, pigment, &geometry)?;
         let target = Target::new(device, size)?;
-        let display = DisplayPass::new(device, target::DISPLAY)?;
+        let display = DisplayPass::new(device, target::DISPLAY, settings.depth_format())?;
         display.read_from(&target.radiance);
+        let upload = |object: &ObjectData<'_>| DeviceObject::new(device, object, &geometry);
+        let objects = objects.iter().map(upload).collect::<Result<Vec<_>>>()?;
+        let shading = |(source, object): (BoundSource, &DeviceObject)| {
+            let pass = PixelPass::shading(device, &object.frame.descriptors, &source, settings)?;
+            Ok(ObjectShading { specular_spread: source.specular_spread, source, pass })
+        };
         Ok(Self {
             commands: Commands::new(device, "frame")?,
-            find: GeometryPass::new(device, &frame, &geometry)?,
-            shade: PixelPass::shading(device, &frame.descriptors, &source, settings)?,
+            find: GeometryPass::new(device, &objects, &geometry)?,
+            shadings: sources.into_iter().zip(&objects).map(shading).collect::<Result<_>>()?,
+            objects,
             geometry,
             display,
             target,
-            mesh: DeviceMesh::new(device, mesh)?,
             timestamps: Timestamps::new(device, 3)?,
             asker: None,
-            specular_spread: source.specular_spread,
-            source,
-            frame,
             pixel_time: None,
             shows: Content::Nothing,
             accumulation: None,
@@ -186,14 +212,14 @@ impl Painter {
         let geometry = Geometry::new(&self.device, size, settings)?;
         let of_shading = |s: GeometrySettings| (s.lights, s.mirrored, s.lamps);
         let same = of_shading(settings) == of_shading(self.geometry.settings);
-        let shade = (!same)
-            .then(|| PixelPass::shading(&self.device, &self.frame.descriptors, &self.source, settings))
-            .transpose()?;
-        self.find = GeometryPass::new(&self.device, &self.frame, &geometry)?;
-        if let Some(shade) = shade {
-            self.shade = shade;
-        }
-        self.frame.read_from(&geometry);
+        let shade = |(object, shading): (&DeviceObject, &ObjectShading)| {
+            PixelPass::shading(&self.device, &object.frame.descriptors, &shading.source, settings)
+        };
+        let changed: Vec<_> = if same { Vec::new() } else { self.objects.iter().zip(&self.shadings).collect() };
+        let passes = changed.into_iter().map(shade).collect::<Result<Vec<_>>>()?;
+        self.find = GeometryPass::new(&self.device, &self.objects, &geometry)?;
+        self.shadings.iter_mut().zip(passes).for_each(|(shading, pass)| shading.pass = pass);
+        self.objects.iter().for_each(|object| object.frame.read_from(&geometry));
         self.geometry = geometry;
         self.found = None;
         Ok(())
@@ -216,7 +242,7 @@ impl Painter {
     /// variance in (u, v), and [`Self::directions`] have it. Sources that know the specular order ask for it themselves.
     pub fn ask_for_mirrored(&mut self, spread: f64) {
         self.forget();
-        self.specular_spread = Some(spread as f32);
+        self.shadings.iter_mut().for_each(|shading| shading.specular_spread = Some(spread as f32));
     }
 
     /// From now on the mesh casts shadows on itself.
@@ -236,7 +262,7 @@ impl Painter {
     /// the mirrored direction. What a 1 of the picture on the device stands for.
     fn surround(&mut self, view: &View) -> Result<f32> {
         let last = self.geometry.settings.lights == view.light_count();
-        let known = self.specular_spread.is_some();
+        let known = self.shadings.iter().any(|shading| shading.specular_spread.is_some());
         let around = view.surroundings().filter(|_| known && last);
         self.find_by(GeometrySettings {
             mirrored: around.is_some(),
@@ -245,10 +271,25 @@ impl Painter {
         })?;
         let shown = view.surroundings().filter(|_| view.shows_surroundings);
         if shown.is_some() && self.around.is_none() {
-            self.around = Some(AroundPass::new(&self.device, &self.frame)?);
+            let depth_format = self.geometry.settings.depth_format();
+            self.around = Some(AroundPass::new(&self.device, &self.first().frame, depth_format)?);
             self.point_around();
         }
-        around.or(shown).map_or(Ok(0.0), |environment| self.frame.surround(&self.device, environment))
+        let Some(environment) = around.or(shown) else { return Ok(0.0) };
+        let Some((first, others)) = self.objects.split_first_mut() else { return Ok(0.0) };
+        let unit = first.frame.surround(&self.device, environment)?;
+        others.iter_mut().for_each(|object| object.frame.share_surroundings(&first.frame));
+        Ok(unit)
+    }
+
+    /// The first object.
+    fn first(&self) -> &DeviceObject {
+        &self.objects[0]
+    }
+
+    /// What the first object is shaded from.
+    fn source(&self) -> &BoundSource {
+        &self.shadings[0].source
     }
 
     /// Points what displays the surroundings at the images of the pictures.
@@ -277,17 +318,26 @@ impl Painter {
         self.found = None;
     }
 
-    /// Shades by `shading` from now on, from `source`, whose data the painter has: what depends on the index, the illuminant or the number
-    /// of copies is uploaded, and the rest stays.
+    /// Shades the first object by `shading` from now on, from `source`, as [`Self::shade_object_by`].
     ///
     /// # Errors
     /// Where the device has no room.
     pub fn shade_by(&mut self, source: &Source, shading: &Shading) -> Result<()> {
+        self.shade_object_by(0, source, shading)
+    }
+
+    /// Shades object `number`, from 0, by `shading` from now on, from `source`, whose data the painter has: what depends on the index, the
+    /// illuminant or the number of copies is uploaded, and the rest stays.
+    ///
+    /// # Errors
+    /// Where the device has no room.
+    pub fn shade_object_by(&mut self, number: usize, source: &Source, shading: &Shading) -> Result<()> {
         self.forget();
-        source.rebind(&self.device, &mut self.source, shading)?;
+        let (object, own) = (&self.objects[number], &mut self.shadings[number]);
+        source.rebind(&self.device, &mut own.source, shading)?;
         let settings = self.geometry.settings;
-        if self.source.parts(settings) != self.shade.parts {
-            self.shade = PixelPass::shading(&self.device, &self.frame.descriptors, &self.source, settings)?;
+        if own.source.parts(settings) != own.pass.parts {
+            own.pass = PixelPass::shading(&self.device, &object.frame.descriptors, &own.source, settings)?;
         }
         Ok(())
     }
@@ -357,7 +407,7 @@ impl Painter {
     pub fn display_again(&mut self, size: [u32; 2], shown: Shown) -> Result<bool> {
         self.write_shown()?;
         let target = &self.target;
-        let frame = &self.frame.descriptors;
+        let frame = &self.objects[0].frame.descriptors;
         let (around, written) = (self.around.as_ref(), self.written.as_ref());
         let display = Display::new((&self.geometry, target), &self.display, around, frame, written);
         let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
@@ -392,10 +442,12 @@ impl Painter {
     ) -> Result<[f64; 2]> {
         let (geometry, target) = (&self.geometry, &self.target);
         let accumulation = &self.accumulation;
-        let frame = &self.frame.descriptors;
+        let objects = &self.objects;
+        let shadings = &self.shadings;
+        let frame = &self.objects[0].frame.descriptors;
         let (around, written) = (self.around.as_ref(), self.written.as_ref());
         let display = Display::new((geometry, target), &self.display, around, frame, written);
-        let sets = [frame, &self.source.descriptors];
+        let shaded = || objects.iter().zip(shadings).map(|(object, own)| (object, &own.source, &own.pass));
         let first = tile.iter().all(|range| range.start == 0);
         let last = tile.iter().zip(size).all(|(range, end)| range.end == end);
         if self.shows == Content::Sample {
@@ -409,10 +461,10 @@ impl Painter {
             record.reset(&self.timestamps);
             record.timestamp(&self.timestamps, 0);
             if first {
-                self.find.record(&all, geometry, frame, &self.mesh);
-                self.shade.record(&some, (geometry, target), sets);
+                self.find.record(&all, geometry, objects);
+                record_shading(&some, (geometry, target), shaded());
             } else {
-                self.shade.go_on(&some, (geometry, target), sets);
+                go_on_shading(&some, (geometry, target), shaded());
             }
             record.timestamp(&self.timestamps, 1);
             match (finish, accumulation) {
@@ -457,9 +509,9 @@ impl Painter {
     pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
         let asker = match &mut self.asker {
             Some(asker) => asker,
-            none => none.insert(Asker::new(&self.device, &self.source)?),
+            none => none.insert(Asker::new(&self.device, &self.shadings[0].source)?),
         };
-        asker.ask(&self.source, queries)
+        asker.ask(&self.shadings[0].source, queries)
     }
 
     /// Milliseconds in which the device reads `samples` bilinear samples per pixel of its texture with nothing else to do: what
@@ -469,10 +521,10 @@ impl Painter {
     /// Where the device is lost.
     pub fn probe(&mut self, samples: u32, scattered: bool) -> Result<f64> {
         let probe = Probe { samples, scattered: scattered.into() };
-        let pass = PixelPass::probe(&self.device, &self.frame.descriptors, &self.source)?;
+        let pass = PixelPass::probe(&self.device, &self.first().frame.descriptors, self.source())?;
         self.forget();
         let target = &self.target;
-        let sets = [&self.frame.descriptors, &self.source.descriptors];
+        let sets = [&self.objects[0].frame.descriptors, &self.shadings[0].source.descriptors];
         let mut best = f64::INFINITY;
         for _ in 0..5 {
             self.commands.run(|record| {
@@ -530,12 +582,10 @@ impl Painter {
         let unit = self.surround(view)?;
         let mut block = view.block(size, sample);
         block.surroundings[2] *= unit;
-        block.surroundings[3] = self.specular_spread.unwrap_or_default();
-        if !self.geometry.settings.textured {
-            // There are no albedos to read.
-            block.base_color[3] = 0.0;
+        for (object, shading) in self.objects.iter_mut().zip(&self.shadings) {
+            let own = object.block(block, shading.specular_spread.unwrap_or_default());
+            object.frame.write(&own)?;
         }
-        self.frame.write(&block)?;
         self.written = Some(Written { view: view.clone(), sample: *sample, size });
         Ok(())
     }

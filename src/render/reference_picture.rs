@@ -16,7 +16,7 @@ use crate::optics::reference::Reference;
 use crate::optics::spectrum::SHORTEST;
 use crate::scene::camera::pixel_in_clip;
 use crate::surface::HeightField;
-use glam::{DVec3, DVec4};
+use glam::{DVec3, DVec4, Vec3};
 use std::f64::consts::PI;
 
 /// Shades `directions` (one entry per light of `view`) in f64. RGBA as [`super::picture::Picture::radiance`]. A pigment
@@ -64,6 +64,8 @@ pub struct PixelReference<'a> {
 enum By<'a> {
     Windows(Reference<'a>),
     Mean(Box<TabulatedMean<'a>>),
+    // The pigment is seen alone.
+    Nothing,
 }
 
 impl<'a> PixelReference<'a> {
@@ -84,6 +86,11 @@ impl<'a> PixelReference<'a> {
             }
         };
         Ok(Self { shading, by })
+    }
+
+    /// What shades pixels of an object that diffracts nothing.
+    pub fn of_pigment(shading: &'a Shading) -> Self {
+        Self { shading, by: By::Nothing }
     }
 
     /// Linear sRGB of the pixels number `pixels` of a frame. The mean is averaged over the footprints that `directions` have; through windows
@@ -129,6 +136,7 @@ impl<'a> PixelReference<'a> {
                 without_cosine(pair, DVec3::splat(weighted)).x
             }
             By::Windows(reference) => reference.brdf(pair, wavelength),
+            By::Nothing => 0.0,
         };
         wavelengths.iter().map(at).collect()
     }
@@ -145,6 +153,7 @@ impl<'a> PixelReference<'a> {
                 mean.xyz(illuminant, &asked, Orders::All, &|_, _| Ok(()))?[0]
             }
             By::Windows(reference) => reference.cosine_weighted_xyz(pair, illuminant)?,
+            By::Nothing => DVec3::ZERO,
         };
         Ok(without_cosine(pair, weighted))
     }
@@ -166,6 +175,7 @@ impl<'a> PixelReference<'a> {
                 let pairs: Vec<Pair> = asked.iter().map(|(pair, _)| *pair).collect();
                 nufft::cosine_weighted_xyz(reference, illuminant, &pairs, progress)
             }
+            By::Nothing => Ok(vec![DVec3::ZERO; asked.len()]),
         }
     }
 
@@ -199,7 +209,7 @@ pub fn displayed_of(view: &View, size: [u32; 2], radiance: &[[f32; 4]], shown: S
     let Some(environment) = view.surroundings().filter(|_| view.shows_surroundings) else {
         return displayed(radiance, shown);
     };
-    let world = view.camera.clip_from_world(size, view.centre, view.radius).as_dmat4().inverse();
+    let world = view.clip_from_world(size).as_dmat4().inverse();
     let eye = view.camera.eye().as_dvec3();
     displayed_before(radiance, shown, &|i| {
         /// Any depth: the ray from the eye is the same.
@@ -229,15 +239,24 @@ fn displayed_before(
     radiance.iter().enumerate().map(code).collect()
 }
 
-/// The mean of `sampling`'s samples, each shaded in f64, for the pixels that are `chosen` by their number; the others stay empty.
+/// An object in f64.
+pub struct ReferenceObject<'a> {
+    /// Its height field; `None`: it diffracts nothing.
+    pub field: Option<&'a HeightField>,
+    /// How it is shaded.
+    pub shading: &'a Shading,
+    /// Albedo of its pigment, linear sRGB.
+    pub base_color: Vec3,
+}
+
+/// The mean of `sampling`'s samples of `objects`, each shaded in f64, for the pixels that are `chosen` by their number; the others stay empty.
 /// `directions` gives those of a sample, one entry per light of `view`. RGBA as [`super::picture::Picture::radiance`]. The mean over
 /// windows is averaged over the footprint of each sample.
 ///
 /// # Errors
 /// As [`nufft::cosine_weighted_xyz`], and what `directions` returns.
 pub fn reference_mean(
-    field: &HeightField,
-    shading: &Shading,
+    objects: &[ReferenceObject<'_>],
     view: &View,
     sampling: &Sampling,
     directions: &mut dyn FnMut(&Sample) -> Result<Vec<Directions>>,
@@ -245,18 +264,29 @@ pub fn reference_mean(
     progress: Progress<'_>,
 ) -> Result<Vec<[f32; 4]>> {
     let count = sampling.count.max(1);
-    let reference = PixelReference::new(field, shading, progress)?;
+    let mut references = Vec::new();
+    for &ReferenceObject { field, shading, base_color } in objects {
+        let reference = match field {
+            Some(field) => PixelReference::new(field, shading, progress)?,
+            None => PixelReference::of_pigment(shading),
+        };
+        references.push((reference, View { base_color, ..view.clone() }));
+    }
     let mut sum: Vec<DVec4> = Vec::new();
     for index in 0..count {
         let seen = directions(&sampling.sample(index))?;
         sum.resize(seen.first().map_or(0, |seen| seen.view.len()), DVec4::ZERO);
         let mut pixels = covered(&seen);
         pixels.retain(|&pixel| chosen(pixel));
-        let colors = reference.colors(view, &seen, &pixels, &|done, of| {
-            progress(index as usize * of + done, count as usize * of)
-        })?;
-        for (pixel, color) in pixels.into_iter().zip(colors) {
-            sum[pixel] += color.extend(1.0);
+        for (number, (reference, view)) in references.iter().enumerate() {
+            let shows = |&&pixel: &&usize| seen.first().is_some_and(|seen| seen.object(pixel) == number);
+            let pixels: Vec<usize> = pixels.iter().filter(shows).copied().collect();
+            let (part, parts) = (index as usize * references.len() + number, count as usize * references.len());
+            let told = |done, of| progress(part * of + done, parts * of);
+            let colors = reference.colors(view, &seen, &pixels, &told)?;
+            for (pixel, color) in pixels.into_iter().zip(colors) {
+                sum[pixel] += color.extend(1.0);
+            }
         }
     }
     Ok(sum.into_iter().map(|pixel| (pixel / f64::from(count)).as_vec4().to_array()).collect())

@@ -3,8 +3,8 @@
 //!
 //! Shadows that a height field casts on itself are not modelled: Kirchhoff's approximation, on which the BRDF rests, leaves them out.
 
-use super::device_mesh::{DeviceMesh, attributes};
-use super::frame_set::FrameSet;
+use super::device_mesh::attributes;
+use super::object::DeviceObject;
 use super::shader;
 use super::target;
 use crate::error::Result;
@@ -14,7 +14,7 @@ use crate::vk::commands::Recorder;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
 use crate::vk::image::{Description, Image};
-use crate::vk::pipeline::{Constant, Drawing, Pipeline};
+use crate::vk::pipeline::{Constant, Depth, Drawing, Pipeline};
 use ash::vk;
 use glam::{DVec3, Mat4, Vec3, Vec4};
 use std::sync::Arc;
@@ -33,11 +33,16 @@ pub struct Shadows {
 }
 
 impl Shadows {
-    /// Maps for `lights` lights of the frames of `size` pixels that `frame` describes, which reads them from now on.
+    /// Maps for `lights` lights of the frames of `size` pixels of `objects`, which read them from now on.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn new(device: &Arc<Device>, frame: &FrameSet, lights: usize, size: [u32; 2]) -> Result<Self> {
+    pub fn new(
+        device: &Arc<Device>,
+        objects: &[DeviceObject],
+        lights: usize,
+        size: [u32; 2],
+    ) -> Result<Self> {
         let side = side(size);
         let binding = Binding {
             number: 0,
@@ -45,12 +50,15 @@ impl Shadows {
             stages: vk::ShaderStageFlags::VERTEX,
         };
         let block = Descriptors::new(device, "shadow set", &[binding])?;
-        frame.share_block(&block, 0);
+        // The lights are the same for all objects.
+        if let Some(first) = objects.first() {
+            first.frame.share_block(&block, 0);
+        }
         let drawing = Drawing {
             vertex_stride: size_of::<Vertex>() as u32,
             attributes: &attributes()[..1],
             colors: &[],
-            depth: Some((vk::CompareOp::LESS, true)),
+            depth: Some(Depth { format: target::DEPTH, compare: vk::CompareOp::LESS, write: true, stencil: None }),
         };
         /// `constant_id` of `shadow.vert`.
         const LIGHT: u32 = 0;
@@ -69,18 +77,18 @@ impl Shadows {
         };
         let pipelines = (0..lights).map(pipeline).collect::<Result<_>>()?;
         let maps: Vec<Image> = (0..lights).map(map).collect::<Result<_>>()?;
-        frame.read_shadows(&maps);
+        objects.iter().for_each(|object| object.frame.read_shadows(&maps));
         Ok(Self { maps, side, pipelines, block })
     }
 
-    /// Records the drawing of `mesh` into the maps, which it leaves readable by shaders.
-    pub fn record(&self, record: &Recorder<'_>, mesh: &DeviceMesh) {
+    /// Records the drawing of `objects` into the maps, which it leaves readable by shaders.
+    pub fn record(&self, record: &Recorder<'_>, objects: &[DeviceObject]) {
         let all = record.within([self.side; 2], 0..self.side);
         for (map, pipeline) in self.maps.iter().zip(&self.pipelines) {
             all.images(&[(map, Access::Nothing, Access::DepthAttachment)]);
             all.render(&[], Some(map), |draw| {
                 draw.bind(pipeline, &[&self.block]);
-                mesh.draw(draw);
+                objects.iter().filter(|o| o.casts_shadows).for_each(|object| object.mesh.draw(draw));
             });
             all.images(&[(map, Access::DepthAttachment, Access::ShaderRead)]);
         }

@@ -14,6 +14,8 @@ use std::sync::Arc;
 pub const RADIANCE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 /// Format of depth.
 pub const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
+/// Format of depth with the number of the object that is seen beside it.
+const DEPTH_AND_OBJECT: vk::Format = vk::Format::D32_SFLOAT_S8_UINT;
 /// Format of the displayed picture; the shader applies the transfer function.
 pub const DISPLAY: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
@@ -43,6 +45,15 @@ pub struct GeometrySettings {
     pub mirrored: bool,
     /// Whether lamps are among the lights, at most [`crate::scene::light::MAX_LIGHTS_WITH_LAMPS`] then.
     pub lamps: bool,
+    /// Whether there are several objects, so that the number of the one that is seen stands beside the depth.
+    pub several: bool,
+}
+
+impl GeometrySettings {
+    /// Format of the depth.
+    pub fn depth_format(&self) -> vk::Format {
+        if self.several { DEPTH_AND_OBJECT } else { DEPTH }
+    }
 }
 
 /// What the geometry pass finds at each pixel, directions in stereographic projection.
@@ -55,7 +66,7 @@ pub struct Geometry {
     pub more_lights: Vec<Image>,
     /// Of each light, one a channel, how bright it is at the pixel: its falloff, or 1 where it is far away. Where lamps are among the lights.
     pub falloffs: Option<Image>,
-    /// Depth; [`crate::vk::commands::FAR`] where nothing is covered.
+    /// Depth; [`crate::vk::commands::FAR`] where nothing is covered. Where there are several objects, beside it the number of the one that is seen, from 1.
     pub depth: Image,
     /// For each light how (u, v) = −(ω_i + ω_r).xy changes from pixel to pixel: du/dx, dv/dx, du/dy, dv/dy, x to the right and y downward.
     /// Empty where they are not asked for; anything where nothing is covered.
@@ -89,7 +100,7 @@ impl Geometry {
             falloffs: lamps.then(|| make("falloffs", GEOMETRY, usage)).transpose()?,
             depth: make(
                 "depth",
-                DEPTH,
+                settings.depth_format(),
                 vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
             )?,
             footprints: (0..if footprints { lights } else { 0 })
@@ -141,11 +152,11 @@ impl Target {
     }
 }
 
-/// Bytes per texel of the formats that are read back.
+/// Bytes per texel of the formats that are read back, of depth without what stands beside it.
 fn texel_size(format: vk::Format) -> Result<u64> {
     match format {
         vk::Format::R32G32B32A32_SFLOAT => Ok(16),
-        vk::Format::R8G8B8A8_UNORM | DEPTH => Ok(4),
+        vk::Format::R8G8B8A8_UNORM | DEPTH | DEPTH_AND_OBJECT => Ok(4),
         other => {
             Err(Error::failed(format!("{other:?} cannot be read back"), "report this as a bug of diffract"))
         }
@@ -171,12 +182,38 @@ pub fn read_back_part(
     corner: [u32; 2],
     size: [u32; 2],
 ) -> Result<Vec<u8>> {
-    let bytes = u64::from(size[0]) * u64::from(size[1]) * texel_size(image.format())?;
+    let without_stencil = image.aspect() & !vk::ImageAspectFlags::STENCIL;
+    read_back_aspect(device, (image, without_stencil, texel_size(image.format())?), last, corner, size)
+}
+
+/// Reads the rectangle of `size` texels at `corner` of the numbers beside the depth; 0 where nothing is covered.
+///
+/// # Errors
+/// As [`read_back`].
+pub fn read_back_objects(
+    device: &Arc<Device>,
+    depth: &Image,
+    corner: [u32; 2],
+    size: [u32; 2],
+) -> Result<Vec<u8>> {
+    let stencil = (depth, vk::ImageAspectFlags::STENCIL, 1);
+    read_back_aspect(device, stencil, Access::DepthAttachment, corner, size)
+}
+
+/// Reads the rectangle of `size` texels at `corner` of an aspect of an image, of so many bytes a texel.
+fn read_back_aspect(
+    device: &Arc<Device>,
+    (image, aspect, bytes): (&Image, vk::ImageAspectFlags, u64),
+    last: Access,
+    corner: [u32; 2],
+    size: [u32; 2],
+) -> Result<Vec<u8>> {
+    let bytes = u64::from(size[0]) * u64::from(size[1]) * bytes;
     let usage = vk::BufferUsageFlags::TRANSFER_DST;
     let host = Buffer::new(device, "read back", bytes, usage, MemoryLocation::GpuToCpu)?;
     Commands::new(device, "read back")?.run(|record| {
         record.images(&[(image, last, Access::TransferRead)]);
-        record.copy_from_image(image, corner, size, &host);
+        record.copy_from_image((image, aspect), corner, size, &host);
         record.images(&[(image, Access::TransferRead, last)]);
         record.memory(Access::TransferWrite, Access::HostRead);
         Ok(())

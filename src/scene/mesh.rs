@@ -102,7 +102,7 @@ impl Mesh {
 
     /// A mesh with known frames. The caller guarantees the invariants of [`Mesh`].
     pub(super) fn from_parts(vertices: Vec<Vertex>, indices: Vec<u32>) -> Self {
-        Self { bounds: Bounds::of(&vertices), vertices, indices }
+        Self { bounds: Bounds::of(vertices.iter()), vertices, indices }
     }
 
     /// The mesh in another frame: `turn` is a rotation, applied to positions, normals and tangents.
@@ -113,7 +113,17 @@ impl Mesh {
             let [tx, ty, tz] = turn([x, y, z]);
             (v.position, v.normal, v.tangent) = (turn(v.position), turn(v.normal), [tx, ty, tz, w]);
         }
-        self.bounds = Bounds::of(&self.vertices);
+        self.bounds = Bounds::of(self.vertices.iter());
+        self
+    }
+
+    /// The mesh `size` times as large, and moved by `offset`.
+    #[must_use]
+    pub fn moved(mut self, size: f32, offset: Vec3) -> Self {
+        for v in &mut self.vertices {
+            v.position = (size * Vec3::from(v.position) + offset).to_array();
+        }
+        self.bounds = Bounds::of(self.vertices.iter());
         self
     }
 
@@ -139,8 +149,16 @@ impl Mesh {
 }
 
 impl Bounds {
-    fn of(vertices: &[Vertex]) -> Self {
-        let points = || vertices.iter().map(|v| Vec3::from(v.position));
+    /// A sphere around all of `meshes`.
+    pub fn around(meshes: &[&Mesh]) -> Self {
+        match meshes {
+            [one] => one.bounds,
+            several => Self::of(several.iter().flat_map(|mesh| mesh.vertices())),
+        }
+    }
+
+    fn of<'a>(vertices: impl Iterator<Item = &'a Vertex> + Clone) -> Self {
+        let points = || vertices.clone().map(|v| Vec3::from(v.position));
         let low = points().fold(Vec3::INFINITY, Vec3::min);
         let high = points().fold(Vec3::NEG_INFINITY, Vec3::max);
         let centre = (low + high) * 0.5;

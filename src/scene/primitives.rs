@@ -50,6 +50,24 @@ pub fn disc() -> Mesh {
     })
 }
 
+/// A round plate of radius 1 in the xy plane, centred on the origin, facing +z: T = +x, B = +y.
+pub fn ground() -> Mesh {
+    const SEGMENTS: usize = 96;
+    let at = |x: f32, y: f32| Vertex {
+        position: [x, y, 0.0],
+        normal: [0.0, 0.0, 1.0],
+        tangent: [1.0, 0.0, 0.0, 1.0],
+        uv: [0.5 + 0.5 * x, 0.5 + 0.5 * y],
+    };
+    let rim = (0..SEGMENTS).map(|i| {
+        let (sin, cos) = (TAU * i as f32 / SEGMENTS as f32).sin_cos();
+        at(cos, sin)
+    });
+    let vertices = std::iter::once(at(0.0, 0.0)).chain(rim).collect();
+    let indices = (0..SEGMENTS).flat_map(|i| [0, 1 + i, 1 + (i + 1) % SEGMENTS]).map(|k| k as u32).collect();
+    Mesh::from_parts(vertices, indices)
+}
+
 /// `columns` × `rows` cells of `vertex(x, y)`, both from 0 to 1 with u along x and v along y, outside to the left of
 /// u → v. Triangles with two corners in one place are left out.
 fn lattice(columns: usize, rows: usize, vertex: impl Fn(f32, f32) -> Vertex) -> Mesh {

@@ -4,16 +4,21 @@ use super::background::Background;
 use super::camera::Camera;
 use super::environment::{self, Environment, Placement};
 use super::light::{Light, most_lights};
-use super::{Mesh, Progress, obj, primitives, snake};
+use super::mesh::Bounds;
+use super::object::{
+    FileObject, Grooves, MAX_OBJECTS, MeshSource, Object, Triple, Up, black, check_colors, open_mesh, reflectance, steps,
+    surface_name, upright,
+};
+use super::{Mesh, Progress, obj};
 use crate::error::{Error, Result};
 use crate::input;
 use crate::optics::color::Tone;
-use crate::optics::material::Material;
-use crate::optics::reflectance::{Film, Reflectance};
+use crate::optics::reflectance::Reflectance;
 use crate::surface::prepare::Step;
+use crate::surface::synth::Kind;
 use crate::units;
 use glam::Vec3;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
@@ -59,6 +64,10 @@ pub struct Scene {
     pub base_color: Vec3,
     /// Pigment texture, multiplied with the base colour.
     pub pigment: Option<PathBuf>,
+    /// How the patch of the height field lies on the mesh.
+    pub grooves: Grooves,
+    /// What else stands in the scene, the ground last.
+    pub objects: Vec<Object>,
     /// What the surface reflects, where the scene says.
     pub reflectance: Option<Reflectance>,
     /// Exposure of the display \[stops\].
@@ -75,15 +84,6 @@ pub struct Scene {
     pub files: Vec<PathBuf>,
 }
 
-/// Where a mesh is from.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MeshSource {
-    /// A built-in mesh, or a file.
-    pub name: PathBuf,
-    /// Which axis of the file points up.
-    pub up: Up,
-}
-
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
@@ -98,6 +98,8 @@ struct File {
     #[serde(default = "black")]
     base_color: Triple<f32>,
     pigment: Option<PathBuf>,
+    grooves: Option<String>,
+    ground: Option<Triple<f32>>,
     material: Option<String>,
     film: Option<String>,
     #[serde(default)]
@@ -112,6 +114,8 @@ struct File {
     shadows: bool,
     camera: FileCamera,
     lights: Vec<String>,
+    #[serde(default)]
+    objects: Vec<FileObject>,
     #[serde(default)]
     options: toml::Table,
 }
@@ -148,17 +152,6 @@ impl FileEnvironment {
     }
 }
 
-/// Which axis of the mesh file points up.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, Default, PartialEq, Eq)]
-#[serde(rename_all = "lowercase")]
-pub enum Up {
-    /// The second one.
-    #[default]
-    Y,
-    /// The third one.
-    Z,
-}
-
 /// The name of a tone.
 #[derive(Clone, Copy, Deserialize, Default)]
 #[serde(try_from = "String")]
@@ -172,26 +165,8 @@ impl TryFrom<String> for ToneName {
     }
 }
 
-/// Exactly three numbers; an array of three would take the first three of more.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(try_from = "Vec<T>")]
-struct Triple<T: Copy>([T; 3]);
-
-impl<T: Copy> TryFrom<Vec<T>> for Triple<T> {
-    type Error = String;
-
-    fn try_from(numbers: Vec<T>) -> std::result::Result<Self, String> {
-        let count = numbers.len();
-        numbers.try_into().map(Self).map_err(|_| format!("{count} numbers where 3 belong"))
-    }
-}
-
 fn yes() -> bool {
     true
-}
-
-fn black() -> Triple<f32> {
-    Triple([0.0; 3])
 }
 
 impl<'de> Deserialize<'de> for Background {
@@ -274,9 +249,9 @@ impl Scene {
         })?;
         let Triple(base_color) = file.base_color;
         let background = file.background.color().to_array();
-        if !base_color.map(f64::from).into_iter().chain(background).all(|c| (0.0..=1.0).contains(&c)) {
-            return Err(Error::failed("a colour is not within 0 to 1", "give linear sRGB from 0 to 1"));
-        }
+        let ground = file.ground.map(|Triple(color)| color);
+        let colors = [base_color, ground.unwrap_or_default()].concat().into_iter().map(f64::from);
+        check_colors(colors.chain(background))?;
         if !(-40.0..=40.0).contains(&file.exposure) {
             return Err(Error::failed("the exposure is not within -40 to 40 stops", "0 is a good start"));
         }
@@ -288,28 +263,35 @@ impl Scene {
             ));
         }
         let field_of_view = units::angle(&file.camera.field_of_view)?.to_radians() as f32;
-        let built_in_surface = crate::surface::synth::Kind::from_name(&file.surface).is_some();
-        let surface =
-            if built_in_surface { file.surface.into() } else { folder.join(&file.surface).into_os_string() };
+        let surface = surface_name(&file.surface, folder);
+        let built_in_surface = Kind::from_name(&file.surface).is_some();
         let pigment = file.pigment.map(|p| folder.join(p));
-        let mesh_file = (!BUILT_IN_MESHES.contains(&file.mesh.as_str())).then(|| folder.join(&file.mesh));
-        let surface_file = (!built_in_surface).then(|| PathBuf::from(&surface));
+        let mesh_source = MeshSource::named(&file.mesh, file.up, folder);
+        let surface_file = (!built_in_surface).then(|| surface.clone());
+        let grooves =
+            file.grooves.as_deref().map_or(Ok(Grooves::Along), |text| Grooves::parse(text, folder))?;
+        let mesh = open_mesh(&file.mesh, file.up, folder, progress)?;
+        let objects = objects(file.objects, &mesh, ground, folder, progress)?;
         let environment_file = file.environment.as_ref().filter(|e| !environment::is_built_in(&e.name));
         let environment_file = environment_file.map(|e| folder.join(&e.name));
-        let material_file =
-            file.material.as_ref().filter(|m| !Material::is_built_in(m)).map(|m| folder.join(m));
+        let reflectance = reflectance(file.material.as_deref(), file.film.as_deref(), folder)?;
+        let material_file = reflectance.as_ref().and_then(Reflectance::file);
+        let own_files = [
+            mesh_source.file(),
+            surface_file,
+            material_file,
+            environment_file,
+            pigment.clone(),
+            grooves.file().cloned(),
+        ];
         Ok(Self {
-            files: [mesh_file.clone(), surface_file, material_file, environment_file, pigment.clone()]
-                .into_iter()
-                .flatten()
-                .collect(),
-            mesh_source: MeshSource {
-                name: mesh_file.unwrap_or_else(|| PathBuf::from(&file.mesh)),
-                up: file.up,
-            },
-            mesh: open_mesh(&file.mesh, file.up, folder, progress)?,
+            files: own_files.into_iter().flatten().chain(objects.iter().flat_map(Object::files)).collect(),
+            mesh_source,
+            mesh,
+            grooves,
+            objects,
             options: options(file.options, folder)?,
-            surface,
+            surface: surface.into_os_string(),
             pixel_size: file.pixel_size.as_deref().map(units::length_pair).transpose()?,
             full_height: file.height.as_deref().map(units::length).transpose()?,
             prepare: steps(&file.prepare)?,
@@ -319,13 +301,61 @@ impl Scene {
             shadows: file.shadows,
             base_color: base_color.into(),
             pigment,
-            reflectance: reflectance(file.material.as_deref(), file.film.as_deref(), folder)?,
+            reflectance,
             exposure: file.exposure,
             tone: file.tone.0,
             background: file.background,
             unit: file.scale.as_deref().map_or(Ok(UNIT), units::length)? * METRES_PER_MICROMETRE,
         })
     }
+}
+
+impl Scene {
+    /// A sphere around everything but the ground.
+    pub fn bounds(&self) -> Bounds {
+        Bounds::around(&self.standing())
+    }
+
+    /// The meshes of everything but the ground, the first object first.
+    pub fn standing(&self) -> Vec<&Mesh> {
+        let others = self.objects.iter().filter(|object| !object.is_ground).map(|object| &object.mesh);
+        std::iter::once(&self.mesh).chain(others).collect()
+    }
+
+    /// Distance from `centre` to the farthest point of anything.
+    pub fn reach(&self, centre: Vec3) -> f32 {
+        let far = |mesh: &Mesh| mesh.bounds().centre.distance(centre) + mesh.bounds().radius;
+        self.objects.iter().map(|object| far(&object.mesh)).fold(self.bounds().radius, f32::max)
+    }
+}
+
+/// The objects of a scene file beside its first, which has this `mesh`, and the ground where it has a color.
+fn objects(
+    objects: Vec<FileObject>,
+    mesh: &Mesh,
+    ground: Option<[f32; 3]>,
+    folder: &Path,
+    progress: &Progress<'_>,
+) -> Result<Vec<Object>> {
+    if objects.len() + 2 > MAX_OBJECTS {
+        return Err(Error::failed(
+            format!("there are {} objects", objects.len()),
+            format!("give at most {}", MAX_OBJECTS - 2),
+        ));
+    }
+    let open = |(i, object): (usize, FileObject)| {
+        object.open(folder, progress).map_err(|e| e.at(format!("object {}", i + 1)))
+    };
+    let mut objects = objects.into_iter().enumerate().map(open).collect::<Result<Vec<_>>>()?;
+    if let Some(color) = ground {
+        let standing: Vec<&Mesh> =
+            std::iter::once(mesh).chain(objects.iter().map(|object| &object.mesh)).collect();
+        let lowest = |mesh: &&Mesh| mesh.vertices().iter().map(|v| v.position[2]).fold(f32::INFINITY, f32::min);
+        let z = standing.iter().map(lowest).fold(f32::INFINITY, f32::min);
+        let ground = Object::ground(color.into(), Bounds::around(&standing), z);
+        objects.push(ground);
+    }
+    Ok(objects)
 }
 
 /// What to do about what the parser of TOML says: where a key is unknown, the one that it resembles.
@@ -341,9 +371,6 @@ fn remedy(message: &str) -> String {
         None => "see assets/scenes for whole examples".to_owned(),
     }
 }
-
-/// Meshes that scene files can name instead of a file.
-const BUILT_IN_MESHES: [&str; 4] = ["snake", "plate", "sphere", "disc"];
 
 /// The options of the scene file called `name`, whose other content is not looked at; none of a built-in scene and of a mesh.
 ///
@@ -385,50 +412,6 @@ fn options(table: toml::Table, folder: &Path) -> Result<Vec<[String; 2]>> {
         Ok([name, value])
     };
     table.into_iter().map(word).collect()
-}
-
-/// What the surface reflects: a material of that name or in that file, below a film.
-fn reflectance(material: Option<&str>, film: Option<&str>, folder: &Path) -> Result<Option<Reflectance>> {
-    let Some(name) = material else {
-        return match film {
-            None => Ok(None),
-            Some(_) => {
-                Err(Error::failed("a film needs a material below it", "add `material`, as in \"glass\""))
-            }
-        };
-    };
-    let material = if Material::is_built_in(name) {
-        Material::from_name_or_file(name)
-    } else {
-        Material::from_name_or_file(folder.join(name))
-    };
-    let film = film.map(Film::parse).transpose()?;
-    Ok(Some(Reflectance::Fresnel { material: material?, film }))
-}
-
-/// The steps of `prepare`, each as on the command line without the dashes.
-fn steps(words: &[String]) -> Result<Vec<Step>> {
-    let step = |text: &String| Step::parse(text).map_err(|e| e.at("prepare"));
-    let steps: Vec<Step> = words.iter().map(step).collect::<Result<_>>()?;
-    Ok(steps.into_iter().filter(|step| !step.is_nothing()).collect())
-}
-
-fn open_mesh(name: &str, up: Up, folder: &Path, progress: &Progress<'_>) -> Result<Mesh> {
-    match name {
-        "snake" => Ok(upright(snake::mesh()?, Up::Y)),
-        "plate" => Ok(primitives::plate()),
-        "sphere" => Ok(upright(primitives::sphere(), Up::Y)),
-        "disc" => Ok(primitives::disc()),
-        file => Ok(upright(obj::load(&folder.join(file), progress)?, up)),
-    }
-}
-
-/// Turns a mesh so that its `up` becomes +z.
-fn upright(mesh: Mesh, up: Up) -> Mesh {
-    match up {
-        Up::Z => mesh,
-        Up::Y => mesh.turned(|[x, y, z]| [x, -z, y]),
-    }
 }
 
 #[cfg(test)]
@@ -509,7 +492,7 @@ mod tests {
     #[test]
     fn the_default_snake_is_about_a_metre_long() {
         let scene = Scene::open("snake").unwrap();
-        let length = snake::length() * scene.unit;
+        let length = crate::scene::snake::length() * scene.unit;
         assert!((0.9..1.1).contains(&length), "{length} m");
     }
 

@@ -1,7 +1,8 @@
 //! Scenes as the text of a scene file, which reads as the same scene.
 
 use super::environment;
-use super::scene_file::{Scene, Up};
+use super::object::{Grooves, Object, Up};
+use super::scene_file::Scene;
 use super::{Background, Camera};
 use crate::error::{Error, Result};
 use crate::optics::material::Material;
@@ -27,9 +28,13 @@ struct File {
     #[serde(skip_serializing_if = "Option::is_none")]
     pigment: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    grooves: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     material: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     film: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ground: Option<[f64; 3]>,
     exposure: f64,
     tone: &'static str,
     background: toml::Value,
@@ -38,8 +43,89 @@ struct File {
     #[serde(skip_serializing_if = "Option::is_none")]
     environment: Option<FileEnvironment>,
     camera: FileCamera,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    objects: Vec<FileObject>,
     #[serde(skip_serializing_if = "toml::Table::is_empty")]
     options: toml::Table,
+}
+
+/// Twin of `FileObject` in `object.rs`.
+#[derive(Serialize)]
+struct FileObject {
+    mesh: String,
+    up: Up,
+    position: [f64; 3],
+    rotation: [String; 3],
+    size: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    surface: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pixel_size: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    height: Option<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    prepare: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    grooves: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    material: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    film: Option<String>,
+    base_color: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pigment: Option<String>,
+}
+
+impl FileObject {
+    fn of(object: &Object, folder: &Path) -> Result<Self> {
+        let path = |path: &Path| named_from(path, folder);
+        let surface = object.surface.as_ref();
+        let [material, film] = reflecting(object.reflectance.as_ref(), folder)?;
+        Ok(Self {
+            mesh: path(&object.mesh_source.name)?,
+            up: object.mesh_source.up,
+            position: shortest(object.pose.position),
+            rotation: object.pose.rotation.map(|angle| format!("{angle}deg")),
+            size: shortest(Vec3::splat(object.pose.size))[0],
+            surface: surface.map(|surface| path(Path::new(&surface.name))).transpose()?,
+            pixel_size: surface.and_then(|surface| surface.pixel_size).map(micrometres),
+            height: surface.and_then(|surface| surface.height).map(|height| format!("{height}um")),
+            prepare: surface.map_or(Vec::new(), |s| s.prepare.iter().map(ToString::to_string).collect()),
+            grooves: grooves(&object.grooves, folder)?,
+            material,
+            film,
+            base_color: shortest(object.base_color),
+            pigment: object.pigment.as_deref().map(path).transpose()?,
+        })
+    }
+}
+
+/// Material and film of a scene file in `folder`.
+fn reflecting(reflectance: Option<&Reflectance>, folder: &Path) -> Result<[Option<String>; 2]> {
+    match reflectance {
+        Some(Reflectance::Fresnel { material, film }) if material.constant_index().is_none() => {
+            let name = &material.name;
+            let is_built_in = Material::is_built_in(name);
+            let name = if is_built_in { name.clone() } else { named_from(Path::new(name), folder)? };
+            Ok([Some(name), film.as_ref().map(ToString::to_string)])
+        }
+        _ => Ok([None, None]),
+    }
+}
+
+/// How the patch lies, as a scene file in `folder` says it.
+fn grooves(grooves: &Grooves, folder: &Path) -> Result<Option<String>> {
+    Ok(match grooves {
+        Grooves::Along => None,
+        Grooves::Turned(angle) => Some(format!("{angle}deg")),
+        Grooves::Radial => Some("radial".to_owned()),
+        Grooves::Map(file) => Some(named_from(file, folder)?),
+    })
+}
+
+/// A pair of lengths \[µm\] with its unit.
+fn micrometres([x, y]: [f64; 2]) -> String {
+    format!("{x}umx{y}um")
 }
 
 #[derive(Serialize)]
@@ -63,14 +149,9 @@ impl Scene {
     /// For names of files that are not UTF-8.
     pub fn to_toml(&self, folder: &Path) -> Result<String> {
         let path = |path: &Path| named_from(path, folder);
-        let (material, film) = match &self.reflectance {
-            Some(Reflectance::Fresnel { material, film }) if material.constant_index().is_none() => {
-                let name = &material.name;
-                let name = if Material::is_built_in(name) { name.clone() } else { path(Path::new(name))? };
-                (Some(name), film.as_ref().map(ToString::to_string))
-            }
-            _ => (None, None),
-        };
+        let [material, film] = reflecting(self.reflectance.as_ref(), folder)?;
+        let [ground, objects]: [Vec<&Object>; 2] = [true, false]
+            .map(|is_ground| self.objects.iter().filter(|object| object.is_ground == is_ground).collect());
         let options = self.options.iter().map(|[name, value]| {
             let is_file = Path::new(value).is_file();
             let value = if is_file { path(Path::new(value))? } else { value.clone() };
@@ -81,13 +162,15 @@ impl Scene {
             mesh: path(&self.mesh_source.name)?,
             up: self.mesh_source.up,
             surface: path(Path::new(&self.surface))?,
-            pixel_size: self.pixel_size.map(|[x, y]| format!("{x}umx{y}um")),
+            pixel_size: self.pixel_size.map(micrometres),
             height: self.full_height.map(|height| format!("{height}um")),
             prepare: self.prepare.iter().map(ToString::to_string).collect(),
             base_color: shortest(self.base_color),
             pigment: self.pigment.as_deref().map(path).transpose()?,
+            grooves: grooves(&self.grooves, folder)?,
             material,
             film,
+            ground: ground.first().map(|ground| shortest(ground.base_color)),
             exposure: self.exposure,
             tone: self.tone.name(),
             background: match self.background {
@@ -113,6 +196,7 @@ impl Scene {
                 target: shortest(self.camera.target),
                 field_of_view: format!("{}deg", degrees(self.camera.field_of_view)),
             },
+            objects: objects.into_iter().map(|o| FileObject::of(o, folder)).collect::<Result<_>>()?,
             options: options.collect::<Result<_>>()?,
         };
         toml::to_string(&file).map_err(|e| {

@@ -4,7 +4,7 @@ mod brdf;
 mod picture;
 
 pub use brdf::for_each_window;
-pub use picture::{PictureSettings, PreparedScene, own_view, picture};
+pub use picture::{ObjectSurface, PictureSettings, PreparedScene, own_view, picture};
 
 use crate::cache::{Kept, Key, Store};
 use crate::error::{Error, Remedy, Result};
@@ -19,7 +19,7 @@ use crate::spectra::power::{Blur, PowerSettings, PowerSpectra, power_spectra};
 use crate::surface::{HeightField, tiling};
 use crate::table::{ColorTable, TableSettings, bake};
 use crate::vk::selection::Candidate;
-use std::sync::{Arc, Weak};
+use std::sync::{Arc, LazyLock, Weak};
 
 /// How the optics is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -244,7 +244,8 @@ impl Wanted {
 
 /// A source that diffracts nothing, so that the pigment is seen alone. It takes no time to make.
 pub fn pigment_alone() -> Source {
-    Source::Table(Table { table: Arc::new(ColorTable::dark()) })
+    static DARK: LazyLock<Arc<ColorTable>> = LazyLock::new(|| Arc::new(ColorTable::dark()));
+    Source::Table(Table { table: DARK.clone() })
 }
 
 /// How the surface goes on beyond a patch like `field`, unless the user says: copies where they join without visible steps.

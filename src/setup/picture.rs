@@ -1,17 +1,18 @@
 //! Pictures of a scene: what all of its views share is prepared once, then each is drawn.
 
-use super::{InUse, Method, Settings, averages_footprints, source};
+use super::{InUse, Method, Settings, averages_footprints, beyond_of, pigment_alone, source};
 use crate::error::Result;
 use crate::render::exposure;
 use crate::render::footprints;
 use crate::render::frame::{Shown, View};
 use crate::render::picture::{Directions, Painter, Picture};
-use crate::render::pigment::Pigment;
+use crate::render::object::{ObjectTextures, objects};
 use crate::render::sampling::{Sample, Sampling};
 use crate::render::shading::Shading;
 use crate::render::source::Source;
-use crate::scene::Scene;
-use crate::surface::HeightField;
+use crate::optics::coherence::Beyond;
+use crate::scene::{Mesh, Object, Scene};
+use crate::surface::{HeightField, Source as Surface};
 use crate::vk::device::Device;
 use std::slice;
 use std::sync::Arc;
@@ -43,7 +44,60 @@ pub fn own_view(scene: &Scene, shading: &Shading) -> View {
     View { pigment: scene.pigment.is_some(), ..View::under(scene, &scene.lights, &shading.coherence) }
 }
 
-/// A scene on a device, ready to be drawn from several views: mesh, pigment and source are there once.
+/// The surface of an object and how it is computed.
+#[derive(Clone, Debug)]
+pub struct ObjectSurface {
+    /// The height field; `None`: nothing is diffracted, and the pigment is seen alone.
+    pub field: Option<Arc<HeightField>>,
+    /// The optics.
+    pub optics: Settings,
+}
+
+impl ObjectSurface {
+    /// Those of all objects of `scene`, the first of which has this `field` and these `optics`. The others differ by their own height fields, which
+    /// `load` reads, and by what they reflect.
+    ///
+    /// # Errors
+    /// What `load` returns.
+    pub fn of(
+        scene: &Scene,
+        field: &Arc<HeightField>,
+        optics: &Settings,
+        load: &mut dyn FnMut(&Surface) -> Result<Arc<HeightField>>,
+    ) -> Result<Vec<Self>> {
+        let first = Self { field: Some(field.clone()), optics: optics.clone() };
+        let other = |object: &Object| {
+            let field = object.surface.as_ref().map(&mut *load).transpose()?;
+            let mut optics = optics.clone();
+            optics.shading.beyond = field.as_ref().map_or(Beyond::Copies, |field| beyond_of(field));
+            optics.shading.reflectance = object.reflectance.clone().unwrap_or_default();
+            Ok(Self { field, optics })
+        };
+        let others = scene.objects.iter().map(other).collect::<Result<Vec<_>>>()?;
+        Ok(std::iter::once(first).chain(others).collect())
+    }
+
+    /// The same with optics for footprints as large as those of `mesh` in `views`, of `size` pixels, where the source averages over them.
+    ///
+    /// # Errors
+    /// Where the device is lost or has no room.
+    pub fn seen(
+        &self,
+        device: &Arc<Device>,
+        mesh: &Mesh,
+        views: &[View],
+        size: [u32; 2],
+        sampling: &Sampling,
+    ) -> Result<Self> {
+        let mut own = self.clone();
+        if self.field.is_some() && averages_footprints(&self.optics) {
+            own.optics.footprints = footprints::sizes(device, mesh, views, size, &sampling.sample(0))?;
+        }
+        Ok(own)
+    }
+}
+
+/// A scene on a device, ready to be drawn from several views: meshes, pigments and sources are there once.
 pub struct PreparedScene<'a> {
     settings: &'a PictureSettings,
     shown: Shown,
@@ -52,31 +106,33 @@ pub struct PreparedScene<'a> {
 }
 
 impl<'a> PreparedScene<'a> {
-    /// Everything that pictures of `scene` share. The source comes from `make`, which gets the optics of `settings` with sizes of footprints that
-    /// suit all of `views`.
+    /// Everything that pictures of `scene` share, whose objects have these `surfaces`. The source of each comes from `make`, which gets the optics with
+    /// sizes of footprints that suit all of `views`.
     ///
     /// # Errors
-    /// A pigment texture that cannot be read; where the device is lost or has no room; what `make` returns.
+    /// A picture that cannot be read; where the device is lost or has no room; what `make` returns.
     pub fn new(
         device: &Arc<Device>,
-        scene: &'a Scene,
+        (scene, surfaces): (&'a Scene, &[ObjectSurface]),
         settings: &'a PictureSettings,
         views: &[View],
-        make: impl FnOnce(&Settings) -> Result<Source>,
+        mut make: impl FnMut(&ObjectSurface) -> Result<Source>,
     ) -> Result<Self> {
-        let pigment = scene.pigment.as_deref().map(Pigment::read).transpose()?.unwrap_or_else(Pigment::white);
+        let textures = ObjectTextures::of(scene)?;
         let PictureSettings { size, sampling, .. } = *settings;
-        let mut optics = settings.optics.clone();
-        if averages_footprints(&optics) {
-            optics.footprints = footprints::sizes(device, &scene.mesh, views, size, &sampling.sample(0))?;
+        let meshes = std::iter::once(&scene.mesh).chain(scene.objects.iter().map(|object| &object.mesh));
+        let mut shaded = Vec::with_capacity(surfaces.len());
+        for (mesh, surface) in meshes.zip(surfaces) {
+            let seen = surface.seen(device, mesh, views, size, &sampling)?;
+            shaded.push((make(&seen)?, seen.optics.shading));
         }
-        let source = make(&optics)?;
+        let objects = objects(scene, &textures, shaded.iter().map(|(source, shading)| (source, shading)));
         let lights = views.iter().map(|view| view.light_count()).max().unwrap_or(0);
-        let shading = &settings.optics.shading;
-        let mut painter = Painter::new(device, &source, shading, &scene.mesh, &pigment, size, lights)?;
+        let mut painter = Painter::of_objects(device, &objects, size, lights)?;
         if scene.shadows {
             painter.cast_shadows()?;
         }
+        let source = shaded.swap_remove(0).0;
         Ok(Self { settings, shown: Shown::of(scene), source, painter })
     }
 
@@ -142,11 +198,17 @@ pub fn picture(
     settings: &PictureSettings,
 ) -> Result<Picture> {
     let view = own_view(scene, &settings.optics.shading);
-    let make = |optics: &Settings| {
-        let made = source(field, optics, device.candidate(), &mut InUse::default(), &|_, _, _| Ok(()))?;
-        Ok(made.source)
+    let field = Arc::new(field.clone());
+    let surfaces = ObjectSurface::of(scene, &field, &settings.optics, &mut |s| s.load().map(Arc::new))?;
+    let mut in_use = InUse::default();
+    let make = |surface: &ObjectSurface| match &surface.field {
+        Some(field) => {
+            let made = source(field, &surface.optics, device.candidate(), &mut in_use, &|_, _, _| Ok(()))?;
+            Ok(made.source)
+        }
+        None => Ok(pigment_alone()),
     };
-    let mut prepared = PreparedScene::new(device, scene, settings, slice::from_ref(&view), make)?;
+    let mut prepared = PreparedScene::new(device, (scene, &surfaces), settings, slice::from_ref(&view), make)?;
     prepared.check(&view)?;
     prepared.draw(&view, &mut |_| Ok(()))
 }

@@ -6,28 +6,27 @@ use super::prepared::Prepared;
 use super::quality::Quality;
 use crate::error::Result;
 use crate::render::frame::{Shown, View};
-use crate::render::pigment::Pigment;
+use crate::render::object::ObjectTextures;
 use crate::render::sampling::Sampling;
 use crate::scene::Scene;
 use crate::vk::image::Image;
 use std::sync::Arc;
 
-/// A scene with its pigment texture read, ready for upload.
+/// A scene with its textures read, ready for upload.
 pub struct LoadedScene {
     /// The scene.
     pub scene: Scene,
-    /// Its pigment texture, white where it has none.
-    pub pigment: Pigment,
+    /// Textures of its objects, the first object first.
+    pub textures: Vec<ObjectTextures>,
 }
 
 impl LoadedScene {
-    /// Reads the pigment texture of `scene`.
+    /// Reads the textures of `scene`.
     ///
     /// # Errors
-    /// When the texture cannot be read.
+    /// When a texture cannot be read.
     pub fn of(scene: Scene) -> Result<Self> {
-        let pigment = scene.pigment.as_deref().map(Pigment::read).transpose()?.unwrap_or_else(Pigment::white);
-        Ok(Self { scene, pigment })
+        Ok(Self { textures: ObjectTextures::of(&scene)?, scene })
     }
 }
 

@@ -88,7 +88,7 @@ pub fn pointer(ui: &mut Ui, touched: Rect, rect: Rect, model: &mut Model) {
     if picture.hovered() {
         let steps = ui.input(wheel_steps);
         if steps != 0.0 {
-            let radius = model.loaded.scene.mesh.bounds().radius;
+            let radius = model.loaded.scene.bounds().radius;
             model.settings.camera = orbit::zoomed(model.settings.camera, steps, radius);
         }
     }

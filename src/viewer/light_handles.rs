@@ -32,7 +32,7 @@ pub fn show(ui: &mut Ui, touched: Rect, picture: Rect, model: &mut Model) {
     }
     let camera = model.settings.shown_camera(&model.loaded.scene);
     let frame = Frame { camera, size, corner: picture.min };
-    let bounds = model.loaded.scene.mesh.bounds();
+    let bounds = model.loaded.scene.bounds();
     let room = Room { centre: bounds.centre.as_dvec3(), unit: model.loaded.scene.unit };
     let painter = ui.painter_at(picture);
     for (number, light) in model.settings.lights.iter_mut().enumerate() {

@@ -38,6 +38,7 @@ impl Prepared {
             field: Arc::new(HeightField::new(1, 1, [1.0; 2], vec![0.0])?),
             shaded_from: setup::pigment_alone(),
             shading: Shading::default(),
+            others: Vec::new(),
         })
     }
 }
@@ -52,4 +53,16 @@ pub struct Prepared {
     pub shaded_from: Source,
     /// The settings.
     pub shading: Shading,
+    /// What the objects beside the first are shaded from, and how, as far as it is known.
+    pub others: Vec<(Source, Shading)>,
+}
+
+impl Prepared {
+    /// What the objects of a scene of so many are shaded from, and how. Where it is not known yet, the pigment is seen.
+    pub fn shaded(&self, objects: usize) -> Vec<(Source, Shading)> {
+        let first = (self.shaded_from.clone(), self.shading.clone());
+        let unknown = (setup::pigment_alone(), Shading::default());
+        let others = self.others.iter().cloned().chain(std::iter::repeat(unknown));
+        std::iter::once(first).chain(others).take(objects).collect()
+    }
 }

@@ -13,8 +13,10 @@ use crate::error::{Error, Result};
 use crate::optics::validity::Validity;
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
+use crate::render::object::objects;
 use crate::render::picture::Painter;
 use crate::render::sampling::Sampling;
+use crate::render::shading::Shading;
 use crate::render::source::Source;
 use crate::render::target;
 use crate::render::upload;
@@ -45,8 +47,19 @@ impl Slot {
     /// Whether the textures of `prepared` and the scene of `request` are on the device already.
     fn serves(&self, prepared: &Prepared, request: &FrameRequest) -> bool {
         Arc::ptr_eq(&self.loaded, &request.loaded)
-            && self.prepared.shaded_from.shares_data_with(&prepared.shaded_from)
-            && self.prepared.shading.reflectance.shares_stages_with(&prepared.shading.reflectance)
+            && self.shaded().iter().zip(prepared.shaded(self.objects())).all(|(own, other)| {
+                own.0.shares_data_with(&other.0) && own.1.reflectance.shares_stages_with(&other.1.reflectance)
+            })
+    }
+
+    /// Objects of the scene.
+    fn objects(&self) -> usize {
+        self.loaded.textures.len()
+    }
+
+    /// What they are shaded from, and how.
+    fn shaded(&self) -> Vec<(Source, Shading)> {
+        self.prepared.shaded(self.objects())
     }
 
     /// Whether it shows `request`, one sample or a mean of some, so that samples can be added.
@@ -75,7 +88,9 @@ impl Slot {
     fn take_over(&mut self, prepared: &Arc<Prepared>) -> Result<()> {
         if self.prepared.number != prepared.number {
             self.displayed = None;
-            self.painter.shade_by(&prepared.shaded_from, &prepared.shading)?;
+            for (number, (source, shading)) in prepared.shaded(self.objects()).iter().enumerate() {
+                self.painter.shade_object_by(number, source, shading)?;
+            }
             self.prepared = prepared.clone();
         }
         Ok(())
@@ -473,10 +488,10 @@ fn serving<'a>(
             ready
         }
         None => {
-            let LoadedScene { scene, pigment } = &*request.loaded;
-            let Prepared { shaded_from, shading, .. } = &**prepared;
-            let mut painter =
-                Painter::new(device, shaded_from, shading, &scene.mesh, pigment, request.size, lights)?;
+            let LoadedScene { scene, textures } = &*request.loaded;
+            let shaded = prepared.shaded(textures.len());
+            let objects = objects(scene, textures, shaded.iter().map(|(source, shading)| (source, shading)));
+            let mut painter = Painter::of_objects(device, &objects, request.size, lights)?;
             if scene.shadows {
                 painter.cast_shadows()?;
             }

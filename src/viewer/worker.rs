@@ -3,10 +3,12 @@
 use super::frame::LoadedScene;
 use super::prepared::{Prepared, ROLES, Role};
 use crate::error::{Error, Result};
-use crate::render::footprints;
 use crate::render::frame::View;
 use crate::render::sampling::Sampling;
-use crate::setup::{self, InUse};
+use crate::render::shading::Shading;
+use crate::render::source::Source;
+use crate::scene::Mesh;
+use crate::setup::{self, InUse, Made, ObjectSurface};
 use crate::surface::{HeightField, Source as Surface};
 use crate::vk::device::Device;
 use crate::vk::selection::Candidate;
@@ -136,7 +138,7 @@ impl Worker {
     ) -> Result<Self> {
         let queue = Arc::<RequestQueue>::default();
         let requests = queue.clone();
-        let mut preparer = Preparer { limits: limits.clone(), device, field: None, in_use: InUse::default() };
+        let mut preparer = Preparer { limits: limits.clone(), device, field: None, of_objects: Vec::new(), in_use: InUse::default() };
         let work = move || preparer.run(&requests, &reply);
         let thread = std::thread::Builder::new().name("layers".to_owned()).spawn(work).map_err(|e| {
             Error::failed(format!("the system refuses a thread ({e})"), "close other programs")
@@ -170,6 +172,8 @@ struct Preparer {
     device: Option<Arc<Device>>,
     // The last height field, for requests that share it.
     field: Option<(Surface, Arc<HeightField>)>,
+    // Those of the scene's other objects.
+    of_objects: Vec<(Surface, Arc<HeightField>)>,
     in_use: InUse,
 }
 
@@ -209,17 +213,70 @@ impl Preparer {
         if matches!(request.role, Role::Own | Role::Preview) {
             reply(WorkerReply::Field(field.clone()));
         }
-        let mut settings = request.settings.clone();
-        if let (Some(device), Some(picture)) = (&self.device, &request.picture)
-            && setup::averages_footprints(&settings)
-        {
-            let (mesh, sample) = (&picture.loaded.scene.mesh, picture.sampling.sample(0));
-            settings.footprints = footprints::sizes(device, mesh, &picture.views, picture.size, &sample)?;
-        }
-        let made = setup::source(&field, &settings, &self.limits, &mut self.in_use, progress)?;
+        let own = ObjectSurface { field: Some(field.clone()), optics: request.settings.clone() };
+        let (made, others) = match &request.picture {
+            Some(picture) => {
+                let scene = &picture.loaded.scene;
+                let made = self.object(&own, &scene.mesh, picture, progress)?;
+                (made, self.others(request, &field, picture, progress)?)
+            }
+            None => {
+                let made = setup::source(&field, &own.optics, &self.limits, &mut self.in_use, progress)?;
+                (made, Vec::new())
+            }
+        };
         let (shaded_from, shading) = (made.source, request.settings.shading.clone());
-        let prepared = Prepared { number: request.number, field, shaded_from, shading };
+        let prepared = Prepared { number: request.number, field, shaded_from, shading, others };
         Ok((Arc::new(prepared), made.note))
+    }
+
+    /// What the objects beside the first of a scene are shaded from, and how.
+    fn others(
+        &mut self,
+        request: &Request,
+        field: &Arc<HeightField>,
+        picture: &RequestedPicture,
+        progress: &setup::Progress<'_>,
+    ) -> Result<Vec<(Source, Shading)>> {
+        let scene = &picture.loaded.scene;
+        let mut known = std::mem::take(&mut self.of_objects);
+        let mut load = |surface: &Surface| match known.iter().find(|(own, _)| own == surface) {
+            Some((_, field)) => Ok(field.clone()),
+            None => {
+                let field = Arc::new(surface.load()?);
+                known.push((surface.clone(), field.clone()));
+                Ok(field)
+            }
+        };
+        let surfaces = ObjectSurface::of(scene, field, &request.settings, &mut load);
+        known.retain(|(surface, _)| scene.objects.iter().any(|object| object.surface.as_ref() == Some(surface)));
+        self.of_objects = known;
+        let others = surfaces?.into_iter().skip(1).zip(&scene.objects);
+        others
+            .map(|(surface, object)| {
+                let made = self.object(&surface, &object.mesh, picture, progress)?;
+                Ok((made.source, surface.optics.shading))
+            })
+            .collect()
+    }
+
+    /// The source of an object with this `surface` and `mesh`.
+    fn object(
+        &mut self,
+        surface: &ObjectSurface,
+        mesh: &Mesh,
+        picture: &RequestedPicture,
+        progress: &setup::Progress<'_>,
+    ) -> Result<Made> {
+        let RequestedPicture { views, size, sampling, .. } = picture;
+        let surface = match &self.device {
+            Some(device) => surface.seen(device, mesh, views, *size, sampling)?,
+            None => surface.clone(),
+        };
+        match &surface.field {
+            Some(field) => setup::source(field, &surface.optics, &self.limits, &mut self.in_use, progress),
+            None => Ok(Made { source: setup::pigment_alone(), note: None }),
+        }
     }
 
     fn field(&mut self, surface: &Surface) -> Result<Arc<HeightField>> {
@@ -235,7 +292,6 @@ impl Preparer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::shading::Shading;
     use crate::surface::synth::Kind;
     use crate::vk::instance::API_VERSION;
     use ash::vk;

@@ -14,7 +14,7 @@ pub enum Access {
     TransferRead,
     /// Drawn into as a colour attachment.
     ColorAttachment,
-    /// Tested and written as a depth attachment.
+    /// Tested and written as the attachment of depth, and of the stencil where the format has one.
     DepthAttachment,
     /// Sampled or read by vertex, fragment or compute shaders.
     ShaderRead,
@@ -44,7 +44,7 @@ impl Access {
             Self::DepthAttachment => (
                 S::EARLY_FRAGMENT_TESTS | S::LATE_FRAGMENT_TESTS,
                 A::DEPTH_STENCIL_ATTACHMENT_WRITE | A::DEPTH_STENCIL_ATTACHMENT_READ,
-                L::DEPTH_ATTACHMENT_OPTIMAL,
+                L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
             ),
             Self::ShaderRead => (
                 S::VERTEX_SHADER | S::FRAGMENT_SHADER | S::COMPUTE_SHADER,

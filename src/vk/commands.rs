@@ -258,13 +258,20 @@ impl Recorder<'_> {
         unsafe { self.device.cmd_copy_buffer_to_image(self.raw, from.raw(), to.raw(), layout, &[region]) };
     }
 
-    /// Copies the rectangle of `size` texels at `corner` of layer 0 of `from`, tightly packed, to the start of `to`.
-    pub fn copy_from_image(&self, from: &Image, corner: [u32; 2], size: [u32; 2], to: &Buffer) {
+    /// Copies the `aspect` of the rectangle of `size` texels at `corner` of layer 0 of `from`, tightly packed, to the start of `to`.
+    pub fn copy_from_image(
+        &self,
+        (from, aspect): (&Image, vk::ImageAspectFlags),
+        corner: [u32; 2],
+        size: [u32; 2],
+        to: &Buffer,
+    ) {
         self.note_use(from.resource(), Access::TransferRead, None);
         self.note_use(to.resource(), Access::TransferWrite, None);
         let mut region = region(from, 0, corner[1], size[1]);
         region.image_offset.x = corner[0] as i32;
         region.image_extent.width = size[0];
+        region.image_subresource.aspect_mask = aspect;
         let (layout, regions) = (Access::TransferRead.row().2, [region]);
         // SAFETY: recording is open, the image is in the transfer layout, the buffer is large enough.
         unsafe { self.device.cmd_copy_image_to_buffer(self.raw, from.raw(), layout, to.raw(), &regions) };
@@ -303,7 +310,14 @@ impl Recorder<'_> {
         unsafe { self.device.cmd_dispatch(self.raw, groups, 1, 1) };
     }
 
-    /// Draws into `colors` and a `depth` that is cleared to [`FAR`], all of one size. Colours are cleared where they come with a value; that
+    /// The number that the pipelines bound from now on write to the stencil, or draw only where it stands.
+    pub fn stencil(&self, number: u8) {
+        let faces = vk::StencilFaceFlags::FRONT_AND_BACK;
+        // SAFETY: recording is open.
+        unsafe { self.device.cmd_set_stencil_reference(self.raw, faces, number.into()) };
+    }
+
+    /// Draws into `colors` and a `depth` that is cleared to [`FAR`], its stencil to 0, all of one size. Colours are cleared where they come with a value; that
     /// takes software devices long, and without one they hold anything where nothing is drawn.
     pub fn render(
         &self,
@@ -361,6 +375,7 @@ impl Recorder<'_> {
             })
             .collect();
         let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: FAR, stencil: 0 } };
+        let with_stencil = depth.is_some_and(|(image, _)| image.has_stencil());
         let depth = depth.map(|(image, load)| attachment(image, Access::DepthAttachment, load, far));
         let area = vk::Rect2D {
             offset: vk::Offset2D { x: columns.start as i32, y: rows.start as i32 },
@@ -370,6 +385,9 @@ impl Recorder<'_> {
             vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&attachments);
         if let Some(depth) = &depth {
             info = info.depth_attachment(depth);
+            if with_stencil {
+                info = info.stencil_attachment(depth);
+            }
         }
         let viewport = vk::Viewport {
             width: size[0] as f32,

@@ -147,12 +147,19 @@ impl Image {
         Ok(image)
     }
 
-    /// The aspect of a format: depth or colour.
+    /// The aspects of the format: colour, or depth and, where there is one, the stencil.
     pub fn aspect(&self) -> vk::ImageAspectFlags {
+        use vk::ImageAspectFlags as Aspect;
         match self.format {
-            vk::Format::D32_SFLOAT => vk::ImageAspectFlags::DEPTH,
-            _ => vk::ImageAspectFlags::COLOR,
+            vk::Format::D32_SFLOAT => Aspect::DEPTH,
+            format if has_stencil(format) => Aspect::DEPTH | Aspect::STENCIL,
+            _ => Aspect::COLOR,
         }
+    }
+
+    /// Whether there is a stencil beside the depth.
+    pub fn has_stencil(&self) -> bool {
+        has_stencil(self.format)
     }
 
     /// All levels and layers.
@@ -192,6 +199,11 @@ impl Image {
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
+}
+
+/// Whether a format of depth has a stencil beside it.
+pub(super) fn has_stencil(format: vk::Format) -> bool {
+    format == vk::Format::D32_SFLOAT_S8_UINT
 }
 
 impl Drop for Image {

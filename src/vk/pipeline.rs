@@ -3,6 +3,7 @@
 use super::descriptors::Descriptors;
 use super::device::Device;
 use super::failure;
+use super::image::has_stencil;
 use crate::error::{Error, Result};
 use ash::vk;
 use std::sync::Arc;
@@ -69,8 +70,42 @@ pub struct Drawing<'a> {
     pub attributes: &'a [vk::VertexInputAttributeDescription],
     /// Formats of the colour attachments.
     pub colors: &'a [vk::Format],
-    /// Depth comparison and whether depth is written; `None`: no depth.
-    pub depth: Option<(vk::CompareOp, bool)>,
+    /// The depth test; `None`: no depth.
+    pub depth: Option<Depth>,
+}
+
+/// A depth test, and what is done with the stencil where the depth is the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Depth {
+    /// Format of the attachment.
+    pub format: vk::Format,
+    /// What passes.
+    pub compare: vk::CompareOp,
+    /// Whether the depth of what passes is written.
+    pub write: bool,
+    /// What the stencil is for; `None`: nothing.
+    pub stencil: Option<Stencil>,
+}
+
+/// What a drawing does with the stencil. The number is that of [`super::commands::Recorder::stencil`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stencil {
+    /// Writes the number wherever it draws.
+    Write,
+    /// Draws only where the number stands.
+    Match,
+}
+
+impl Stencil {
+    fn state(self) -> vk::StencilOpState {
+        let (compare_op, pass_op) = match self {
+            Self::Write => (vk::CompareOp::ALWAYS, vk::StencilOp::REPLACE),
+            Self::Match => (vk::CompareOp::EQUAL, vk::StencilOp::KEEP),
+        };
+        let (fail_op, depth_fail_op) = (vk::StencilOp::KEEP, vk::StencilOp::KEEP);
+        let all = u8::MAX.into();
+        vk::StencilOpState { fail_op, pass_op, depth_fail_op, compare_op, compare_mask: all, write_mask: all, reference: 0 }
+    }
 }
 
 /// A specialisation constant of 4 bytes.
@@ -242,20 +277,26 @@ impl Pipeline {
             .line_width(1.0);
         let multisample = vk::PipelineMultisampleStateCreateInfo::default()
             .rasterization_samples(vk::SampleCountFlags::TYPE_1);
-        let (compare, depth_write) = drawing.depth.unwrap_or((vk::CompareOp::ALWAYS, false));
-        let depth = vk::PipelineDepthStencilStateCreateInfo::default()
-            .depth_test_enable(drawing.depth.is_some())
-            .depth_write_enable(depth_write)
-            .depth_compare_op(compare);
+        let mut depth = vk::PipelineDepthStencilStateCreateInfo::default();
+        let mut states = vec![vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
+        if let Some(Depth { compare, write, stencil, .. }) = drawing.depth {
+            depth = depth.depth_test_enable(true).depth_write_enable(write).depth_compare_op(compare);
+            if let Some(stencil) = stencil {
+                let state = stencil.state();
+                depth = depth.stencil_test_enable(true).front(state).back(state);
+                states.push(vk::DynamicState::STENCIL_REFERENCE);
+            }
+        }
         let blends = vec![blend.color_write_mask(vk::ColorComponentFlags::RGBA); drawing.colors.len()];
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
-        let states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
         let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&states);
-        let depth_format =
-            if drawing.depth.is_some() { vk::Format::D32_SFLOAT } else { vk::Format::UNDEFINED };
+        let depth_format = drawing.depth.map_or(vk::Format::UNDEFINED, |depth| depth.format);
         let mut rendering = vk::PipelineRenderingCreateInfo::default()
             .color_attachment_formats(drawing.colors)
             .depth_attachment_format(depth_format);
+        if has_stencil(depth_format) {
+            rendering = rendering.stencil_attachment_format(depth_format);
+        }
         let info = vk::GraphicsPipelineCreateInfo::default()
             .stages(&stages)
             .vertex_input_state(&input)

@@ -175,7 +175,7 @@ fn coverage_beside_a_straight_edge_is_the_gaussian_of_the_jitter() {
     let mut view = view(&scene);
     // On the plate's edge x = 1/2, askew in the picture, whose other edges are outside.
     view.camera = Camera::looking(Vec3::new(0.45, -0.2, 0.9), Vec3::new(0.5, 0.03, 0.0), 0.5).unwrap();
-    let clip = view.camera.clip_from_world(SIZE, view.centre, view.radius).as_dmat4();
+    let clip = view.clip_from_world(SIZE).as_dmat4();
     let pixel = |y: f64| {
         let place = clip.project_point3(DVec3::new(0.5, y, 0.0));
         DVec2::new((place.x + 1.0) / 2.0 * f64::from(SIZE[0]), (place.y + 1.0) / 2.0 * f64::from(SIZE[1]))
@@ -256,7 +256,7 @@ fn footprints_of_a_sphere_are_those_of_exact_normals() {
     let scene = Scene::open("sphere").unwrap();
     let light = Light::point(35.0, -50.0, 1.0);
     let view = View::of(&scene, vec![light]);
-    let clip = view.camera.clip_from_world(SIZE, view.centre, view.radius).as_dmat4().inverse();
+    let clip = view.clip_from_world(SIZE).as_dmat4().inverse();
     let eye = view.camera.eye().as_dvec3();
     let to_light = light.from_afar(&view.room()).direction().as_dvec3();
     // (u, v) at a place of the picture, on the exact unit sphere; T points east.

@@ -40,7 +40,7 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             expected.push(*irradiance);
         }
         frame.base_color = vector();
-        frame.counts = [3, 4, 5, 6];
+        frame.grooves = vector();
         frame.sample = SampleBlock {
             jitter: [51.0, 52.0],
             footprint: 53.0,
@@ -50,7 +50,7 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             tap_offset: 57.0,
             padding: 0,
         };
-        expected.extend([frame.base_color, frame.counts.map(|n| n as f32)]);
+        expected.extend([frame.base_color, frame.grooves]);
         frame.surroundings = vector();
         expected.push(frame.surroundings);
         for column in frame.shadow_from_world.iter_mut().flatten() {

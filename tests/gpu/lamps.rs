@@ -36,7 +36,7 @@ fn floor(lights: Vec<Light>) -> (diffract::scene::Mesh, View) {
 
 /// The point of the floor that pixel number `i` sees.
 fn point(view: &View, i: usize) -> DVec3 {
-    let world = view.camera.clip_from_world(SIZE, view.centre, view.radius).as_dmat4().inverse();
+    let world = view.clip_from_world(SIZE).as_dmat4().inverse();
     let place = [i % SIZE[0] as usize, i / SIZE[0] as usize];
     let [x, y] = [0, 1].map(|axis| (place[axis] as f64 + 0.5) / f64::from(SIZE[axis]) * 2.0 - 1.0);
     let eye = view.camera.eye().as_dvec3();

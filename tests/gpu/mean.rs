@@ -16,7 +16,7 @@ use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
 use diffract::render::picture::{Directions, Painter};
 use diffract::render::pigment::Pigment;
-use diffract::render::reference_picture::{PixelReference, covered, reference_mean, reference_picture};
+use diffract::render::reference_picture::{PixelReference, covered, ReferenceObject, reference_mean, reference_picture};
 use diffract::render::sampling::{Sample, Sampling};
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
@@ -293,11 +293,13 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
         directions.ask_for_footprints().unwrap();
         let least = sizes_of(&[directions.directions_of(&view, 0, &sampling.sample(0)).unwrap()]);
         let mut seen = |sample: &Sample| Ok(vec![directions.directions_of(&view, 0, sample)?]);
+        let (shading, base_color) = (&shading, view.base_color);
+        let object = ReferenceObject { field: Some(&field), shading, base_color };
         let exact =
-            reference_mean(&field, &shading, &view, &sampling, &mut seen, &|_| true, &|_, _| Ok(())).unwrap();
+            reference_mean(&[object], &view, &sampling, &mut seen, &|_| true, &|_, _| Ok(())).unwrap();
         for (method, allowed) in [(Method::Table, TABLE_OF_SAMPLES), (Method::Spectral, SPECTRAL_OF_SAMPLES)]
         {
-            let source = source(device, &field, &shading, method, least);
+            let source = source(device, &field, shading, method, least);
             let found =
                 new(&source).paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap().radiance;
             let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));

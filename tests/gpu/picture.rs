@@ -166,7 +166,7 @@ fn the_same_view_gives_the_same_bits_and_every_pixel_is_finite() {
 
 /// The point of a unit sphere at the origin that a pixel's ray meets first.
 fn on_sphere(view: &View, pixel: usize) -> Option<DVec3> {
-    let clip = view.camera.clip_from_world(SIZE, view.centre, view.radius).as_dmat4().inverse();
+    let clip = view.clip_from_world(SIZE).as_dmat4().inverse();
     let (x, y) = ((pixel % SIZE[0] as usize) as f64 + 0.5, (pixel / SIZE[0] as usize) as f64 + 0.5);
     let ndc = |z: f64| clip.project_point3(DVec3::new(2.0 * x / 96.0 - 1.0, 2.0 * y / 72.0 - 1.0, z));
     let eye = view.camera.eye().as_dvec3();

@@ -50,6 +50,8 @@ pub struct Directions {
     /// Radiance of the surroundings in the mirrored direction of each pixel, linear sRGB; zero where nothing is covered. Where it is not
     /// empty, the light is drawn from the surroundings, and their specular order is this.
     pub mirrored: Vec<[f32; 3]>,
+    /// Number of the object that each pixel shows, from 0; 0 where nothing is covered. Empty where there is one object.
+    pub objects: Vec<u8>,
 }
 
 impl Directions {
@@ -64,8 +66,14 @@ impl Directions {
             footprints: some(&self.footprints, chosen),
             falloffs: some(&self.falloffs, chosen),
             mirrored: some(&self.mirrored, chosen),
+            objects: some(&self.objects, chosen),
             ..*self
         }
+    }
+
+    /// The object that pixel number `i` shows.
+    pub fn object(&self, i: usize) -> usize {
+        self.objects.get(i).map_or(0, |&object| object.into())
     }
 
     /// Irradiance over π at pixel number `i` of a surface that faces the light, linear sRGB.
@@ -159,6 +167,7 @@ impl Painter {
             irradiance: view.incidents(sample).get(light).map_or(DVec3::ZERO, |i| i.irradiance.as_dvec3()),
             falloffs,
             mirrored,
+            objects: self.objects_seen(part)?,
         })
     }
 
@@ -178,6 +187,19 @@ impl Painter {
         Ok(self.read(image, part)?.into_iter().zip(self.read(albedo, part)?).zip(covered).map(of).collect())
     }
 
+    /// Number of the object that each pixel of `part` shows, from 0; empty where there is one object.
+    fn objects_seen(&self, part: Part) -> Result<Vec<u8>> {
+        if !self.geometry.settings.several {
+            return Ok(Vec::new());
+        }
+        let (corner, size) = match part {
+            Part::All => ([0; 2], self.geometry.depth.size()),
+            Part::Pixel(at) => (at, [1; 2]),
+        };
+        let stencil = target::read_back_objects(&self.device, &self.geometry.depth, corner, size)?;
+        Ok(stencil.into_iter().map(|number| number.saturating_sub(1)).collect())
+    }
+
     /// Draws the geometry of a `sample` of `view` alone, unless it is there.
     fn draw_geometry(&mut self, view: &View, sample: &Sample) -> Result<()> {
         self.write(view, self.target.size(), sample)?;
@@ -190,7 +212,7 @@ impl Painter {
         }
         self.found = None;
         self.commands.run(|record| {
-            self.find.record(record, &self.geometry, &self.frame.descriptors, &self.mesh);
+            self.find.record(record, &self.geometry, &self.objects);
             Ok(())
         })?;
         self.found = self.written.clone();

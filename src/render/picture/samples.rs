@@ -78,7 +78,7 @@ impl Painter {
         go_on: &mut dyn FnMut() -> bool,
     ) -> Result<Option<Added>> {
         if self.accumulation.is_none() {
-            self.accumulation = Some(Accumulation::new(&self.device, &self.target)?);
+            self.accumulation = Some(Accumulation::new(&self.device, &self.target, self.geometry.settings.depth_format())?);
             self.point_around();
         }
         let before = self.samples_of(view, sampling, size);

@@ -2,7 +2,7 @@
 
 use super::Painter;
 use crate::error::Result;
-use crate::render::frame::{Shown, View};
+use crate::render::frame::{Shown, View, record_shading};
 use crate::render::sampling::Sampling;
 use crate::vk::queries::Timestamps;
 use glam::DVec3;
@@ -58,16 +58,17 @@ impl Painter {
         let start = Instant::now();
         let milliseconds = |since: Instant| since.elapsed().as_secs_f64() * 1e3;
         self.write(view, self.target.size(), &Sampling::ONE.sample(0))?;
-        let (target, frame, stamps) = (&self.target, &self.frame.descriptors, &watch.timestamps);
-        let sets = [frame, &self.source.descriptors];
+        let (target, stamps) = (&self.target, &watch.timestamps);
+        let (find, objects, geometry) = (&self.find, &self.objects, &self.geometry);
+        let shaded = || objects.iter().zip(&self.shadings).map(|(object, own)| (object, &own.source, &own.pass));
         let mut times = PassTimes::default();
         self.commands.run(|record| {
             let begin = Instant::now();
             record.reset(stamps);
             record.timestamp(stamps, 0);
-            self.find.record(record, &self.geometry, frame, &self.mesh);
+            find.record(record, geometry, objects);
             record.timestamp(stamps, 1);
-            self.shade.record(record, (&self.geometry, target), sets);
+            record_shading(record, (geometry, target), shaded());
             record.timestamp(stamps, 2);
             super::record_display(record, target, |record| {
                 let shown = Shown::plain(exposure, background);

@@ -90,7 +90,7 @@ fn base_color(ui: &mut Ui, settings: &mut ViewSettings) {
 pub fn lights(ui: &mut Ui, model: &mut Model) {
     section(ui, "Lights", |ui| {
         let around = usize::from(model.loaded.scene.environment.is_some());
-        let bounds = model.loaded.scene.mesh.bounds();
+        let bounds = model.loaded.scene.bounds();
         let room = Room { centre: bounds.centre.as_dvec3(), unit: model.loaded.scene.unit };
         let lights = &mut model.settings.lights;
         let several = lights.len() > 1;

@@ -1,0 +1,327 @@
+//! What stands in a scene: a mesh, what its surface is, and how it is turned. A scene has one object that options of the program change, and any number
+//! beside it.
+
+use super::mesh::{Bounds, Mesh, Progress};
+use super::{obj, primitives, snake};
+use crate::error::{Error, Result};
+use crate::optics::material::Material;
+use crate::optics::reflectance::{Film, Reflectance};
+use crate::surface::prepare::Step;
+use crate::surface::Source as Surface;
+use crate::surface::synth;
+use crate::units;
+use glam::{EulerRot, Mat3, Vec3};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// The most objects of a scene.
+pub const MAX_OBJECTS: usize = 64;
+
+/// A thing in a scene beside the first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Object {
+    /// The mesh, where it stands in the world.
+    pub mesh: Mesh,
+    /// Where the mesh is from.
+    pub mesh_source: MeshSource,
+    /// Where it stands.
+    pub pose: Pose,
+    /// The height field; `None`: nothing is diffracted, and the pigment is seen alone.
+    pub surface: Option<Surface>,
+    /// How the patch of the height field lies on the mesh.
+    pub grooves: Grooves,
+    /// What the surface reflects, where the scene says.
+    pub reflectance: Option<Reflectance>,
+    /// Albedo of the pigment, linear sRGB.
+    pub base_color: Vec3,
+    /// Pigment texture, multiplied with the base colour.
+    pub pigment: Option<PathBuf>,
+    /// Whether it is the ground, which shows shadows and casts none.
+    pub is_ground: bool,
+}
+
+/// Where an object stands: its mesh is made `size` times as large, turned about the world's x, y and z in this order, and moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Where the origin of the mesh stands.
+    pub position: Vec3,
+    /// Angles about x, y and z \[degrees\].
+    pub rotation: [f64; 3],
+    /// Factor of all lengths.
+    pub size: f32,
+}
+
+impl Default for Pose {
+    fn default() -> Self {
+        Self { position: Vec3::ZERO, rotation: [0.0; 3], size: 1.0 }
+    }
+}
+
+impl Pose {
+    /// The mesh where it stands.
+    fn place(&self, mesh: Mesh) -> Mesh {
+        if *self == Self::default() {
+            return mesh;
+        }
+        let [x, y, z] = self.rotation.map(|angle| angle.to_radians() as f32);
+        let turn = Mat3::from_euler(EulerRot::ZYX, z, y, x);
+        mesh.turned(|v| (turn * Vec3::from(v)).to_array()).moved(self.size, self.position)
+    }
+}
+
+/// How the patch of a height field lies in the tangent frame of a mesh, whose T is the direction in which u grows and whose B that of v.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Grooves {
+    /// Its x along T.
+    #[default]
+    Along,
+    /// Its x turned from T toward B by an angle \[degrees\].
+    Turned(f64),
+    /// Its x away from the middle of the texture, (0.5, 0.5): the lines of a grating whose heights vary along x are circles there.
+    Radial,
+    /// Its x turned from T toward B by the grey value of a picture over (u, v): black is 0, white a full turn.
+    Map(PathBuf),
+}
+
+impl Grooves {
+    /// An angle with its unit, `radial`, or the name of a picture, which starts from `folder`.
+    pub(super) fn parse(text: &str, folder: &Path) -> Result<Self> {
+        match text {
+            "radial" => Ok(Self::Radial),
+            _ if text.ends_with("deg") || text.ends_with("rad") => {
+                Ok(Self::Turned(units::angle(text)?))
+            }
+            file => Ok(Self::Map(folder.join(file))),
+        }
+    }
+
+    /// The picture, where there is one.
+    pub fn file(&self) -> Option<&PathBuf> {
+        if let Self::Map(file) = self { Some(file) } else { None }
+    }
+}
+
+/// An object in a scene file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FileObject {
+    mesh: String,
+    #[serde(default)]
+    up: Up,
+    position: Option<Triple<f32>>,
+    rotation: Option<Triple<Angle>>,
+    size: Option<f32>,
+    surface: Option<String>,
+    pixel_size: Option<String>,
+    height: Option<String>,
+    #[serde(default)]
+    prepare: Vec<String>,
+    grooves: Option<String>,
+    material: Option<String>,
+    film: Option<String>,
+    #[serde(default = "black")]
+    base_color: Triple<f32>,
+    pigment: Option<PathBuf>,
+}
+
+/// An angle with its unit \[degrees\].
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "String")]
+struct Angle(f64);
+
+impl TryFrom<String> for Angle {
+    type Error = String;
+
+    fn try_from(text: String) -> std::result::Result<Self, String> {
+        units::angle(&text).map(Self).map_err(|e| e.to_string())
+    }
+}
+
+impl FileObject {
+    /// The object; names of files start from `folder`.
+    pub fn open(self, folder: &Path, progress: &Progress<'_>) -> Result<Object> {
+        let Triple(base_color) = self.base_color;
+        check_colors(base_color.map(f64::from))?;
+        let pose = Pose {
+            position: self.position.map_or(Vec3::ZERO, |Triple(position)| position.into()),
+            rotation: self.rotation.map_or([0.0; 3], |Triple(angles)| angles.map(|Angle(angle)| angle)),
+            size: self.size.unwrap_or(1.0),
+        };
+        if !(pose.position.is_finite() && pose.size.is_finite() && pose.size > 0.0) {
+            return Err(Error::failed("an object has no place or size", "give finite numbers, and a size above 0"));
+        }
+        let surface = self.surface.as_deref().map(|name| -> Result<Surface> {
+            Ok(Surface {
+                name: surface_name(name, folder).into_os_string(),
+                pixel_size: self.pixel_size.as_deref().map(units::length_pair).transpose()?,
+                height: self.height.as_deref().map(units::length).transpose()?,
+                channel: None,
+                prepare: steps(&self.prepare)?,
+                seed: 1,
+            })
+        });
+        Ok(Object {
+            mesh: pose.place(open_mesh(&self.mesh, self.up, folder, progress)?),
+            mesh_source: MeshSource::named(&self.mesh, self.up, folder),
+            pose,
+            surface: surface.transpose()?,
+            grooves: self.grooves.as_deref().map_or(Ok(Grooves::Along), |text| Grooves::parse(text, folder))?,
+            reflectance: reflectance(self.material.as_deref(), self.film.as_deref(), folder)?,
+            base_color: base_color.into(),
+            pigment: self.pigment.map(|p| folder.join(p)),
+            is_ground: false,
+        })
+    }
+}
+
+impl Object {
+    /// The ground of this `color` below everything within `bounds`, whose lowest point has the height `z`.
+    pub(super) fn ground(color: Vec3, bounds: Bounds, z: f32) -> Self {
+        /// Radius of the ground, per radius of what stands on it: its edge stands behind the scene and not in it.
+        const EXTENT: f32 = 4.0;
+        let pose = Pose {
+            position: bounds.centre.truncate().extend(z),
+            size: EXTENT * bounds.radius,
+            ..Pose::default()
+        };
+        Self {
+            mesh: pose.place(primitives::ground()),
+            mesh_source: MeshSource { name: "ground".into(), up: Up::Z },
+            pose,
+            surface: None,
+            grooves: Grooves::Along,
+            reflectance: None,
+            base_color: color,
+            pigment: None,
+            is_ground: true,
+        }
+    }
+
+    /// The files that it consists of.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        let surface = self.surface.as_ref().filter(|surface| surface.kind().is_none());
+        let material = self.reflectance.as_ref().and_then(Reflectance::file);
+        [
+            self.mesh_source.file(),
+            surface.map(|surface| PathBuf::from(&surface.name)),
+            self.grooves.file().cloned(),
+            self.pigment.clone(),
+            material,
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+}
+
+impl MeshSource {
+    /// The mesh of this name in a scene file in `folder`.
+    pub(super) fn named(name: &str, up: Up, folder: &Path) -> Self {
+        let name = if BUILT_IN_MESHES.contains(&name) { name.into() } else { folder.join(name) };
+        Self { name, up }
+    }
+
+    /// The file, where it is one.
+    pub(super) fn file(&self) -> Option<PathBuf> {
+        let is_built_in = self.name.to_str().is_some_and(|name| BUILT_IN_MESHES.contains(&name));
+        (!is_built_in).then(|| self.name.clone())
+    }
+}
+
+/// A surface as a scene file in `folder` names it: a generated one, or a file.
+pub(super) fn surface_name(name: &str, folder: &Path) -> PathBuf {
+    if synth::Kind::from_name(name).is_some() { name.into() } else { folder.join(name) }
+}
+
+/// Fails unless every one of `channels` is within 0 to 1.
+pub(super) fn check_colors(channels: impl IntoIterator<Item = f64>) -> Result<()> {
+    if channels.into_iter().all(|c| (0.0..=1.0).contains(&c)) {
+        return Ok(());
+    }
+    Err(Error::failed("a colour is not within 0 to 1", "give linear sRGB from 0 to 1"))
+}
+
+/// Where a mesh is from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MeshSource {
+    /// A built-in mesh, or a file.
+    pub name: PathBuf,
+    /// Which axis of the file points up.
+    pub up: Up,
+}
+
+/// Which axis of the mesh file points up.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, Default, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Up {
+    /// The second one.
+    #[default]
+    Y,
+    /// The third one.
+    Z,
+}
+
+/// Exactly three numbers; an array of three would take the first three of more.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "Vec<T>")]
+pub(super) struct Triple<T: Copy>(pub [T; 3]);
+
+impl<T: Copy> TryFrom<Vec<T>> for Triple<T> {
+    type Error = String;
+
+    fn try_from(numbers: Vec<T>) -> std::result::Result<Self, String> {
+        let count = numbers.len();
+        numbers.try_into().map(Self).map_err(|_| format!("{count} numbers where 3 belong"))
+    }
+}
+
+pub(super) fn black() -> Triple<f32> {
+    Triple([0.0; 3])
+}
+
+/// Meshes that scene files can name instead of a file.
+pub(super) const BUILT_IN_MESHES: [&str; 4] = ["snake", "plate", "sphere", "disc"];
+
+/// What the surface reflects: a material of that name or in that file, below a film.
+pub(super) fn reflectance(material: Option<&str>, film: Option<&str>, folder: &Path) -> Result<Option<Reflectance>> {
+    let Some(name) = material else {
+        return match film {
+            None => Ok(None),
+            Some(_) => {
+                Err(Error::failed("a film needs a material below it", "add `material`, as in \"glass\""))
+            }
+        };
+    };
+    let material = if Material::is_built_in(name) {
+        Material::from_name_or_file(name)
+    } else {
+        Material::from_name_or_file(folder.join(name))
+    };
+    let film = film.map(Film::parse).transpose()?;
+    Ok(Some(Reflectance::Fresnel { material: material?, film }))
+}
+
+/// The steps of `prepare`, each as on the command line without the dashes.
+pub(super) fn steps(words: &[String]) -> Result<Vec<Step>> {
+    let step = |text: &String| Step::parse(text).map_err(|e| e.at("prepare"));
+    let steps: Vec<Step> = words.iter().map(step).collect::<Result<_>>()?;
+    Ok(steps.into_iter().filter(|step| !step.is_nothing()).collect())
+}
+
+pub(super) fn open_mesh(name: &str, up: Up, folder: &Path, progress: &Progress<'_>) -> Result<Mesh> {
+    match name {
+        "snake" => Ok(upright(snake::mesh()?, Up::Y)),
+        "plate" => Ok(primitives::plate()),
+        "sphere" => Ok(upright(primitives::sphere(), Up::Y)),
+        "disc" => Ok(primitives::disc()),
+        file => Ok(upright(obj::load(&folder.join(file), progress)?, up)),
+    }
+}
+
+/// Turns a mesh so that its `up` becomes +z.
+pub(super) fn upright(mesh: Mesh, up: Up) -> Mesh {
+    match up {
+        Up::Z => mesh,
+        Up::Y => mesh.turned(|[x, y, z]| [x, -z, y]),
+    }
+}
