@@ -12,6 +12,8 @@ use crate::measure::trade::Measurement;
 use crate::optics::coherence::Windows;
 use crate::render::footprints;
 use crate::render::frame::{Shown, View};
+use crate::render::grooves::GrooveDirections;
+use crate::render::object::ObjectData;
 use crate::render::picture::{Directions, Painter, Picture};
 use crate::render::pigment::Pigment;
 use crate::render::reference_picture::{covered, displayed, reference_pixels};
@@ -213,9 +215,11 @@ impl BenchmarkScene {
     /// # Errors
     /// When it does not fit on the device, or `source` cannot shade these directions.
     pub fn painter(&self, source: &Source, shading: &Shading) -> Result<(Painter, Vec<Directions>)> {
-        let (mesh, lights) = (&self.scene.mesh, self.view.light_count());
-        let mut painter =
-            Painter::new(&self.device, source, shading, mesh, &Pigment::white(), self.size, lights)?;
+        let lights = self.view.light_count();
+        let (mesh, grooves) = (&self.scene.mesh, &GrooveDirections::of(&self.scene.grooves)?);
+        let (pigment, base_color, casts_shadows) = (&Pigment::white(), None, true);
+        let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, source, shading };
+        let mut painter = Painter::of_objects(&self.device, &[object], self.size, lights)?;
         if self.scene.shadows {
             painter.cast_shadows()?;
         }

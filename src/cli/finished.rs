@@ -49,7 +49,8 @@ impl Origin {
         let textures: Vec<_> = ObjectTextures::of(scene)?.iter().map(texture).collect();
         let other = |(object, surface): (&Object, &ObjectSurface)| {
             let field = surface.field.as_ref();
-            let field = field.map(|f| ([f.columns(), f.rows()], f.pixel_size(), hash(bytemuck::cast_slice(f.heights()))));
+            let field = field
+                .map(|f| ([f.columns(), f.rows()], f.pixel_size(), hash(bytemuck::cast_slice(f.heights()))));
             (object.base_color, object.is_ground, field, surface.optics.clone())
         };
         let others: Vec<_> = scene.objects.iter().zip(&surfaces[1..]).map(other).collect();

@@ -257,6 +257,8 @@ pub struct PixelPass {
     adding: Option<Pipeline>,
     /// Draws of a pixel.
     pub parts: u32,
+    // Whether it draws only where its object is seen.
+    of_object: bool,
 }
 
 impl PixelPass {
@@ -282,7 +284,12 @@ impl PixelPass {
                 Pipeline::adding(device, vertex, code, &drawing, &sets, push_bytes)
             })
             .transpose()?;
-        Ok(Self { adding, parts, ..Self::new(device, code, sets, push_bytes, depth)? })
+        Ok(Self {
+            adding,
+            parts,
+            of_object: settings.several,
+            ..Self::new(device, code, sets, push_bytes, depth)?
+        })
     }
 
     /// The pass that finds out how fast the device reads the texture of `source`.
@@ -304,7 +311,7 @@ impl PixelPass {
     ) -> Result<Self> {
         let (vertex, drawing) = (shader!("display.vert"), Self::drawing(depth));
         let pipeline = Pipeline::graphics(device, vertex, Some(code), &drawing, &sets, push_bytes)?;
-        Ok(Self { pipeline, adding: None, parts: 1 })
+        Ok(Self { pipeline, adding: None, parts: 1, of_object: false })
     }
 
     /// A triangle over `target.radiance`.
@@ -318,7 +325,9 @@ impl PixelPass {
             let pipeline = if part.first == 0 { Some(&self.pipeline) } else { self.adding.as_ref() };
             let Some(pipeline) = pipeline else { break };
             draw.bind(pipeline, &sets);
-            draw.stencil(stencil_of(number));
+            if self.of_object {
+                draw.stencil(stencil_of(number));
+            }
             draw.push(pipeline, bytemuck::bytes_of(&part));
             draw.draw(3);
         }

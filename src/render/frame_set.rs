@@ -215,7 +215,8 @@ impl FrameSet {
 
     /// Points the set at the picture of surroundings that `other` reads, where it is another. The device must not be using the set.
     pub fn share_surroundings(&mut self, other: &Self) {
-        let same = |there: &Arc<Surroundings>| self.surroundings.as_ref().is_some_and(|own| Arc::ptr_eq(own, there));
+        let same =
+            |there: &Arc<Surroundings>| self.surroundings.as_ref().is_some_and(|own| Arc::ptr_eq(own, there));
         if let Some(there) = other.surroundings.as_ref().filter(|there| !same(there)) {
             self.read_surroundings(there.clone());
         }

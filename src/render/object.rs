@@ -66,10 +66,11 @@ pub fn objects<'a>(
 ) -> Vec<ObjectData<'a>> {
     let others = scene.objects.iter().map(|o| (&o.mesh, Some(o.base_color), !o.is_ground));
     let meshes = std::iter::once((&scene.mesh, None, true)).chain(others);
-    let object = |(((mesh, base_color, casts_shadows), own), (source, shading)): ((_, &'a ObjectTextures), _)| {
-        let ObjectTextures { pigment, grooves } = own;
-        ObjectData { mesh, pigment, grooves, base_color, casts_shadows, source, shading }
-    };
+    let object =
+        |(((mesh, base_color, casts_shadows), own), (source, shading)): ((_, &'a ObjectTextures), _)| {
+            let ObjectTextures { pigment, grooves } = own;
+            ObjectData { mesh, pigment, grooves, base_color, casts_shadows, source, shading }
+        };
     meshes.zip(textures).zip(shaded).map(object).collect()
 }
 

@@ -215,7 +215,8 @@ impl Painter {
         let shade = |(object, shading): (&DeviceObject, &ObjectShading)| {
             PixelPass::shading(&self.device, &object.frame.descriptors, &shading.source, settings)
         };
-        let changed: Vec<_> = if same { Vec::new() } else { self.objects.iter().zip(&self.shadings).collect() };
+        let changed: Vec<_> =
+            if same { Vec::new() } else { self.objects.iter().zip(&self.shadings).collect() };
         let passes = changed.into_iter().map(shade).collect::<Result<Vec<_>>>()?;
         self.find = GeometryPass::new(&self.device, &self.objects, &geometry)?;
         self.shadings.iter_mut().zip(passes).for_each(|(shading, pass)| shading.pass = pass);
@@ -362,7 +363,7 @@ impl Painter {
     }
 
     /// Draws one sample of `view` with `size` pixels, at most those of the pictures, in tiles of some ten milliseconds each, between which
-    /// others get the device. `go_on` is asked before each tile; where it says no, the former display stays. Milliseconds
+    /// others get the device. `go_on` is asked before each tile, with the part of the picture that is drawn; where it says no, the former display stays. Milliseconds
     /// that the device took, or `None` for a picture that was given up.
     ///
     /// # Errors
@@ -372,7 +373,7 @@ impl Painter {
         view: &View,
         shown: Shown,
         size: [u32; 2],
-        go_on: &mut dyn FnMut() -> bool,
+        go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<f64>> {
         self.write(view, size, &Sampling::ONE.sample(0))?;
         let times = self.submit_tiles(size, Finish::Display, shown, go_on)?;
@@ -385,11 +386,13 @@ impl Painter {
         size: [u32; 2],
         finish: Finish,
         shown: Shown,
-        go_on: &mut dyn FnMut() -> bool,
+        go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<[f64; 2]>> {
         let (mut tiles, mut total) = (Tiles::new(size, self.pixel_time), [0.0; 2]);
-        while let Some(tile) = tiles.next_tile() {
-            if !go_on() {
+        loop {
+            let drawn = tiles.drawn();
+            let Some(tile) = tiles.next_tile() else { break };
+            if !go_on(drawn) {
                 return Ok(None);
             }
             let times = self.submit(size, tile, finish, shown)?;

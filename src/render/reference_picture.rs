@@ -281,7 +281,8 @@ pub fn reference_mean(
         for (number, (reference, view)) in references.iter().enumerate() {
             let shows = |&&pixel: &&usize| seen.first().is_some_and(|seen| seen.object(pixel) == number);
             let pixels: Vec<usize> = pixels.iter().filter(shows).copied().collect();
-            let (part, parts) = (index as usize * references.len() + number, count as usize * references.len());
+            let (part, parts) =
+                (index as usize * references.len() + number, count as usize * references.len());
             let told = |done, of| progress(part * of + done, parts * of);
             let colors = reference.colors(view, &seen, &pixels, &told)?;
             for (pixel, color) in pixels.into_iter().zip(colors) {

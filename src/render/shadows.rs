@@ -58,7 +58,12 @@ impl Shadows {
             vertex_stride: size_of::<Vertex>() as u32,
             attributes: &attributes()[..1],
             colors: &[],
-            depth: Some(Depth { format: target::DEPTH, compare: vk::CompareOp::LESS, write: true, stencil: None }),
+            depth: Some(Depth {
+                format: target::DEPTH,
+                compare: vk::CompareOp::LESS,
+                write: true,
+                stencil: None,
+            }),
         };
         /// `constant_id` of `shadow.vert`.
         const LIGHT: u32 = 0;

@@ -6,8 +6,8 @@ use super::{obj, primitives, snake};
 use crate::error::{Error, Result};
 use crate::optics::material::Material;
 use crate::optics::reflectance::{Film, Reflectance};
-use crate::surface::prepare::Step;
 use crate::surface::Source as Surface;
+use crate::surface::prepare::Step;
 use crate::surface::synth;
 use crate::units;
 use glam::{EulerRot, Mat3, Vec3};
@@ -88,9 +88,7 @@ impl Grooves {
     pub(super) fn parse(text: &str, folder: &Path) -> Result<Self> {
         match text {
             "radial" => Ok(Self::Radial),
-            _ if text.ends_with("deg") || text.ends_with("rad") => {
-                Ok(Self::Turned(units::angle(text)?))
-            }
+            _ if text.ends_with("deg") || text.ends_with("rad") => Ok(Self::Turned(units::angle(text)?)),
             file => Ok(Self::Map(folder.join(file))),
         }
     }
@@ -148,7 +146,10 @@ impl FileObject {
             size: self.size.unwrap_or(1.0),
         };
         if !(pose.position.is_finite() && pose.size.is_finite() && pose.size > 0.0) {
-            return Err(Error::failed("an object has no place or size", "give finite numbers, and a size above 0"));
+            return Err(Error::failed(
+                "an object has no place or size",
+                "give finite numbers, and a size above 0",
+            ));
         }
         let surface = self.surface.as_deref().map(|name| -> Result<Surface> {
             Ok(Surface {
@@ -165,7 +166,10 @@ impl FileObject {
             mesh_source: MeshSource::named(&self.mesh, self.up, folder),
             pose,
             surface: surface.transpose()?,
-            grooves: self.grooves.as_deref().map_or(Ok(Grooves::Along), |text| Grooves::parse(text, folder))?,
+            grooves: self
+                .grooves
+                .as_deref()
+                .map_or(Ok(Grooves::Along), |text| Grooves::parse(text, folder))?,
             reflectance: reflectance(self.material.as_deref(), self.film.as_deref(), folder)?,
             base_color: base_color.into(),
             pigment: self.pigment.map(|p| folder.join(p)),
@@ -283,7 +287,11 @@ pub(super) fn black() -> Triple<f32> {
 pub(super) const BUILT_IN_MESHES: [&str; 4] = ["snake", "plate", "sphere", "disc"];
 
 /// What the surface reflects: a material of that name or in that file, below a film.
-pub(super) fn reflectance(material: Option<&str>, film: Option<&str>, folder: &Path) -> Result<Option<Reflectance>> {
+pub(super) fn reflectance(
+    material: Option<&str>,
+    film: Option<&str>,
+    folder: &Path,
+) -> Result<Option<Reflectance>> {
     let Some(name) = material else {
         return match film {
             None => Ok(None),

@@ -6,8 +6,8 @@ use super::environment::{self, Environment, Placement};
 use super::light::{Light, most_lights};
 use super::mesh::Bounds;
 use super::object::{
-    FileObject, Grooves, MAX_OBJECTS, MeshSource, Object, Triple, Up, black, check_colors, open_mesh, reflectance, steps,
-    surface_name, upright,
+    FileObject, Grooves, MAX_OBJECTS, MeshSource, Object, Triple, Up, black, check_colors, open_mesh,
+    reflectance, steps, surface_name, upright,
 };
 use super::{Mesh, Progress, obj};
 use crate::error::{Error, Result};
@@ -350,7 +350,8 @@ fn objects(
     if let Some(color) = ground {
         let standing: Vec<&Mesh> =
             std::iter::once(mesh).chain(objects.iter().map(|object| &object.mesh)).collect();
-        let lowest = |mesh: &&Mesh| mesh.vertices().iter().map(|v| v.position[2]).fold(f32::INFINITY, f32::min);
+        let lowest =
+            |mesh: &&Mesh| mesh.vertices().iter().map(|v| v.position[2]).fold(f32::INFINITY, f32::min);
         let z = standing.iter().map(lowest).fold(f32::INFINITY, f32::min);
         let ground = Object::ground(color.into(), Bounds::around(&standing), z);
         objects.push(ground);
@@ -487,6 +488,40 @@ mod tests {
             assert!(said.contains("line 1") && said.contains("none or neutral"), "{wrong}: {said}");
         }
         assert!(tone("tone = 1").is_err());
+    }
+
+    #[test]
+    fn objects_stand_where_their_pose_says_and_the_ground_below_them() {
+        let plate = BUILT_IN[1].1;
+        let object = "[[objects]]\nmesh = \"plate\"\nposition = [3.0, 0.0, 2.0]\nsize = 2.0\nrotation = [\"0deg\", \"90deg\", \"0deg\"]\n";
+        let scene = |head: &str, more: &str| Scene::parse(&format!("{head}\n{plate}\n{more}"), Path::new(""));
+        let two =
+            scene("ground = [0.5, 0.5, 0.5]\ngrooves = \"30deg\"", &format!("{object}grooves = \"radial\""))
+                .unwrap();
+        assert_eq!(two.grooves, Grooves::Turned(30.0));
+        let [other, ground] = two.objects.as_slice() else { panic!("{} objects", two.objects.len()) };
+        assert!(other.grooves == Grooves::Radial && other.surface.is_none() && !other.is_ground);
+        // The plate's x leads down now, and its normal along x.
+        let corner = other.mesh.vertices().iter().find(|v| v.uv == [1.0, 1.0]).unwrap();
+        let near = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6);
+        assert!(near(corner.position, [3.0, 1.0, 1.0]), "{corner:?}");
+        assert!(near(corner.normal, [1.0, 0.0, 0.0]), "{corner:?}");
+        let lowest = ground.mesh.vertices()[0].position[2];
+        assert!(ground.is_ground && lowest == 0.0, "{lowest}");
+        // What is framed is what stands on the ground; what is drawn reaches farther.
+        let bounds = two.bounds();
+        assert!(bounds.radius < 3.0 && two.reach(bounds.centre) > 3.0 * bounds.radius);
+        for (head, more, said) in [
+            ("", "[[objects]]\nmesh = \"plate\"\nsize = 0.0", "object 1: an object has no place or size"),
+            ("", "[[objects]]\nmesh = \"plate\"\nsurfac = \"blaze\"", "do you mean `surface`?"),
+            ("", "[[objects]]\nmesh = \"plate\"\nrotation = [\"1deg\"]", "1 numbers where 3 belong"),
+            ("", "[[objects]]\nmesh = \"plate\"\nrotation = [\"1\", \"0deg\", \"0deg\"]", "write 1deg"),
+            ("ground = [2.0, 0.0, 0.0]", "", "a colour is not within 0 to 1"),
+            ("", &"[[objects]]\nmesh = \"plate\"\n".repeat(63), "there are 63 objects"),
+        ] {
+            let error = scene(head, more).unwrap_err().to_string();
+            assert!(error.contains(said), "{more}: {error}");
+        }
     }
 
     #[test]

@@ -322,6 +322,16 @@ mod tests {
         scene.options = [["illuminant", &spectrum_name], ["tolerance", "2e-2"], ["windows", "all"]]
             .map(|pair| pair.map(str::to_owned))
             .to_vec();
+        let several = [
+            "mesh = \"square.obj\"\nup = \"y\"\nsurface = \"flat\"\nground = [0.5, 0.4, 0.3]\nlights = []",
+            "[camera]\neye = [1.0, 0.0, 1.5]\ntarget = [0.02, 0.0, 0.0]\nfield_of_view = \"35deg\"",
+            "[[objects]]\nmesh = \"plate\"\nup = \"z\"\nposition = [0.1, 2.3, -1.7]\nrotation = [\"12.3deg\", \"0deg\", \"-7deg\"]",
+            "size = 0.3\nsurface = \"a scan.png\"\npixel_size = \"0.1um\"\nheight = \"0.43um\"\nprepare = [\"invert\"]",
+            "grooves = \"lamp.csv\"\nmaterial = \"silver\"\nfilm = \"100nm:1.5\"\nbase_color = [0.1, 0.2, 0.3]",
+            "[[objects]]\nmesh = \"sphere\"\ngrooves = \"radial\"\npigment = \"a scan.png\"",
+        ];
+        scene.objects = read(&several.join("\n"), folder.path()).objects;
+        scene.grooves = Grooves::Turned(12.5);
         for step in 0..40u16 {
             let x = f32::from(step);
             scene.camera.phi = 0.13 * x;

@@ -2,15 +2,15 @@
 
 use super::{InUse, Method, Settings, averages_footprints, beyond_of, pigment_alone, source};
 use crate::error::Result;
+use crate::optics::coherence::Beyond;
 use crate::render::exposure;
 use crate::render::footprints;
 use crate::render::frame::{Shown, View};
-use crate::render::picture::{Directions, Painter, Picture};
 use crate::render::object::{ObjectTextures, objects};
+use crate::render::picture::{Directions, Painter, Picture};
 use crate::render::sampling::{Sample, Sampling};
 use crate::render::shading::Shading;
 use crate::render::source::Source;
-use crate::optics::coherence::Beyond;
 use crate::scene::{Mesh, Object, Scene};
 use crate::surface::{HeightField, Source as Surface};
 use crate::vk::device::Device;
@@ -208,7 +208,8 @@ pub fn picture(
         }
         None => Ok(pigment_alone()),
     };
-    let mut prepared = PreparedScene::new(device, (scene, &surfaces), settings, slice::from_ref(&view), make)?;
+    let mut prepared =
+        PreparedScene::new(device, (scene, &surfaces), settings, slice::from_ref(&view), make)?;
     prepared.check(&view)?;
     prepared.draw(&view, &mut |_| Ok(()))
 }

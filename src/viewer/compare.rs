@@ -95,9 +95,17 @@ impl Compare {
     }
 }
 
-/// The setting to compare with until the user changes it: a tenth of the tolerance, by the most accurate basis.
+/// The setting to compare with until the user changes it. For a colour table it is a table of three tenths of the tolerance: one of a tenth takes
+/// a minute and a gigabyte for the default scene, and a sum over wavelengths several minutes a picture on a software device. Else it is a tenth
+/// of the tolerance, by the most accurate basis.
 pub fn strict(own: &OpticsSettings) -> OpticsSettings {
-    optimal(own, (own.tolerance / 10.0).max(1e-4))
+    match own.method {
+        Method::Table => {
+            let tolerance = (0.3 * own.tolerance).max(1e-4);
+            OpticsSettings { tolerance, terms: None, wavelengths: None, ..own.clone() }
+        }
+        _ => optimal(own, (own.tolerance / 10.0).max(1e-4)),
+    }
 }
 
 /// The setting for the first colours of a picture; `None` if its own is as quick to prepare.

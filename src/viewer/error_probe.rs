@@ -43,14 +43,17 @@ pub fn thinned(directions: &[Directions], pixels: usize) -> Vec<Directions> {
     directions.iter().map(of_light).collect()
 }
 
-/// Random covered pixels of the picture of `view` that `painter` drew last.
+/// Random pixels that show the first object in the picture of `view` that `painter` drew last.
 ///
 /// # Errors
 /// When the device is lost.
 pub fn samples(painter: &mut Painter, view: &View) -> Result<ProbeSamples> {
     let radiance = painter.picture()?.radiance;
     let directions = directions(painter, view)?;
-    let chosen = sample(&covered(&directions), PIXELS);
+    let mut pixels = covered(&directions);
+    // The settings are those of the first object.
+    pixels.retain(|&pixel| directions.iter().all(|seen| seen.object(pixel) == 0));
+    let chosen = sample(&pixels, PIXELS);
     Ok(ProbeSamples {
         radiance: chosen
             .iter()

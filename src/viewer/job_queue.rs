@@ -31,6 +31,8 @@ pub struct PixelRequest {
 pub enum RenderReply {
     /// A frame is on the device.
     Drawn(Box<RenderedFrame>),
+    /// This part of a picture is drawn.
+    Drawing(Drawing, f32),
     /// A frame of a moving scene was abandoned after this many milliseconds.
     TooSlow(Quality, f64),
     /// The device has no memory for the spectra of moving pictures.
@@ -43,6 +45,15 @@ pub enum RenderReply {
     Pixel(Option<Box<Reading>>),
     /// A request or a job failed.
     Failed(Error),
+}
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drawing {
+    /// The user's own picture.
+    Own,
+    /// The picture that it is compared with.
+    Other,
 }
 
 /// What the render thread has yet to do.

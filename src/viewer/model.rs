@@ -10,6 +10,7 @@ use super::framing;
 use super::graph::History;
 use super::inset::InsetRequest;
 use super::inspector::Inspector;
+use super::job_queue::Drawing;
 use super::prepared::{Prepared, ROLES, Role};
 use super::quality::{Detail, Quality, QualityControl};
 use super::settings::{Needs, OpticsSettings, SceneSettings, ViewSettings};
@@ -340,6 +341,8 @@ pub struct Model {
     pub turntable: u32,
     /// Pictures of a turntable that are recorded, while that is done.
     pub recording: Option<Progress>,
+    /// What the render thread draws and how much of it is there, where that takes its time.
+    pub drawing: Option<(Drawing, f32)>,
     /// What was done last, for the user.
     pub notice: Option<String>,
     /// What went wrong.
@@ -400,6 +403,7 @@ impl Model {
             inset_side: 132.0,
             turntable: 120,
             recording: None,
+            drawing: None,
             notice: None,
             failure: None,
             files: Vec::new(),

@@ -5,6 +5,7 @@ use super::file_pane;
 use super::hemisphere;
 use super::input;
 use super::inspector_pane;
+use super::job_queue::Drawing;
 use super::model::{Comparison, Model, Progress};
 use super::palette_pane;
 use super::quality::Quality;
@@ -61,6 +62,12 @@ fn state(ui: &Ui, painter: &Painter, rect: Rect, model: &mut Model) {
     let mut at = rect.left_bottom() + vec2(MARGIN, -MARGIN);
     let width = (rect.width() - 4.0 * MARGIN - HANDLE).max(60.0);
     if let Some((what, part)) = model.sources.in_progress() {
+        at.y = progress(painter, at, width, what, part).top() - 6.0;
+    } else if let Some((drawing, part)) = model.drawing {
+        let what = match drawing {
+            Drawing::Own => "drawing",
+            Drawing::Other => "drawing the comparison",
+        };
         at.y = progress(painter, at, width, what, part).top() - 6.0;
     } else if let Some(frame) = &model.frame {
         let is_own = model.sources.own.as_ref().is_some_and(|own| own.number == frame.number);

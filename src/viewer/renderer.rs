@@ -6,7 +6,7 @@ use super::error_probe::{self, Probe};
 use super::frame::{FrameRequest, LoadedScene, PictureCost, RenderedFrame};
 use super::inset::{self, Inset, InsetRequest};
 use super::inspector::reading::Reading;
-use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply, Task};
+use super::job_queue::{Drawing, Job, JobQueue, PixelRequest, RenderReply, Task};
 use super::prepared::Prepared;
 use super::quality::{Detail, Quality};
 use crate::error::{Error, Result};
@@ -74,7 +74,11 @@ impl Slot {
     }
 
     /// Adds a sample to what it shows of `request`, and shows the mean; how many samples there are, or `None` where `go_on` said no.
-    fn add_sample(&mut self, request: &FrameRequest, go_on: &mut dyn FnMut() -> bool) -> Result<Option<u32>> {
+    fn add_sample(
+        &mut self,
+        request: &FrameRequest,
+        go_on: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Option<u32>> {
         let FrameRequest { view, sampling, size, .. } = request;
         let shown = self.displayed.as_ref().map_or(request.shown, |displayed| displayed.shown);
         let added = self.painter.add_sample(view, sampling, shown, *size, go_on)?;
@@ -125,6 +129,8 @@ pub struct Renderer {
     device: Arc<Device>,
 }
 
+/// Between two reports of how far a picture is drawn \[ms\].
+const BETWEEN_REPORTS: f64 = 250.0;
 /// A frame of a moving scene is abandoned after this time \[ms\] when there is a newer request.
 const LONGEST_MOVING_FRAME: f64 = 400.0;
 
@@ -147,7 +153,7 @@ impl Renderer {
         while let Some(task) = queue.next() {
             let result = match task {
                 Task::Frame(request) => {
-                    let drawn = self.draw(&request, queue);
+                    let drawn = self.draw(&request, queue, reply);
                     match drawn {
                         Ok(None) => queue.resume(request),
                         Ok(Some(RenderReply::Drawn(_))) => go_on_with(request, queue),
@@ -177,8 +183,13 @@ impl Renderer {
         }
     }
 
-    /// Draws `request`; `None` when a newer one replaced it.
-    fn draw(&mut self, request: &FrameRequest, queue: &JobQueue) -> Result<Option<RenderReply>> {
+    /// Draws `request`, and tells `reply` how far it is where that takes its time; `None` when a newer one replaced it.
+    fn draw(
+        &mut self,
+        request: &FrameRequest,
+        queue: &JobQueue,
+        reply: &dyn Fn(RenderReply),
+    ) -> Result<Option<RenderReply>> {
         let start = Instant::now();
         let superseded = || {
             let pending = queue.pending();
@@ -186,7 +197,12 @@ impl Renderer {
         };
         let newer = || superseded() || !queue.pending().jobs.is_empty();
         let milliseconds = || start.elapsed().as_secs_f64() * 1e3;
-        let mut go_on = || {
+        let mut told = milliseconds();
+        let mut go_on = |what: Drawing, part: f64| {
+            if milliseconds() - told > BETWEEN_REPORTS {
+                told = milliseconds();
+                reply(RenderReply::Drawing(what, part as f32));
+            }
             queue.give_way();
             !newer() || (request.moving && milliseconds() <= LONGEST_MOVING_FRAME)
         };
@@ -199,7 +215,8 @@ impl Renderer {
         let prepared = request.lighter.as_ref().unwrap_or(&request.own);
         let size = request.quality.size(request.size);
         let first = slot.as_ref().is_none_or(|slot| !slot.serves(prepared, request));
-        let painted = match paint(&self.device, slot, prepared, request, size, &mut go_on) {
+        let mut own_goes_on = |part| go_on(Drawing::Own, part);
+        let painted = match paint(&self.device, slot, prepared, request, size, &mut own_goes_on) {
             Err(_) if request.lighter.is_some() && !self.device.is_lost() => {
                 *slot = None;
                 return Ok(Some(RenderReply::NoRoom(request.quality.detail)));
@@ -213,7 +230,9 @@ impl Renderer {
         let Some(left) = slot.as_ref().map(|s| s.painter.target().display.clone()) else { return Ok(None) };
         let (mut right, mut difference) = (left.clone(), None);
         if let Some(other) = request.other.as_ref().filter(|_| request.compare != Compare::Alone) {
-            let Some(more) = paint(&self.device, &mut self.other, other, request, size, &mut go_on)? else {
+            let mut other_goes_on = |part| go_on(Drawing::Other, part);
+            let Some(more) = paint(&self.device, &mut self.other, other, request, size, &mut other_goes_on)?
+            else {
                 return Ok(None);
             };
             time = FrameTime { gpu: time.gpu + more.gpu, wall: time.wall + more.wall };
@@ -249,7 +268,7 @@ impl Renderer {
         let Some(slot) = self.own.as_mut().filter(|slot| slot.is_ready_for(&request)) else {
             return Ok(None);
         };
-        let mut go_on = || {
+        let mut go_on = |_: f64| {
             queue.give_way();
             let pending = queue.pending();
             !pending.stop && pending.frame.is_none() && pending.pixel.is_none() && pending.jobs.is_empty()
@@ -335,6 +354,8 @@ impl Renderer {
         };
         let Some(slot) = self.own.as_ref().filter(is_there) else { return Ok(None) };
         let pixel = slot.painter.pixel(&frame.view, at)?;
+        // The settings are those of the first object.
+        let pixel = pixel.filter(|pixel| pixel.directions.iter().all(|seen| seen.object(0) == 0));
         let reading = pixel.map(|pixel| Box::new(Reading::new(number, frame.own, frame.view, pixel)));
         Ok(Some(RenderReply::Pixel(reading)))
     }
@@ -371,7 +392,7 @@ impl Renderer {
     /// Does `job`.
     fn perform(&mut self, job: &Job, queue: &JobQueue) -> Result<RenderReply> {
         let (Job::Picture(request) | Job::Samples(request)) = job;
-        let mut go_on = || {
+        let mut go_on = |_: f64| {
             queue.give_way();
             true
         };
@@ -387,7 +408,7 @@ impl Renderer {
                 let mut samples = 1;
                 while samples < sampling.count {
                     samples = slot
-                        .add_sample(request, &mut || {
+                        .add_sample(request, &mut |_| {
                             queue.give_way();
                             !queue.pending().stop
                         })?
@@ -421,7 +442,7 @@ fn paint(
     prepared: &Arc<Prepared>,
     request: &FrameRequest,
     size: [u32; 2],
-    go_on: &mut dyn FnMut() -> bool,
+    go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Option<FrameTime>> {
     let slot = serving(device, slot, prepared, request)?;
     let (view, shown) = (&request.view, request.shown);

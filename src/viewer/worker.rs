@@ -138,7 +138,13 @@ impl Worker {
     ) -> Result<Self> {
         let queue = Arc::<RequestQueue>::default();
         let requests = queue.clone();
-        let mut preparer = Preparer { limits: limits.clone(), device, field: None, of_objects: Vec::new(), in_use: InUse::default() };
+        let mut preparer = Preparer {
+            limits: limits.clone(),
+            device,
+            field: None,
+            of_objects: Vec::new(),
+            in_use: InUse::default(),
+        };
         let work = move || preparer.run(&requests, &reply);
         let thread = std::thread::Builder::new().name("layers".to_owned()).spawn(work).map_err(|e| {
             Error::failed(format!("the system refuses a thread ({e})"), "close other programs")
@@ -249,7 +255,9 @@ impl Preparer {
             }
         };
         let surfaces = ObjectSurface::of(scene, field, &request.settings, &mut load);
-        known.retain(|(surface, _)| scene.objects.iter().any(|object| object.surface.as_ref() == Some(surface)));
+        known.retain(|(surface, _)| {
+            scene.objects.iter().any(|object| object.surface.as_ref() == Some(surface))
+        });
         self.of_objects = known;
         let others = surfaces?.into_iter().skip(1).zip(&scene.objects);
         others

@@ -104,7 +104,15 @@ impl Stencil {
         };
         let (fail_op, depth_fail_op) = (vk::StencilOp::KEEP, vk::StencilOp::KEEP);
         let all = u8::MAX.into();
-        vk::StencilOpState { fail_op, pass_op, depth_fail_op, compare_op, compare_mask: all, write_mask: all, reference: 0 }
+        vk::StencilOpState {
+            fail_op,
+            pass_op,
+            depth_fail_op,
+            compare_op,
+            compare_mask: all,
+            write_mask: all,
+            reference: 0,
+        }
     }
 }
 

@@ -13,6 +13,7 @@ mod faults;
 mod hostile_files;
 mod hostile_options;
 mod maps;
+mod objects;
 mod outputs;
 mod peaks;
 mod profile;

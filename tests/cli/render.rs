@@ -18,7 +18,7 @@ fn render(sandbox: &Sandbox, scene: &str, output: &str, more: &[&str]) {
 }
 
 /// Width, height and RGBA of an EXR file of 32-bit floats.
-fn exr(sandbox: &Sandbox, name: &str) -> (u32, u32, Vec<[f32; 4]>) {
+pub fn exr(sandbox: &Sandbox, name: &str) -> (u32, u32, Vec<[f32; 4]>) {
     match image::open(sandbox.path(name)).unwrap() {
         image::DynamicImage::ImageRgba32F(p) => (p.width(), p.height(), p.pixels().map(|p| p.0).collect()),
         other => panic!("{name} is {:?}", other.color()),
@@ -33,7 +33,7 @@ fn png(sandbox: &Sandbox, name: &str) -> image::RgbaImage {
 }
 
 /// ‖a − b‖/‖b‖ over the colours of all pixels.
-fn deviation(a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
+pub fn deviation(a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
     assert_eq!(a.len(), b.len());
     let square = |x: f32| f64::from(x).powi(2);
     let pairs = || a.iter().zip(b).flat_map(|(a, b)| (0..3).map(move |c| (a[c], b[c])));

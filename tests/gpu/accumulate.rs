@@ -49,7 +49,7 @@ fn a_sum_of_one_sample_is_the_single_sample_to_the_bit() {
         let plain = painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
         let one = Sampling { count: 1, seed: 9 };
         assert!(all(&mut painter, &view, one) == plain);
-        let added = painter.add_sample(&view, &one, SHOWN, SIZE, &mut || true).unwrap().unwrap();
+        let added = painter.add_sample(&view, &one, SHOWN, SIZE, &mut |_| true).unwrap().unwrap();
         assert_eq!(added.samples, 1);
         assert!(painter.picture().unwrap() == plain);
     });
@@ -113,7 +113,7 @@ fn samples_start_anew_when_anything_changes_and_go_on_after_one_that_was_given_u
         let (mut fresh, mut painter) = (painter(device, &scene, 1), painter(device, &scene, 1));
         let expected = [all(&mut fresh, &view, sampling), all(&mut fresh, &other, sampling)];
         let add = |painter: &mut Painter, view: &View, sampling: &Sampling, go_on: bool| {
-            let added = painter.add_sample(view, sampling, SHOWN, SIZE, &mut || go_on).unwrap();
+            let added = painter.add_sample(view, sampling, SHOWN, SIZE, &mut |_| go_on).unwrap();
             added.map(|added| added.samples)
         };
         assert_eq!(add(&mut painter, &view, &sampling, true), Some(1));
@@ -151,10 +151,10 @@ fn sample_after_sample_the_device_holds_the_same() {
     let (view, sampling) = (view(&scene), Sampling { count: 64, seed: 1 });
     with_device(|device| {
         let mut painter = painter(device, &scene, 1);
-        painter.add_sample(&view, &sampling, SHOWN, SIZE, &mut || true).unwrap();
+        painter.add_sample(&view, &sampling, SHOWN, SIZE, &mut |_| true).unwrap();
         let before = device.memory_in_use();
         for _ in 1..64 {
-            painter.add_sample(&view, &sampling, SHOWN, SIZE, &mut || true).unwrap();
+            painter.add_sample(&view, &sampling, SHOWN, SIZE, &mut |_| true).unwrap();
             assert_eq!(device.memory_in_use(), before);
         }
     });

@@ -130,7 +130,7 @@ fn a_profile_and_what_a_window_adds_fail_cleanly_at_each_of_their_allocations() 
             let rates = profile::rates(&mut painter, 16 * 12)?;
             painter.directions(&view, 0)?;
             painter.cosine_weighted(&queries(3, 5))?;
-            painter.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), [16, 12], &mut || true)?;
+            painter.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), [16, 12], &mut |_| true)?;
             let picture = painter.picture()?;
             let size = picture.size.map(|n| n as usize);
             let data = bytemuck::cast_slice(&picture.display);

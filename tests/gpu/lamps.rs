@@ -228,7 +228,7 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
             // A picture of another view that is given up changes nothing of what is shown.
             let elsewhere = Camera { phi: view.camera.phi + 1.0, ..view.camera };
             let other = View { camera: elsewhere, ..view.clone() };
-            assert!(painter.draw_while(&other, shown, size, &mut || false).unwrap().is_none());
+            assert!(painter.draw_while(&other, shown, size, &mut |_| false).unwrap().is_none());
             assert!(painter.display_again(size, shown).unwrap());
             assert!(painter.picture().unwrap() == picture, "another view is behind {count} samples");
             // Before a colour again.

@@ -18,6 +18,7 @@ mod lights;
 mod long_run;
 mod mean;
 mod measure;
+mod objects;
 #[cfg(feature = "viewer")]
 mod panel;
 mod picture;

@@ -16,7 +16,9 @@ use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
 use diffract::render::picture::{Directions, Painter};
 use diffract::render::pigment::Pigment;
-use diffract::render::reference_picture::{PixelReference, covered, ReferenceObject, reference_mean, reference_picture};
+use diffract::render::reference_picture::{
+    PixelReference, ReferenceObject, covered, reference_mean, reference_picture,
+};
 use diffract::render::sampling::{Sample, Sampling};
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};

@@ -65,7 +65,7 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
             assert!(device.memory_in_use().abs_diff(memory) < layers.bytes() as u64 / 2);
             assert!(painter.paint(&view, 0.0, DVec3::ZERO).unwrap() == expected);
             // In tiles, too, each of which is a submission of its own.
-            painter.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), SIZE, &mut || true).unwrap();
+            painter.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), SIZE, &mut |_| true).unwrap();
             assert!(painter.picture().unwrap() == expected);
         }
         // Layers, coefficients and pigment alone take as many allocations as that and more.
@@ -179,7 +179,8 @@ fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displa
         let expected = whole.paint(&view, 1.0, background).unwrap();
         let mut painter = painter(device, &scene, SIZE);
         let mut asked = 0;
-        let mut count = || {
+        let mut count = |part: f64| {
+            assert!((0.0..1.0).contains(&part), "{part}");
             asked += 1;
             true
         };
@@ -190,7 +191,7 @@ fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displa
         assert!(painter.picture().unwrap() == expected);
         // Another light, given up after the first tile.
         let mut tiles = 0;
-        let mut once = || {
+        let mut once = |_| {
             tiles += 1;
             tiles < 2
         };
@@ -203,7 +204,7 @@ fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displa
                 "half a picture is none"
             );
         }
-        painter.draw_while(&view, Shown::plain(1.0, background), SIZE, &mut || true).unwrap();
+        painter.draw_while(&view, Shown::plain(1.0, background), SIZE, &mut |_| true).unwrap();
         assert!(painter.display_again(SIZE, Shown::plain(2.0, background)).unwrap());
         let brighter = whole.paint(&view, 2.0, background).unwrap();
         assert!(painter.picture().unwrap() == brighter && brighter.display != expected.display);
@@ -218,7 +219,7 @@ fn a_smaller_picture_lies_in_the_corner_and_another_size_is_another_picture() {
     with_device(|device| {
         let expected = painter(device, &scene, small).paint(&view, 0.0, DVec3::ZERO).unwrap();
         let mut painter = painter(device, &scene, SIZE);
-        painter.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), small, &mut || true).unwrap();
+        painter.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), small, &mut |_| true).unwrap();
         let shown = painter.picture().unwrap();
         for y in 0..small[1] as usize {
             let rows = [small[0], SIZE[0]].map(|width| y * width as usize);

@@ -53,7 +53,7 @@ impl Painter {
         let size = self.target.size();
         self.summed = None;
         loop {
-            let added = self.add_sample(view, sampling, shown, size, &mut || true)?;
+            let added = self.add_sample(view, sampling, shown, size, &mut |_| true)?;
             let done = added.map_or(0, |added| added.samples);
             progress(done)?;
             if done >= sampling.count {
@@ -75,10 +75,11 @@ impl Painter {
         sampling: &Sampling,
         shown: Shown,
         size: [u32; 2],
-        go_on: &mut dyn FnMut() -> bool,
+        go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<Added>> {
         if self.accumulation.is_none() {
-            self.accumulation = Some(Accumulation::new(&self.device, &self.target, self.geometry.settings.depth_format())?);
+            self.accumulation =
+                Some(Accumulation::new(&self.device, &self.target, self.geometry.settings.depth_format())?);
             self.point_around();
         }
         let before = self.samples_of(view, sampling, size);

@@ -29,6 +29,13 @@ impl Tiles {
         Self { size, corner: [0; 2], pixels, last: 0.0, known }
     }
 
+    /// The part of the picture that the tiles so far cover.
+    pub(super) fn drawn(&self) -> f64 {
+        let [width, height] = self.size.map(f64::from);
+        let [left, top] = self.corner.map(f64::from);
+        if width * height > 0.0 { (top + left / width) / height } else { 1.0 }
+    }
+
     /// Columns and rows of the next tile.
     pub(super) fn next_tile(&mut self) -> Option<[Range<u32>; 2]> {
         let ([width, height], [left, top]) = (self.size, self.corner);

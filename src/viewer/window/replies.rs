@@ -186,6 +186,9 @@ impl ViewerWindow {
     fn handle_rendering(&mut self, reply: RenderReply) -> Result<()> {
         match reply {
             RenderReply::Drawn(frame) => self.show_frame(*frame),
+            RenderReply::Drawing(what, part) => {
+                self.model.drawing = Some((what, part)).filter(|_| !self.model.pacing.moving);
+            }
             RenderReply::TooSlow(quality, milliseconds) => {
                 // It would have taken longer; twice is a guess that is corrected by the next frame.
                 self.model.pacing.quality.record(quality, 2.0 * milliseconds, true);
@@ -195,7 +198,10 @@ impl ViewerWindow {
             RenderReply::Samples(probe) => self.measure(*probe)?,
             RenderReply::Pixel(reading) => self.show_pixel(reading.map(|reading| *reading))?,
             RenderReply::Failed(e) if self.device.is_lost() => return Err(e),
-            RenderReply::Failed(e) => self.model.report(Concern::Picture, &e),
+            RenderReply::Failed(e) => {
+                self.model.drawing = None;
+                self.model.report(Concern::Picture, &e);
+            }
         }
         Ok(())
     }
@@ -221,6 +227,7 @@ impl ViewerWindow {
             self.requested.pixel = None;
         }
         self.model.frame = Some(frame);
+        self.model.drawing = None;
         if self.model.pacing.continuous {
             self.request_frame(true);
         }
