@@ -388,7 +388,9 @@ impl Painter {
         shown: Shown,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<[f64; 2]>> {
-        let (mut tiles, mut total) = (Tiles::new(size, self.pixel_time), [0.0; 2]);
+        let iterations = |own: &ObjectShading| own.source.iterations_of_pixel(self.geometry.settings);
+        let iterations = self.shadings.iter().map(iterations).max().unwrap_or(0);
+        let (mut tiles, mut total) = (Tiles::new(size, self.pixel_time, iterations), [0.0; 2]);
         loop {
             let drawn = tiles.drawn();
             let Some(tile) = tiles.next_tile() else { break };

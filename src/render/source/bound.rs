@@ -134,6 +134,11 @@ impl BoundSource {
         self.iterations.parts_of_pixel(settings.lights + usize::from(settings.mirrored))
     }
 
+    /// Loop iterations of the sum of such a pixel, at most.
+    pub(in crate::render) fn iterations_of_pixel(&self, settings: GeometrySettings) -> usize {
+        self.iterations.of_pixel(settings.lights + usize::from(settings.mirrored))
+    }
+
     /// Constants of the source alone.
     pub(in crate::render) fn constants(&self) -> &[Constant] {
         &self.constants

@@ -28,7 +28,12 @@ impl Iterations {
 
     /// Parts of the sum of a pixel under so many directions of light.
     pub fn parts_of_pixel(&self, lights: usize) -> u32 {
-        parts(self.of_tap * self.taps * lights)
+        parts(self.of_pixel(lights))
+    }
+
+    /// Iterations of a pixel under so many directions of light, at most.
+    pub fn of_pixel(&self, lights: usize) -> usize {
+        self.of_tap * self.taps * lights
     }
 }
 
