@@ -181,6 +181,29 @@ fn windows_are_told_one_by_one_and_their_average_differs_from_each() {
 }
 
 #[test]
+fn the_mean_over_all_windows_has_the_standard_error_of_some_of_them() {
+    let sandbox = Sandbox::new();
+    let spread = |windows: &str| {
+        let more = ["--wavelengths", "500:600:50", "--coherence", "gaussian:32um", "--json", "p.json"];
+        let more = [&more[..], &["--windows", windows]].concat();
+        let outcome = peaks(&sandbox, "elaphe", "-75", "20:40:0.1", &more);
+        assert!(outcome.code == Some(0) && outcome.stderr.contains("95 % within"), "{outcome:?}");
+        let json: serde_json::Value = serde_json::from_slice(&sandbox.read("p.json")).unwrap();
+        (outcome.stderr.lines().count(), json)
+    };
+    let ((lines, all), (_, some)) = (spread("all"), spread("4x4"));
+    // The patch of 65 um has 10.5 windows of 8 um that are independent: 4 x 4 are looked at, and none is told alone.
+    let number = |json: &serde_json::Value, name: &str| json["over_windows"][name].as_f64().unwrap();
+    assert!((number(&all, "independent_windows") - 10.5).abs() < 0.1, "{all}");
+    assert!(lines == 1 && all["windows"].is_null(), "{all}");
+    assert_eq!(number(&all, "standard_error_nm"), number(&some, "standard_error_nm"));
+    let mean = |json: &serde_json::Value| json["period_nm"]["mean"].as_f64().unwrap();
+    let interval: Vec<f64> = serde_json::from_value(all["over_windows"]["interval_95_nm"].clone()).unwrap();
+    assert!((interval[0] + interval[1]) / 2.0 - mean(&all) < 1e-9, "{all}");
+    assert!(interval[0] < mean(&some) && mean(&some) < interval[1], "{all} {some}");
+}
+
+#[test]
 fn the_figure_has_the_peaks_and_the_grating_equation() {
     let sandbox = Sandbox::new();
     let more = ["--wavelengths", "400:700:50", "--coherence", "gaussian:20um", "--plot", "p.svg"];

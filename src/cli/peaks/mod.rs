@@ -11,14 +11,14 @@ use crate::error::{Error, Result};
 use crate::figure::Format;
 use crate::files::Files;
 use crate::measure::peaks::WindowSpread;
+use crate::optics::coherence::Windows;
 use crate::surface::HeightField;
 use clap::{Args, ValueEnum};
 use report::{Found, Report};
 use serde::Serialize;
-use std::f64::consts::PI;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use sweep::Sweep;
+use sweep::{Sweep, independent_windows};
 
 /// Most evaluations: a software device makes them in minutes.
 const MAX_EVALUATIONS: usize = 50_000_000;
@@ -42,8 +42,9 @@ const FEWEST_ANGLES: usize = 3;
 direction stands at minus theta-i. The answer is CSV: wavelength [nm], angle of the largest BRDF in the range [degrees],
 period d = m wavelength/|sin angle + sin theta-i| [nm], response [1/sr]. Cells stay empty where nothing is reflected or,
 in the mirror direction, every period fits. One order has the whole range of angles; of several, each has what is at most
-half an order away from where --period sends it, and a column `order`. With --windows NxM the period of each window alone
-is told beside that of their average, and a standard error of the average by the jackknife over windows.
+half an order away from where --period sends it, and a column `order`. The standard error over windows is that of the
+mean over the surface, by the jackknife over windows: over a few of them for --windows all, over those that are asked for
+with --windows NxM, which also tells the period of each window alone. --method reference --windows all has none.
 
 Examples:
   diffract peaks blaze --theta-i -75 --angles 38:57:0.01
@@ -196,9 +197,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     let (sweep, alone) = Sweep::of(arguments, &field)?;
-    let windows: Vec<Vec<Found>> = alone.iter().map(|one| find(arguments, one)).collect();
     let mut found = find(arguments, &sweep);
-    spread_over_windows(arguments, &field, &sweep, &alone, &mut found);
+    spread_over_windows(arguments, &field, &alone, &mut found);
+    let asked: &[Sweep] = if arguments.optics.windows() == Windows::All { &[] } else { &alone };
+    let windows: Vec<Vec<Found>> = asked.iter().map(|one| find(arguments, one)).collect();
     write::text(arguments.output.as_deref(), &report::table(&found)?)?;
     tell(&found, &windows);
     if let Some(path) = &arguments.plot {
@@ -215,23 +217,15 @@ fn find(arguments: &Arguments, sweep: &Sweep) -> Vec<Found> {
     orders.iter().map(|&m| Found::new(m, sweep.peaks(arguments.theta_i, m, apart))).collect()
 }
 
-/// Gives each of the peaks `found` in `mean` its spread over the windows whose sweeps are `alone`.
-fn spread_over_windows(
-    arguments: &Arguments,
-    field: &HeightField,
-    mean: &Sweep,
-    alone: &[Sweep],
-    found: &mut [Found],
-) {
+/// Gives each of the peaks `found` its spread over the windows whose sweeps are `alone`.
+fn spread_over_windows(arguments: &Arguments, field: &HeightField, alone: &[Sweep], found: &mut [Found]) {
     // A single wavelength or window, or a grating that is the same everywhere, has no spread.
-    let Some(sigma) = arguments.optics.monochrome(field).coherence.sigma().filter(|_| alone.len() > 1) else {
+    let Some(independent) = independent_windows(arguments, field).filter(|_| alone.len() > 1) else {
         return;
     };
+    let mean = Sweep::mean(alone);
     let leave_one_out: Vec<Vec<Found>> =
         alone.iter().map(|one| find(arguments, &mean.without(one, alone.len()))).collect();
-    // Intensities through Gaussian windows at a distance d correlate by exp(−d²/(2σ²)), whose integral is the area of one independent window.
-    let [width, height] = field.patch_size();
-    let independent = width * height / (2.0 * PI * sigma * sigma);
     for (i, of) in found.iter_mut().enumerate() {
         let periods: Option<Vec<f64>> = leave_one_out.iter().map(|all| all[i].statistics.mean).collect();
         of.spread = periods.and_then(|periods| WindowSpread::jackknife(&periods, independent));

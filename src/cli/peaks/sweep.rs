@@ -9,6 +9,16 @@ use crate::optics::coherence::Windows;
 use crate::optics::geometry::{Pair, direction};
 use crate::setup::{Method, Settings};
 use crate::surface::HeightField;
+use std::f64::consts::PI;
+
+/// So many windows on `field` are independent of each other; `None` for a finite grating.
+///
+/// Intensities through Gaussian windows at a distance d correlate by exp(−d²/(2σ²)), whose integral is the area of one independent window.
+pub fn independent_windows(arguments: &Arguments, field: &HeightField) -> Option<f64> {
+    let sigma = arguments.optics.monochrome(field).coherence.sigma()?;
+    let [width, height] = field.patch_size();
+    Some(width * height / (2.0 * PI * sigma * sigma))
+}
 
 /// The response at every wavelength and angle.
 #[derive(Clone, Debug)]
@@ -22,14 +32,36 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Averaged over the windows that `arguments` ask for, of the `field`, and the sweep of each window alone, where several are asked for.
+    /// Averaged over the windows that `arguments` ask for, of the `field`, and the sweeps of windows alone that its spread follows from: of those that are
+    /// asked for, or of some for the mean over all of them.
     pub fn of(arguments: &Arguments, field: &HeightField) -> Result<(Self, Vec<Self>)> {
-        let [n, m] = match arguments.optics.windows() {
-            all_or_one @ (Windows::All | Windows::ONE) => {
-                return Ok((Self::through(arguments, field, all_or_one)?, Vec::new()));
+        match arguments.optics.windows() {
+            Windows::ONE => Ok((Self::through(arguments, field, Windows::ONE)?, Vec::new())),
+            Windows::Grid(counts) => {
+                let windows = Self::of_windows(arguments, field, counts)?;
+                Ok((Self::mean(&windows), windows))
             }
-            Windows::Grid(counts) => counts,
-        };
+            Windows::All => {
+                let mean = Self::through(arguments, field, Windows::All)?;
+                let counts = Self::windows_of_spread(arguments, field);
+                let windows =
+                    counts.map_or(Ok(Vec::new()), |n| Self::of_windows(arguments, field, [n; 2]))?;
+                Ok((mean, windows))
+            }
+        }
+    }
+
+    /// Windows along each side of the patch for the spread of the mean over all: about as many as are independent. `None` where that is not two, and for the
+    /// f64 reference, whose single windows take minutes.
+    fn windows_of_spread(arguments: &Arguments, field: &HeightField) -> Option<u32> {
+        const MOST: f64 = 4.0;
+        let independent = independent_windows(arguments, field)?;
+        let is_quick = arguments.optics.method() != Method::Reference;
+        (is_quick && independent >= 2.0).then(|| independent.sqrt().ceil().clamp(2.0, MOST) as u32)
+    }
+
+    /// The sweep of each of n × m windows.
+    fn of_windows(arguments: &Arguments, field: &HeightField, [n, m]: [u32; 2]) -> Result<Vec<Self>> {
         // Every window's sweep and the mean.
         let sweeps = u64::from(n) * u64::from(m) + 1;
         let evaluations = arguments.wavelengths.count() as u64 * arguments.angles.count() as u64;
@@ -44,11 +76,11 @@ impl Sweep {
             let moved = field.moved(samples(i, n, field.columns()), samples(j, m, field.rows()));
             windows.push(Self::through(arguments, &moved, Windows::ONE)?);
         }
-        Ok((Self::mean(&windows), windows))
+        Ok(windows)
     }
 
     /// The mean of `sweeps` of the same wavelengths and angles, one at least.
-    fn mean(sweeps: &[Self]) -> Self {
+    pub fn mean(sweeps: &[Self]) -> Self {
         let mut mean = sweeps[0].clone();
         for sweep in &sweeps[1..] {
             mean.responses.iter_mut().zip(&sweep.responses).for_each(|(sum, f)| *sum += f);
