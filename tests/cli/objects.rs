@@ -58,7 +58,7 @@ fn a_picture_of_several_objects_is_that_of_the_reference_and_a_sequence_of_them_
     sequence().done();
     let told = sequence();
     assert!(told.code == Some(0) && told.stderr.contains("1 of 1 pictures are there already"), "{told:?}");
-    sandbox.write("two.toml", &SCENE.replace("size = 2.0", "size = 2.5"));
+    sandbox.write("two.toml", SCENE.replace("size = 2.0", "size = 2.5"));
     let told = sequence().refused(2);
     assert!(told.contains("is not this picture under these settings"), "{told}");
 }

@@ -166,6 +166,9 @@ fn turned([x, y, z, _]: [f32; 4], angle: f64) -> DVec3 {
     DVec3::new(cos * x + sin * y, cos * y - sin * x, z)
 }
 
+/// The angle of the grooves at a place (u, v), where it is certain \[rad\].
+type AngleAt = dyn Fn([f64; 2]) -> Option<f64>;
+
 #[test]
 fn grooves_turn_the_directions_about_the_normal_by_an_angle_by_a_map_or_around_the_middle() {
     let scene = Scene::open("plate").unwrap();
@@ -185,7 +188,7 @@ fn grooves_turn_the_directions_about_the_normal_by_an_angle_by_a_map_or_around_t
     };
     with_device(|device| {
         let plain = directions(device, &view, &GrooveDirections::along());
-        let angle_of: [(Grooves, &dyn Fn([f64; 2]) -> Option<f64>); 3] = [
+        let angle_of: [(Grooves, &AngleAt); 3] = [
             (Grooves::Turned(35.0), &|_| Some(35f64.to_radians())),
             (Grooves::Radial, &|[u, v]| {
                 let away = (u - 0.5).hypot(v - 0.5);

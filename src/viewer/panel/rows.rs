@@ -312,7 +312,8 @@ mod tests {
 
     #[test]
     fn numbers_are_typed_in_any_unit_of_their_kind() {
-        let cases: [(&Unit, &[(&str, Option<f64>)]); 4] = [
+        type Case = (&'static str, Option<f64>);
+        let cases: [(&Unit, &[Case]); 4] = [
             (
                 &NANOMETRES,
                 &[("450", Some(450.0)), ("0.45um", Some(450.0)), (" 450 nm", Some(450.0)), ("450 s", None)],
