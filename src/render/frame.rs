@@ -350,15 +350,23 @@ impl PixelPass {
     }
 }
 
-/// An object as the shading pass needs it: its frame, its source, and the pass that shades it.
-pub type Shaded<'a> = (&'a DeviceObject, &'a BoundSource, &'a PixelPass);
+/// An object as it is shaded.
+#[derive(Clone, Copy)]
+pub struct ShadedObject<'a> {
+    /// The object, with its frame.
+    pub object: &'a DeviceObject,
+    /// What it is shaded from.
+    pub source: &'a BoundSource,
+    /// What shades it.
+    pub pass: &'a PixelPass,
+}
 
 /// Records the shading of `objects` where `geometry` found them into `target.radiance`, which it leaves as a colour attachment. What is not
 /// covered holds anything: who reads radiance asks the depth.
 pub fn record_shading<'a>(
     record: &Recorder<'_>,
     (geometry, target): (&Geometry, &Target),
-    objects: impl Iterator<Item = Shaded<'a>>,
+    objects: impl Iterator<Item = ShadedObject<'a>>,
 ) {
     record.images(&[
         (&target.radiance, Access::Nothing, Access::ColorAttachment),
@@ -371,10 +379,10 @@ pub fn record_shading<'a>(
 pub fn go_on_shading<'a>(
     record: &Recorder<'_>,
     (geometry, target): (&Geometry, &Target),
-    objects: impl Iterator<Item = Shaded<'a>>,
+    objects: impl Iterator<Item = ShadedObject<'a>>,
 ) {
     record.render_over(&[(&target.radiance, None)], &geometry.depth, |draw| {
-        for (number, (object, source, pass)) in objects.enumerate() {
+        for (number, ShadedObject { object, source, pass }) in objects.enumerate() {
             pass.draw(draw, number, [&object.frame.descriptors, &source.descriptors]);
         }
     });

@@ -3,7 +3,9 @@
 use super::accumulate::Accumulation;
 use super::around::AroundPass;
 use super::evaluator::{Asker, Query};
-use super::frame::{DisplayPass, GeometryPass, PixelPass, Probe, Shown, View, go_on_shading, record_shading};
+use super::frame::{
+    DisplayPass, GeometryPass, PixelPass, Probe, ShadedObject, Shown, View, go_on_shading, record_shading,
+};
 use super::grooves::GrooveDirections;
 use super::object::{DeviceObject, ObjectData};
 use super::pigment::Pigment;
@@ -66,6 +68,13 @@ struct ObjectShading {
     pass: PixelPass,
     // Of the specular order, where surroundings are read in the mirrored direction.
     specular_spread: Option<f32>,
+}
+
+impl ObjectShading {
+    /// `object` as it is shaded.
+    fn of<'a>(&'a self, object: &'a DeviceObject) -> ShadedObject<'a> {
+        ShadedObject { object, source: &self.source, pass: &self.pass }
+    }
 }
 
 /// What is asked of the geometry pass.
@@ -452,7 +461,7 @@ impl Painter {
         let frame = &self.objects[0].frame.descriptors;
         let (around, written) = (self.around.as_ref(), self.written.as_ref());
         let display = Display::new((geometry, target), &self.display, around, frame, written);
-        let shaded = || objects.iter().zip(shadings).map(|(object, own)| (object, &own.source, &own.pass));
+        let shaded = || objects.iter().zip(shadings).map(|(object, own)| own.of(object));
         let first = tile.iter().all(|range| range.start == 0);
         let last = tile.iter().zip(size).all(|(range, end)| range.end == end);
         if self.shows == Content::Sample {

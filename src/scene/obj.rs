@@ -13,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::memory;
 use std::borrow::Cow;
 use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, BufReader, Read};
 use std::path::Path;
@@ -36,13 +37,13 @@ const REPORT_EVERY: usize = 1 << 20;
 /// The most characters of a word that an error shows.
 const SHOWN: usize = 40;
 
-/// Reads the mesh in the OBJ file at `path`, and tells `progress`.
+/// Reads the mesh in the OBJ file at `path`, or the `part` of it that an object, a group or a material of this name makes, and tells `progress`.
 ///
 /// # Errors
-/// A file that cannot be read, is not a plain file or is larger than [`MAX_BYTES`]; otherwise as [`from_bytes`]. The
+/// A file that cannot be read, is not a plain file or is larger than [`MAX_BYTES`]; a part that it does not have; otherwise as [`from_bytes`]. The
 /// error names the file. Also what `progress` returns.
-pub fn load(path: &Path, progress: &Progress<'_>) -> Result<Mesh> {
-    read(path).and_then(|bytes| parse(&bytes, progress)).map_err(|e| e.at(path.display()))
+pub fn load(path: &Path, part: Option<&str>, progress: &Progress<'_>) -> Result<Mesh> {
+    read(path).and_then(|bytes| parse(&bytes, part, progress)).map_err(|e| e.at(path.display()))
 }
 
 /// The mesh in the text of an OBJ file.
@@ -51,11 +52,11 @@ pub fn load(path: &Path, progress: &Progress<'_>) -> Result<Mesh> {
 /// Text that is empty or not an OBJ, a line that is cut short or malformed (named by its number), an index that points
 /// at nothing, no faces, more than [`MAX_TRIANGLES`], more than the memory holds; and as [`Mesh::from_triangles`].
 pub fn from_bytes(bytes: &[u8]) -> Result<Mesh> {
-    parse(bytes, &|_, _, _| Ok(()))
+    parse(bytes, None, &|_, _, _| Ok(()))
 }
 
-/// As [`from_bytes`], which fails with what `progress` returns.
-fn parse(bytes: &[u8], progress: &Progress<'_>) -> Result<Mesh> {
+/// The whole of [`from_bytes`] or a `part`; fails with what `progress` returns.
+fn parse(bytes: &[u8], part: Option<&str>, progress: &Progress<'_>) -> Result<Mesh> {
     let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Error::failed("the file is empty", "export the mesh as Wavefront OBJ again"));
@@ -65,7 +66,7 @@ fn parse(bytes: &[u8], progress: &Progress<'_>) -> Result<Mesh> {
     }
     // The lines that make the mesh.
     memory::ensure_room(2 * bytes.len() as u64, "the text of the mesh")?;
-    let survey = Survey::of(bytes, progress)?;
+    let survey = Survey::of(bytes, part, progress)?;
     memory::ensure_room(survey.triangles as u64 * BYTES_PER_TRIANGLE, "the triangles of the mesh")?;
     let models = models(&survey.geometry, progress)?;
     Mesh::build(models.iter().flat_map(|m| triangles(&m.mesh, &survey)).collect(), progress)
@@ -213,13 +214,69 @@ struct Survey {
     /// Whether a face has no vt, no vn.
     lacks: [bool; 3],
     triangles: usize,
+    parts: Parts,
+}
+
+/// The parts of the file by name, and which of them is wanted.
+#[derive(Default)]
+struct Parts {
+    /// Whose faces are kept; `None`: those of all.
+    wanted: Option<String>,
+    /// Names of the object, the groups and the material that faces belong to now.
+    current: [Vec<String>; 3],
+    /// All names, as far as errors list them.
+    known: BTreeSet<String>,
+    /// Whether a face belongs to the part that is wanted.
+    found: bool,
+}
+
+impl Parts {
+    /// Names that an error lists at most.
+    const LISTED: usize = 12;
+
+    /// Takes a line that names what the faces behind it belong to.
+    fn line(&mut self, words: &[&str]) {
+        let kind = match words.first() {
+            Some(&"o") => 0,
+            Some(&"g") => 1,
+            Some(&"usemtl") => 2,
+            _ => return,
+        };
+        self.current[kind] = words[1..].iter().map(|&word| word.to_owned()).collect();
+        for name in &self.current[kind] {
+            if self.known.len() < Self::LISTED && !self.known.contains(name) {
+                self.known.insert(name.clone());
+            }
+        }
+    }
+
+    /// Whether a face here is one of those that are wanted.
+    fn keeps(&mut self) -> bool {
+        let Some(wanted) = &self.wanted else { return true };
+        let keeps = self.current.iter().flatten().any(|name| name == wanted);
+        self.found |= keeps;
+        keeps
+    }
+
+    /// Fails where no face belongs to the part that is wanted.
+    fn check(&self) -> Result<()> {
+        let Some(wanted) = self.wanted.as_ref().filter(|_| !self.found) else { return Ok(()) };
+        let known: Vec<&str> = self.known.iter().map(String::as_str).collect();
+        let remedy = if known.is_empty() {
+            "the file names no object, group or material: leave `part` away".to_owned()
+        } else {
+            format!("give the name of an object, a group or a material: {}", known.join(", "))
+        };
+        Err(Error::failed(format!("no face belongs to the part `{wanted}`"), remedy))
+    }
 }
 
 const TAGS: [&str; 3] = ["v", "vt", "vn"];
 
 impl Survey {
-    fn of(text: &[u8], progress: &Progress<'_>) -> Result<Self> {
-        let mut survey = Self::default();
+    fn of(text: &[u8], part: Option<&str>, progress: &Progress<'_>) -> Result<Self> {
+        let parts = Parts { wanted: part.map(str::to_owned), ..Parts::default() };
+        let mut survey = Self { parts, ..Self::default() };
         each_line(text, "counting faces", progress, |number, line| {
             survey.line(number, &String::from_utf8_lossy(line))
         })?;
@@ -239,6 +296,7 @@ impl Survey {
                 return Err(e.at(format!("line {line}")));
             }
         }
+        survey.parts.check()?;
         Ok(survey)
     }
 
@@ -258,8 +316,14 @@ impl Survey {
             Some(&"v") => self.numbers(0, 3, &words[1..]).map(|()| if words.len() == 5 { 5 } else { 4 })?,
             Some(&"vt") => self.numbers(1, 2, &words[1..]).map(|()| 3)?,
             Some(&"vn") => self.numbers(2, 3, &words[1..]).map(|()| 4)?,
-            Some(&"f") => self.face(number, &words[1..]).map(|()| words.len())?,
-            _ => return Ok(()),
+            Some(&"f") => {
+                self.face(number, &words[1..])?;
+                if self.parts.keeps() { words.len() } else { return Ok(()) }
+            }
+            _ => {
+                self.parts.line(&words);
+                return Ok(());
+            }
         };
         for word in &words[..kept] {
             self.geometry.push_str(word);

@@ -34,6 +34,23 @@ fn separate_indices_for_position_texture_and_normal_are_followed() {
 }
 
 #[test]
+fn a_part_has_the_faces_of_its_object_its_group_or_its_material() {
+    let text = format!(
+        "{SQUARE}f 1 2 3\no body\nf 1 2 3\ng back left\nusemtl skin\nf 1 2 3 4\nusemtl eye\nf -1 -2 -3\no tail\nv 0 0 9\nf 1 2 5\n"
+    );
+    let faces = |part: Option<&str>| {
+        super::parse(text.as_bytes(), part, &|_, _, _| Ok(())).map(|mesh| mesh.triangle_count())
+    };
+    let parts = [None, Some("body"), Some("back"), Some("left"), Some("skin"), Some("eye"), Some("tail")];
+    assert_eq!(parts.map(|part| faces(part).unwrap()), [6, 4, 4, 4, 2, 2, 1]);
+    let error = faces(Some("head")).unwrap_err().to_string();
+    assert!(
+        error.contains("no face belongs to the part `head`") && error.contains("back, body, eye"),
+        "{error}"
+    );
+}
+
+#[test]
 fn objects_are_merged_and_polygons_cut_into_triangles() {
     let text = format!(
         "mtllib none.mtl\no one\n{SQUARE}usemtl x\nf 1 2 3 4\nl 1 2 3\np 1\ns off\no two\nv 0 0 5\nv 1 0 5\nv 1 1 5\nv .5 2 5\nv 0 1 5\n\
@@ -102,7 +119,7 @@ fn reading_tells_how_far_it_is_and_ends_at_once_when_it_is_cancelled() {
         told.borrow_mut().push((what, done));
         Ok(())
     };
-    assert_eq!(super::parse(text.as_bytes(), &tell).unwrap().triangle_count(), 100_000);
+    assert_eq!(super::parse(text.as_bytes(), None, &tell).unwrap().triangle_count(), 100_000);
     let told = told.into_inner();
     for what in ["counting faces", "reading faces"] {
         let times = told.iter().filter(|(now, _)| *now == what).count();
@@ -115,7 +132,7 @@ fn reading_tells_how_far_it_is_and_ends_at_once_when_it_is_cancelled() {
             calls.set(calls.get() + 1);
             if calls.get() < last { Ok(()) } else { Err(Error::failed("cancelled", "try again")) }
         };
-        let e = super::parse(text.as_bytes(), &cancel).unwrap_err().to_string();
+        let e = super::parse(text.as_bytes(), None, &cancel).unwrap_err().to_string();
         assert!(e.starts_with("cancelled"), "{e}");
         assert_eq!(calls.get(), last);
     }
@@ -185,12 +202,12 @@ fn files_that_are_missing_directories_or_huge_are_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let nobody = |_: &str, _, _| Ok(());
     let missing = folder.path().join("none.obj");
-    let e = load(&missing, &nobody).unwrap_err().to_string();
+    let e = load(&missing, None, &nobody).unwrap_err().to_string();
     assert!(e.contains("none.obj") && e.contains("check the path"), "{e}");
-    assert!(load(folder.path(), &nobody).unwrap_err().to_string().contains("directory"));
+    assert!(load(folder.path(), None, &nobody).unwrap_err().to_string().contains("directory"));
     let huge = folder.path().join("huge.obj");
     File::create(&huge).unwrap().set_len(MAX_BYTES + 1).unwrap();
-    assert!(load(&huge, &nobody).unwrap_err().to_string().contains("larger than"));
+    assert!(load(&huge, None, &nobody).unwrap_err().to_string().contains("larger than"));
 }
 
 #[test]

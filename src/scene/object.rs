@@ -106,6 +106,7 @@ pub(super) struct FileObject {
     mesh: String,
     #[serde(default)]
     up: Up,
+    part: Option<String>,
     position: Option<Triple<f32>>,
     rotation: Option<Triple<Angle>>,
     size: Option<f32>,
@@ -151,6 +152,7 @@ impl FileObject {
                 "give finite numbers, and a size above 0",
             ));
         }
+        let mesh_source = MeshSource::named(&self.mesh, self.up, self.part, folder);
         let surface = self.surface.as_deref().map(|name| -> Result<Surface> {
             Ok(Surface {
                 name: surface_name(name, folder).into_os_string(),
@@ -162,8 +164,8 @@ impl FileObject {
             })
         });
         Ok(Object {
-            mesh: pose.place(open_mesh(&self.mesh, self.up, folder, progress)?),
-            mesh_source: MeshSource::named(&self.mesh, self.up, folder),
+            mesh: pose.place(open_mesh(&mesh_source, progress)?),
+            mesh_source,
             pose,
             surface: surface.transpose()?,
             grooves: self
@@ -190,7 +192,7 @@ impl Object {
         };
         Self {
             mesh: pose.place(primitives::ground()),
-            mesh_source: MeshSource { name: "ground".into(), up: Up::Z },
+            mesh_source: MeshSource { name: "ground".into(), up: Up::Z, part: None },
             pose,
             surface: None,
             grooves: Grooves::Along,
@@ -220,9 +222,9 @@ impl Object {
 
 impl MeshSource {
     /// The mesh of this name in a scene file in `folder`.
-    pub(super) fn named(name: &str, up: Up, folder: &Path) -> Self {
+    pub(super) fn named(name: &str, up: Up, part: Option<String>, folder: &Path) -> Self {
         let name = if BUILT_IN_MESHES.contains(&name) { name.into() } else { folder.join(name) };
-        Self { name, up }
+        Self { name, up, part }
     }
 
     /// The file, where it is one.
@@ -252,6 +254,8 @@ pub struct MeshSource {
     pub name: PathBuf,
     /// Which axis of the file points up.
     pub up: Up,
+    /// The object, group or material of the file whose faces it has; `None`: all of them.
+    pub part: Option<String>,
 }
 
 /// Which axis of the mesh file points up.
@@ -316,13 +320,22 @@ pub(super) fn steps(words: &[String]) -> Result<Vec<Step>> {
     Ok(steps.into_iter().filter(|step| !step.is_nothing()).collect())
 }
 
-pub(super) fn open_mesh(name: &str, up: Up, folder: &Path, progress: &Progress<'_>) -> Result<Mesh> {
-    match name {
-        "snake" => Ok(upright(snake::mesh()?, Up::Y)),
-        "plate" => Ok(primitives::plate()),
-        "sphere" => Ok(upright(primitives::sphere(), Up::Y)),
-        "disc" => Ok(primitives::disc()),
-        file => Ok(upright(obj::load(&folder.join(file), progress)?, up)),
+/// The mesh, upright.
+pub(super) fn open_mesh(source: &MeshSource, progress: &Progress<'_>) -> Result<Mesh> {
+    let MeshSource { name, up, part } = source;
+    let built_in = match name.to_str() {
+        Some("snake") => upright(snake::mesh()?, Up::Y),
+        Some("plate") => primitives::plate(),
+        Some("sphere") => upright(primitives::sphere(), Up::Y),
+        Some("disc") => primitives::disc(),
+        _ => return Ok(upright(obj::load(name, part.as_deref(), progress)?, *up)),
+    };
+    match part {
+        None => Ok(built_in),
+        Some(part) => Err(Error::failed(
+            format!("the mesh {} has no part `{part}`", name.display()),
+            "leave `part` away: files alone have parts",
+        )),
     }
 }
 

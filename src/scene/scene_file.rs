@@ -7,9 +7,9 @@ use super::light::{Light, most_lights};
 use super::mesh::Bounds;
 use super::object::{
     FileObject, Grooves, MAX_OBJECTS, MeshSource, Object, Triple, Up, black, check_colors, open_mesh,
-    reflectance, steps, surface_name, upright,
+    reflectance, steps, surface_name,
 };
-use super::{Mesh, Progress, obj};
+use super::{Mesh, Progress};
 use crate::error::{Error, Result};
 use crate::input;
 use crate::optics::color::Tone;
@@ -90,6 +90,7 @@ struct File {
     mesh: String,
     #[serde(default)]
     up: Up,
+    part: Option<String>,
     surface: String,
     pixel_size: Option<String>,
     height: Option<String>,
@@ -222,8 +223,8 @@ impl Scene {
 
     fn of_mesh(path: &Path, progress: &Progress<'_>) -> Result<Self> {
         let mut scene = Self::open("sphere")?;
-        scene.mesh = upright(obj::load(path, progress)?, Up::Y);
-        scene.mesh_source = MeshSource { name: path.to_owned(), up: Up::Y };
+        scene.mesh_source = MeshSource { name: path.to_owned(), up: Up::Y, part: None };
+        scene.mesh = open_mesh(&scene.mesh_source, progress)?;
         scene.files.push(path.to_owned());
         let bounds = scene.mesh.bounds();
         /// A little air around the mesh.
@@ -266,11 +267,11 @@ impl Scene {
         let surface = surface_name(&file.surface, folder);
         let built_in_surface = Kind::from_name(&file.surface).is_some();
         let pigment = file.pigment.map(|p| folder.join(p));
-        let mesh_source = MeshSource::named(&file.mesh, file.up, folder);
+        let mesh_source = MeshSource::named(&file.mesh, file.up, file.part, folder);
         let surface_file = (!built_in_surface).then(|| surface.clone());
         let grooves =
             file.grooves.as_deref().map_or(Ok(Grooves::Along), |text| Grooves::parse(text, folder))?;
-        let mesh = open_mesh(&file.mesh, file.up, folder, progress)?;
+        let mesh = open_mesh(&mesh_source, progress)?;
         let objects = objects(file.objects, &mesh, ground, folder, progress)?;
         let environment_file = file.environment.as_ref().filter(|e| !environment::is_built_in(&e.name));
         let environment_file = environment_file.map(|e| folder.join(&e.name));

@@ -17,6 +17,8 @@ struct File {
     scale: String,
     mesh: String,
     up: Up,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    part: Option<String>,
     surface: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pixel_size: Option<String>,
@@ -54,6 +56,8 @@ struct File {
 struct FileObject {
     mesh: String,
     up: Up,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    part: Option<String>,
     position: [f64; 3],
     rotation: [String; 3],
     size: f64,
@@ -84,6 +88,7 @@ impl FileObject {
         Ok(Self {
             mesh: path(&object.mesh_source.name)?,
             up: object.mesh_source.up,
+            part: object.mesh_source.part.clone(),
             position: shortest(object.pose.position),
             rotation: object.pose.rotation.map(|angle| format!("{angle}deg")),
             size: shortest(Vec3::splat(object.pose.size))[0],
@@ -161,6 +166,7 @@ impl Scene {
             scale: format!("{} m", significant(self.unit)),
             mesh: path(&self.mesh_source.name)?,
             up: self.mesh_source.up,
+            part: self.mesh_source.part.clone(),
             surface: path(Path::new(&self.surface))?,
             pixel_size: self.pixel_size.map(micrometres),
             height: self.full_height.map(|height| format!("{height}um")),

@@ -102,7 +102,7 @@ pub fn strict(own: &OpticsSettings) -> OpticsSettings {
     match own.method {
         Method::Table => {
             let tolerance = (0.3 * own.tolerance).max(1e-4);
-            OpticsSettings { tolerance, terms: None, wavelengths: None, ..own.clone() }
+            OpticsSettings { method: Method::Table, ..optimal(own, tolerance) }
         }
         _ => optimal(own, (own.tolerance / 10.0).max(1e-4)),
     }

@@ -79,7 +79,7 @@ fn coherence_is_a_window_or_repeats() {
     assert!(reflecting != more);
     // Beside it, another setting through the same repeats.
     viewer.press("split");
-    viewer.says("optimal, 1 %");
+    viewer.says("optimal, 3 %");
     viewer.press("off");
     // The rows below move up.
     let rows = || viewer.words().iter().filter(|word| word.text == "basis").count();

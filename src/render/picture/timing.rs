@@ -60,8 +60,7 @@ impl Painter {
         self.write(view, self.target.size(), &Sampling::ONE.sample(0))?;
         let (target, stamps) = (&self.target, &watch.timestamps);
         let (find, objects, geometry) = (&self.find, &self.objects, &self.geometry);
-        let shaded =
-            || objects.iter().zip(&self.shadings).map(|(object, own)| (object, &own.source, &own.pass));
+        let shaded = || objects.iter().zip(&self.shadings).map(|(object, own)| own.of(object));
         let mut times = PassTimes::default();
         self.commands.run(|record| {
             let begin = Instant::now();
