@@ -2,7 +2,7 @@
 # All tests on Mesa's lavapipe, with the validation layer on and a cache that starts empty.
 #   tools/test.sh [ARGUMENT OF cargo test]...     e.g. tools/test.sh --test gpu
 #
-# One profile serves here, for clippy and for rustdoc: dev, which optimises the crates fully, diffract itself enough for
+# One profile serves here, for `make run`, clippy and rustdoc: dev, which optimises the crates fully, diffract itself enough for
 # its sums, and keeps the checks of overflow and of debug_assert that release drops.
 set -eu
 cd "$(dirname "$0")/.."
