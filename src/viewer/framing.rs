@@ -1,6 +1,6 @@
-//! Cameras that show the whole mesh, whatever the shape of the picture.
+//! Cameras that show all of a scene, whatever the shape of the picture.
 
-use crate::scene::{Camera, Mesh};
+use crate::scene::{Bounds, Camera, Mesh};
 use glam::Vec3;
 
 /// Width over height of the pictures that scenes are composed for.
@@ -8,24 +8,24 @@ const USUAL: [u32; 2] = [4, 3];
 /// Part of the picture that a framed mesh fills.
 const FILLED: f32 = 0.95;
 
-/// `camera` from the same side, aimed at the middle of `mesh` and so far away that a picture of `size` pixels shows all of it.
-pub fn whole(camera: Camera, mesh: &Mesh, size: [u32; 2]) -> Camera {
-    let aimed = Camera { target: mesh.bounds().centre, ..camera };
-    Camera { distance: distance(&aimed, mesh, size, FILLED), ..aimed }
+/// `camera` from the same side, aimed at the middle of `meshes` and so far away that a picture of `size` pixels shows all of it.
+pub fn whole(camera: Camera, meshes: &[&Mesh], size: [u32; 2]) -> Camera {
+    let aimed = Camera { target: Bounds::around(meshes).centre, ..camera };
+    Camera { distance: distance(&aimed, meshes, size, FILLED), ..aimed }
 }
 
-/// A scene's own `camera`, moved back if a picture of `size` pixels would cut off a mesh that usual pictures show whole. Scenes that
-/// show a part of their mesh are meant so.
-pub fn of_scene(camera: Camera, mesh: &Mesh, size: [u32; 2]) -> Camera {
-    let shows_all = |size| distance(&camera, mesh, size, 1.0) <= camera.distance;
+/// A scene's own `camera`, moved back if a picture of `size` pixels would cut off `meshes` that usual pictures show whole. Scenes that
+/// show a part of them are meant so.
+pub fn of_scene(camera: Camera, meshes: &[&Mesh], size: [u32; 2]) -> Camera {
+    let shows_all = |size| distance(&camera, meshes, size, 1.0) <= camera.distance;
     if shows_all(size) || !shows_all(USUAL) {
         return camera;
     }
-    Camera { distance: distance(&camera, mesh, size, FILLED), ..camera }
+    Camera { distance: distance(&camera, meshes, size, FILLED), ..camera }
 }
 
-/// Least distance from the target at which `camera` sees `mesh` within the part `filled` of a picture of `size`.
-fn distance(camera: &Camera, mesh: &Mesh, size: [u32; 2], filled: f32) -> f32 {
+/// Least distance from the target at which `camera` sees `meshes` within the part `filled` of a picture of `size`.
+fn distance(camera: &Camera, meshes: &[&Mesh], size: [u32; 2], filled: f32) -> f32 {
     let [width, height] = size.map(|n| n.max(1) as f32);
     let tangent = (camera.field_of_view / 2.0).tan() * filled;
     let forward = (camera.target - camera.eye()).normalize_or(Vec3::Y);
@@ -36,7 +36,7 @@ fn distance(camera: &Camera, mesh: &Mesh, size: [u32; 2], filled: f32) -> f32 {
         let across = (offset.dot(right).abs() * height / width).max(offset.dot(up).abs());
         across / tangent - offset.dot(forward)
     };
-    mesh.vertices().iter().map(least).fold(f32::MIN_POSITIVE, f32::max)
+    meshes.iter().flat_map(|mesh| mesh.vertices()).map(least).fold(f32::MIN_POSITIVE, f32::max)
 }
 
 #[cfg(test)]
@@ -60,7 +60,7 @@ mod tests {
             for size in [[640, 480], [300, 900], [900, 200]] {
                 for (theta, phi) in [(0.3, 0.0), (1.2, 2.0), (2.6, 4.0)] {
                     let away = Camera { target: Vec3::splat(7.0), distance: 0.1, theta, phi, ..scene.camera };
-                    let framed = whole(away, &scene.mesh, size);
+                    let framed = whole(away, &scene.standing(), size);
                     let reach = reach(&framed, &scene.mesh, size);
                     assert!((0.6..=FILLED + 1e-3).contains(&reach), "{name} {size:?}: {reach}");
                     assert_eq!((framed.theta, framed.phi), (theta, phi));
@@ -70,10 +70,26 @@ mod tests {
     }
 
     #[test]
+    fn all_objects_but_the_ground_are_framed() {
+        let text = include_str!("../../assets/scenes/objects.toml");
+        let scene = Scene::parse(text, std::path::Path::new("")).unwrap();
+        let meshes = scene.standing();
+        assert_eq!((meshes.len(), scene.objects.len()), (3, 3));
+        assert_eq!(of_scene(scene.camera, &meshes, USUAL), scene.camera);
+        for size in [[640, 480], [300, 900]] {
+            let framed = [whole(scene.camera, &meshes, size), of_scene(scene.camera, &meshes, size)];
+            for camera in framed {
+                let reach = meshes.iter().map(|mesh| reach(&camera, mesh, size)).fold(0.0, f32::max);
+                assert!(reach <= 1.0, "{size:?}: {reach}");
+            }
+        }
+    }
+
+    #[test]
     fn a_scene_s_own_view_changes_only_where_it_would_be_cut_off() {
         for (name, _) in BUILT_IN {
             let scene = Scene::open(name).unwrap();
-            let of_size = |size| of_scene(scene.camera, &scene.mesh, size);
+            let of_size = |size| of_scene(scene.camera, &scene.standing(), size);
             assert_eq!(of_size(USUAL), scene.camera, "{name}");
             let composed = reach(&scene.camera, &scene.mesh, USUAL) <= 1.0;
             let narrow = of_size([300, 900]);

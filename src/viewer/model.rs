@@ -463,7 +463,7 @@ impl Model {
         match &mut self.default_view {
             Some(view) if view.camera != before => self.default_view = None,
             Some(view) if view.size != self.size && !self.size.contains(&0) => {
-                let camera = framing::of_scene(scene.camera, &scene.mesh, self.size);
+                let camera = framing::of_scene(scene.camera, &scene.standing(), self.size);
                 *view = DefaultView { camera, size: self.size };
                 self.settings.camera = camera;
             }
@@ -475,7 +475,7 @@ impl Model {
     /// Shows the whole mesh from the side that it is seen from.
     pub fn frame_view(&mut self) {
         let camera = self.settings.camera;
-        self.settings.camera = framing::whole(camera, &self.loaded.scene.mesh, self.size);
+        self.settings.camera = framing::whole(camera, &self.loaded.scene.standing(), self.size);
     }
 
     /// Shows a scene that was opened as `name`. A mesh changes the view alone; a scene also replaces what the one before has brought.

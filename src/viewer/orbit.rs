@@ -110,13 +110,15 @@ pub fn pixel_of(camera: &Camera, point: Vec3, size: [u32; 2]) -> Option<Vec2> {
     (clip.w > 0.0).then(|| (place + 1.0) / 2.0 * Vec2::new(size[0] as f32, size[1] as f32))
 }
 
-/// The point of `mesh` under pixel `at` of a picture of `size`; `None` where the mesh covers nothing.
-pub fn hit(camera: &Camera, mesh: &Mesh, at: Vec2, size: [u32; 2]) -> Option<Vec3> {
+/// The nearest point of `meshes` under pixel `at` of a picture of `size`; `None` where they cover nothing.
+pub fn hit(camera: &Camera, meshes: &[&Mesh], at: Vec2, size: [u32; 2]) -> Option<Vec3> {
     let (eye, ray) = (camera.eye(), ray(camera, at, size));
-    let corner = |i: u32| Vec3::from(mesh.vertices()[i as usize].position);
-    let distances = mesh.indices().chunks_exact(3).filter_map(|t| {
-        let [a, b, c] = [corner(t[0]), corner(t[1]), corner(t[2])];
-        crossing(eye, ray, a, b - a, c - a)
+    let distances = meshes.iter().flat_map(|mesh| {
+        let corner = |i: u32| Vec3::from(mesh.vertices()[i as usize].position);
+        mesh.indices().chunks_exact(3).filter_map(move |t| {
+            let [a, b, c] = [corner(t[0]), corner(t[1]), corner(t[2])];
+            crossing(eye, ray, a, b - a, c - a)
+        })
     });
     distances.min_by(f32::total_cmp).map(|t| eye + ray * t)
 }
@@ -215,8 +217,8 @@ mod tests {
     fn a_click_finds_the_point_under_it_or_nothing() {
         let plate = primitives::plate();
         let above = Camera::looking(Vec3::new(0.0, -0.01, 4.0), Vec3::ZERO, 0.6).unwrap();
-        let middle = hit(&above, &plate, Vec2::new(100.0, 100.0), [200, 200]).unwrap();
+        let middle = hit(&above, &[&plate], Vec2::new(100.0, 100.0), [200, 200]).unwrap();
         assert!(middle.length() < 0.02, "{middle}");
-        assert!(hit(&above, &plate, Vec2::new(0.0, 0.0), [2000, 20]).is_none());
+        assert!(hit(&above, &[&plate], Vec2::new(0.0, 0.0), [2000, 20]).is_none());
     }
 }

@@ -80,7 +80,7 @@ impl ViewerWindow {
     fn focus(&mut self, at: glam::Vec2) {
         let scene = &self.model.loaded.scene;
         let camera = self.model.settings.shown_camera(scene);
-        if let Some(point) = orbit::hit(&camera, &scene.mesh, at, self.model.size) {
+        if let Some(point) = orbit::hit(&camera, &scene.standing(), at, self.model.size) {
             self.model.settings.camera.target = point;
         }
     }
