@@ -25,7 +25,7 @@ impl Origin {
     /// scene's. What files hold counts, and not their names.
     ///
     /// # Errors
-    /// A pigment texture that cannot be read.
+    /// A picture that cannot be read: a pigment texture, or a map of grooves.
     pub fn of(
         sequence: &Sequence,
         first: &View,
@@ -34,13 +34,12 @@ impl Origin {
         settings: &impl Debug,
     ) -> Result<Self> {
         let hash = |bytes: &[u8]| blake3::hash(bytes).to_hex().to_string();
-        let meshes = std::iter::once(&scene.mesh).chain(scene.objects.iter().map(|object| &object.mesh));
         let mesh = |mesh: &Mesh| {
             let [vertices, indices]: [&[u8]; 2] =
                 [bytemuck::cast_slice(mesh.vertices()), bytemuck::cast_slice(mesh.indices())];
             [hash(vertices), hash(indices)]
         };
-        let meshes: Vec<_> = meshes.map(mesh).collect();
+        let meshes: Vec<_> = scene.meshes().map(mesh).collect();
         let texture = |own: &ObjectTextures| {
             let ObjectTextures { pigment, grooves } = own;
             let map = hash(bytemuck::cast_slice(&grooves.texels));

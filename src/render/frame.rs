@@ -27,6 +27,7 @@ use crate::vk::sampler::Sampler;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Mat4, Vec3};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// What a frame shows.
@@ -319,9 +320,9 @@ impl PixelPass {
         Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth }
     }
 
-    /// Shades what the geometry pass found of object `number`. `sets`: the frame and the source.
-    fn draw(&self, draw: &Recorder<'_>, number: usize, sets: [&Descriptors; 2]) {
-        for part in Part::each(self.parts) {
+    /// Shades what the geometry pass found of object `number` by these `parts` of its sum. `sets`: the frame and the source.
+    fn draw(&self, draw: &Recorder<'_>, number: usize, sets: [&Descriptors; 2], parts: &Range<u32>) {
+        for part in Part::each(self.parts).filter(|part| parts.contains(&part.first)) {
             let pipeline = if part.first == 0 { Some(&self.pipeline) } else { self.adding.as_ref() };
             let Some(pipeline) = pipeline else { break };
             draw.bind(pipeline, &sets);
@@ -361,31 +362,33 @@ pub struct ShadedObject<'a> {
     pub pass: &'a PixelPass,
 }
 
-/// Records the shading of `objects` where `geometry` found them into `target.radiance`, which it leaves as a colour attachment. What is not
-/// covered holds anything: who reads radiance asks the depth.
-pub fn record_shading<'a>(
-    record: &Recorder<'_>,
-    (geometry, target): (&Geometry, &Target),
-    objects: impl Iterator<Item = ShadedObject<'a>>,
-) {
+/// Records what makes `target.radiance` ready for [`record_shading`] of what `geometry` found.
+pub fn begin_shading(record: &Recorder<'_>, (geometry, target): (&Geometry, &Target)) {
     record.images(&[
         (&target.radiance, Access::Nothing, Access::ColorAttachment),
         (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
     ]);
-    go_on_shading(record, (geometry, target), objects);
 }
 
-/// Records another part of what [`record_shading`] began.
-pub fn go_on_shading<'a>(
+/// Records the shading of `objects` where `geometry` found them by these `parts` of their sums, from 0 or from where the last ended, into
+/// `target.radiance`, which it leaves as a colour attachment. What is not covered holds anything: who reads radiance asks the depth.
+pub fn record_shading<'a>(
     record: &Recorder<'_>,
     (geometry, target): (&Geometry, &Target),
     objects: impl Iterator<Item = ShadedObject<'a>>,
+    parts: Range<u32>,
 ) {
-    record.render_over(&[(&target.radiance, None)], &geometry.depth, |draw| {
+    let shade = |draw: &Recorder<'_>| {
         for (number, ShadedObject { object, source, pass }) in objects.enumerate() {
-            pass.draw(draw, number, [&object.frame.descriptors, &source.descriptors]);
+            pass.draw(draw, number, [&object.frame.descriptors, &source.descriptors], &parts);
         }
-    });
+    };
+    if parts.start == 0 {
+        record.render_over(&[(&target.radiance, None)], &geometry.depth, shade);
+    } else {
+        record.images(&[(&target.radiance, Access::ColorAttachment, Access::ColorAttachment)]);
+        record.render_onto(&target.radiance, &geometry.depth, shade);
+    }
 }
 
 /// Push constants of `probe.frag`.

@@ -61,8 +61,7 @@ impl GrooveDirections {
     }
 
     fn read(path: &Path) -> Result<Self> {
-        let decoded =
-            MAP.read(path).and_then(|bytes| MAP.decode(&bytes)).map_err(|e| e.at(path.display()))?;
+        let decoded = MAP.decode(&MAP.read(path)?).map_err(|e| e.at(path.display()))?;
         let picture = decoded.into_luma16();
         let white = f64::from(u16::MAX);
         let texels = picture.pixels().map(|grey| direction(TAU * f64::from(grey.0[0]) / white)).collect();

@@ -4,7 +4,7 @@ use super::accumulate::Accumulation;
 use super::around::AroundPass;
 use super::evaluator::{Asker, Query};
 use super::frame::{
-    DisplayPass, GeometryPass, PixelPass, Probe, ShadedObject, Shown, View, go_on_shading, record_shading,
+    DisplayPass, GeometryPass, PixelPass, Probe, ShadedObject, Shown, View, begin_shading, record_shading,
 };
 use super::grooves::GrooveDirections;
 use super::object::{DeviceObject, ObjectData};
@@ -20,7 +20,6 @@ use crate::vk::commands::{Commands, Recorder};
 use crate::vk::device::Device;
 use crate::vk::queries::Timestamps;
 use glam::DVec3;
-use std::ops::Range;
 use std::sync::Arc;
 
 mod directions;
@@ -32,7 +31,7 @@ pub mod timing;
 use directions::Part;
 pub use directions::{Directions, Pixel};
 use display::Display;
-use tiles::Tiles;
+use tiles::{Piece, Tiles};
 
 /// Draws pictures of one object or of several.
 pub struct Painter {
@@ -282,7 +281,7 @@ impl Painter {
         let shown = view.surroundings().filter(|_| view.shows_surroundings);
         if shown.is_some() && self.around.is_none() {
             let depth_format = self.geometry.settings.depth_format();
-            self.around = Some(AroundPass::new(&self.device, &self.first().frame, depth_format)?);
+            self.around = Some(AroundPass::new(&self.device, &self.objects[0].frame, depth_format)?);
             self.point_around();
         }
         let Some(environment) = around.or(shown) else { return Ok(0.0) };
@@ -290,16 +289,6 @@ impl Painter {
         let unit = first.frame.surround(&self.device, environment)?;
         others.iter_mut().for_each(|object| object.frame.share_surroundings(&first.frame));
         Ok(unit)
-    }
-
-    /// The first object.
-    fn first(&self) -> &DeviceObject {
-        &self.objects[0]
-    }
-
-    /// What the first object is shaded from.
-    fn source(&self) -> &BoundSource {
-        &self.shadings[0].source
     }
 
     /// Points what displays the surroundings at the images of the pictures.
@@ -368,11 +357,11 @@ impl Painter {
     pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<[f64; 2]> {
         let size = self.target.size();
         self.write(view, size, sample)?;
-        self.submit(size, size.map(|n| 0..n), Finish::Display, shown)
+        self.submit(size, Piece::whole(size, self.parts()), Finish::Display, shown)
     }
 
-    /// Draws one sample of `view` with `size` pixels, at most those of the pictures, in tiles of some ten milliseconds each, between which
-    /// others get the device. `go_on` is asked before each tile, with the part of the picture that is drawn; where it says no, the former display stays. Milliseconds
+    /// Draws one sample of `view` with `size` pixels, at most those of the pictures, in pieces of some ten milliseconds each, between which
+    /// others get the device. `go_on` is asked before each piece, with the part of the picture that is drawn; where it says no, the former display stays. Milliseconds
     /// that the device took, or `None` for a picture that was given up.
     ///
     /// # Errors
@@ -389,7 +378,12 @@ impl Painter {
         Ok(times.map(|times| times[0] + times[1]))
     }
 
-    /// Draws the sample that was written in tiles, as [`Self::draw_while`] says; milliseconds for shading and for what follows it.
+    /// Parts of the sum of a pixel.
+    fn parts(&self) -> u32 {
+        self.shadings.iter().map(|own| own.pass.parts).max().unwrap_or(1)
+    }
+
+    /// Draws the sample that was written in pieces, as [`Self::draw_while`] says; milliseconds for shading and for what follows it.
     fn submit_tiles(
         &mut self,
         size: [u32; 2],
@@ -399,14 +393,15 @@ impl Painter {
     ) -> Result<Option<[f64; 2]>> {
         let iterations = |own: &ObjectShading| own.source.iterations_of_pixel(self.geometry.settings);
         let iterations = self.shadings.iter().map(iterations).max().unwrap_or(0);
-        let (mut tiles, mut total) = (Tiles::new(size, self.pixel_time, iterations), [0.0; 2]);
+        let mut tiles = Tiles::new(size, self.pixel_time, iterations, self.parts());
+        let mut total = [0.0; 2];
         loop {
             let drawn = tiles.drawn();
-            let Some(tile) = tiles.next_tile() else { break };
+            let Some(piece) = tiles.next_piece() else { break };
             if !go_on(drawn) {
                 return Ok(None);
             }
-            let times = self.submit(size, tile, finish, shown)?;
+            let times = self.submit(size, piece, finish, shown)?;
             tiles.took(times[0]);
             total = [total[0] + times[0], total[1] + times[1]];
         }
@@ -446,14 +441,10 @@ impl Painter {
         Ok(true)
     }
 
-    /// Draws a `tile` of a sample of `size`: with the first goes the geometry, with the last the `finish`.
-    fn submit(
-        &mut self,
-        size: [u32; 2],
-        tile: [Range<u32>; 2],
-        finish: Finish,
-        shown: Shown,
-    ) -> Result<[f64; 2]> {
+    /// Draws a `piece` of a sample of `size`: with the first goes the geometry, with the last the `finish`.
+    fn submit(&mut self, size: [u32; 2], piece: Piece, finish: Finish, shown: Shown) -> Result<[f64; 2]> {
+        let (first, last) = (piece.is_first(), piece.is_last(size, self.parts()));
+        let Piece { tile, parts } = piece;
         let (geometry, target) = (&self.geometry, &self.target);
         let accumulation = &self.accumulation;
         let objects = &self.objects;
@@ -462,8 +453,6 @@ impl Painter {
         let (around, written) = (self.around.as_ref(), self.written.as_ref());
         let display = Display::new((geometry, target), &self.display, around, frame, written);
         let shaded = || objects.iter().zip(shadings).map(|(object, own)| own.of(object));
-        let first = tile.iter().all(|range| range.start == 0);
-        let last = tile.iter().zip(size).all(|(range, end)| range.end == end);
         if self.shows == Content::Sample {
             self.shows = Content::Nothing;
         }
@@ -476,10 +465,9 @@ impl Painter {
             record.timestamp(&self.timestamps, 0);
             if first {
                 self.find.record(&all, geometry, objects);
-                record_shading(&some, (geometry, target), shaded());
-            } else {
-                go_on_shading(&some, (geometry, target), shaded());
+                begin_shading(&some, (geometry, target));
             }
+            record_shading(&some, (geometry, target), shaded(), parts);
             record.timestamp(&self.timestamps, 1);
             match (finish, accumulation) {
                 (Finish::Add(before), Some(accumulation)) if last => {
@@ -535,7 +523,8 @@ impl Painter {
     /// Where the device is lost.
     pub fn probe(&mut self, samples: u32, scattered: bool) -> Result<f64> {
         let probe = Probe { samples, scattered: scattered.into() };
-        let pass = PixelPass::probe(&self.device, &self.first().frame.descriptors, self.source())?;
+        let pass =
+            PixelPass::probe(&self.device, &self.objects[0].frame.descriptors, &self.shadings[0].source)?;
         self.forget();
         let target = &self.target;
         let sets = [&self.objects[0].frame.descriptors, &self.shadings[0].source.descriptors];

@@ -118,13 +118,22 @@ impl Mesh {
     }
 
     /// The mesh `size` times as large, and moved by `offset`.
-    #[must_use]
-    pub fn moved(mut self, size: f32, offset: Vec3) -> Self {
+    ///
+    /// # Errors
+    /// Where a coordinate is then beyond ±10⁹, or all of the mesh in one place.
+    pub fn moved(mut self, size: f32, offset: Vec3) -> Result<Self> {
         for v in &mut self.vertices {
             v.position = (size * Vec3::from(v.position) + offset).to_array();
         }
         self.bounds = Bounds::of(self.vertices.iter());
-        self
+        let inside = |v: &Vertex| v.position.iter().all(|x| x.abs() <= MAX_COORDINATE);
+        if self.vertices.iter().all(inside) && self.bounds.radius > 0.0 {
+            return Ok(self);
+        }
+        Err(Error::failed(
+            format!("the mesh stands beyond {MAX_COORDINATE:e}, or all of it in one place"),
+            "give another place or size",
+        ))
     }
 
     /// All vertices, ready for a vertex buffer.

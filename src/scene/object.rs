@@ -59,9 +59,9 @@ impl Default for Pose {
 
 impl Pose {
     /// The mesh where it stands.
-    fn place(&self, mesh: Mesh) -> Mesh {
+    fn place(&self, mesh: Mesh) -> Result<Mesh> {
         if *self == Self::default() {
-            return mesh;
+            return Ok(mesh);
         }
         let [x, y, z] = self.rotation.map(|angle| angle.to_radians() as f32);
         let turn = Mat3::from_euler(EulerRot::ZYX, z, y, x);
@@ -164,7 +164,7 @@ impl FileObject {
             })
         });
         Ok(Object {
-            mesh: pose.place(open_mesh(&mesh_source, progress)?),
+            mesh: pose.place(open_mesh(&mesh_source, progress)?)?,
             mesh_source,
             pose,
             surface: surface.transpose()?,
@@ -182,7 +182,10 @@ impl FileObject {
 
 impl Object {
     /// The ground of this `color` below everything within `bounds`, whose lowest point has the height `z`.
-    pub(super) fn ground(color: Vec3, bounds: Bounds, z: f32) -> Self {
+    ///
+    /// # Errors
+    /// Where it would reach beyond ±10⁹.
+    pub(super) fn ground(color: Vec3, bounds: Bounds, z: f32) -> Result<Self> {
         /// Radius of the ground, per radius of what stands on it: its edge stands behind the scene and not in it.
         const EXTENT: f32 = 4.0;
         let pose = Pose {
@@ -190,8 +193,8 @@ impl Object {
             size: EXTENT * bounds.radius,
             ..Pose::default()
         };
-        Self {
-            mesh: pose.place(primitives::ground()),
+        Ok(Self {
+            mesh: pose.place(primitives::ground())?,
             mesh_source: MeshSource { name: "ground".into(), up: Up::Z, part: None },
             pose,
             surface: None,
@@ -200,7 +203,7 @@ impl Object {
             base_color: color,
             pigment: None,
             is_ground: true,
-        }
+        })
     }
 
     /// The files that it consists of.

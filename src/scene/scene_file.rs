@@ -82,6 +82,8 @@ pub struct Scene {
     pub options: Vec<[String; 2]>,
     /// The files that the scene consists of: its own, those of mesh, surface and pigment.
     pub files: Vec<PathBuf>,
+    /// A sphere around everything but the ground, where there are several objects: each frame asks, and they may have many vertices.
+    pub around: Bounds,
 }
 
 #[derive(Deserialize)]
@@ -272,7 +274,7 @@ impl Scene {
         let grooves =
             file.grooves.as_deref().map_or(Ok(Grooves::Along), |text| Grooves::parse(text, folder))?;
         let mesh = open_mesh(&mesh_source, progress)?;
-        let objects = objects(file.objects, &mesh, ground, folder, progress)?;
+        let (objects, around) = objects(file.objects, &mesh, ground, folder, progress)?;
         let environment_file = file.environment.as_ref().filter(|e| !environment::is_built_in(&e.name));
         let environment_file = environment_file.map(|e| folder.join(&e.name));
         let reflectance = reflectance(file.material.as_deref(), file.film.as_deref(), folder)?;
@@ -291,6 +293,7 @@ impl Scene {
             mesh,
             grooves,
             objects,
+            around,
             options: options(file.options, folder)?,
             surface: surface.into_os_string(),
             pixel_size: file.pixel_size.as_deref().map(units::length_pair).transpose()?,
@@ -314,7 +317,12 @@ impl Scene {
 impl Scene {
     /// A sphere around everything but the ground.
     pub fn bounds(&self) -> Bounds {
-        Bounds::around(&self.standing())
+        if self.objects.is_empty() { self.mesh.bounds() } else { self.around }
+    }
+
+    /// The meshes of all objects, the first object first.
+    pub fn meshes(&self) -> impl Iterator<Item = &Mesh> {
+        std::iter::once(&self.mesh).chain(self.objects.iter().map(|object| &object.mesh))
     }
 
     /// The meshes of everything but the ground, the first object first.
@@ -326,18 +334,18 @@ impl Scene {
     /// Distance from `centre` to the farthest point of anything.
     pub fn reach(&self, centre: Vec3) -> f32 {
         let far = |mesh: &Mesh| mesh.bounds().centre.distance(centre) + mesh.bounds().radius;
-        self.objects.iter().map(|object| far(&object.mesh)).fold(self.bounds().radius, f32::max)
+        self.meshes().skip(1).map(far).fold(self.bounds().radius, f32::max)
     }
 }
 
-/// The objects of a scene file beside its first, which has this `mesh`, and the ground where it has a color.
+/// The objects of a scene file beside its first, which has this `mesh`, and the ground where it has a color; and what is around all but the ground.
 fn objects(
     objects: Vec<FileObject>,
     mesh: &Mesh,
     ground: Option<[f32; 3]>,
     folder: &Path,
     progress: &Progress<'_>,
-) -> Result<Vec<Object>> {
+) -> Result<(Vec<Object>, Bounds)> {
     if objects.len() + 2 > MAX_OBJECTS {
         return Err(Error::failed(
             format!("there are {} objects", objects.len()),
@@ -348,16 +356,16 @@ fn objects(
         object.open(folder, progress).map_err(|e| e.at(format!("object {}", i + 1)))
     };
     let mut objects = objects.into_iter().enumerate().map(open).collect::<Result<Vec<_>>>()?;
+    let standing: Vec<&Mesh> =
+        std::iter::once(mesh).chain(objects.iter().map(|object| &object.mesh)).collect();
+    let around = Bounds::around(&standing);
     if let Some(color) = ground {
-        let standing: Vec<&Mesh> =
-            std::iter::once(mesh).chain(objects.iter().map(|object| &object.mesh)).collect();
         let lowest =
-            |mesh: &&Mesh| mesh.vertices().iter().map(|v| v.position[2]).fold(f32::INFINITY, f32::min);
-        let z = standing.iter().map(lowest).fold(f32::INFINITY, f32::min);
-        let ground = Object::ground(color.into(), Bounds::around(&standing), z);
-        objects.push(ground);
+            |mesh: &Mesh| mesh.vertices().iter().map(|v| v.position[2]).fold(f32::INFINITY, f32::min);
+        let z = standing.into_iter().map(lowest).fold(f32::INFINITY, f32::min);
+        objects.push(Object::ground(color.into(), around, z)?);
     }
-    Ok(objects)
+    Ok((objects, around))
 }
 
 /// What to do about what the parser of TOML says: where a key is unknown, the one that it resembles.
@@ -517,6 +525,17 @@ mod tests {
             ("", "[[objects]]\nmesh = \"plate\"\nsurfac = \"blaze\"", "do you mean `surface`?"),
             ("", "[[objects]]\nmesh = \"plate\"\nrotation = [\"1deg\"]", "1 numbers where 3 belong"),
             ("", "[[objects]]\nmesh = \"plate\"\nrotation = [\"1\", \"0deg\", \"0deg\"]", "write 1deg"),
+            ("", "[[objects]]\nmesh = \"plate\"\nsize = 1e30", "object 1: the mesh stands beyond 1e9"),
+            (
+                "",
+                "[[objects]]\nmesh = \"plate\"\nsize = 1e-40\nposition = [1.0, 0.0, 0.0]",
+                "all of it in one place",
+            ),
+            (
+                "ground = [1.0, 1.0, 1.0]",
+                "[[objects]]\nmesh = \"plate\"\nsize = 1.9e9",
+                "the mesh stands beyond 1e9",
+            ),
             ("ground = [2.0, 0.0, 0.0]", "", "a colour is not within 0 to 1"),
             ("", &"[[objects]]\nmesh = \"plate\"\n".repeat(63), "there are 63 objects"),
         ] {

@@ -336,7 +336,8 @@ mod tests {
             "grooves = \"lamp.csv\"\nmaterial = \"silver\"\nfilm = \"100nm:1.5\"\nbase_color = [0.1, 0.2, 0.3]",
             "[[objects]]\nmesh = \"sphere\"\ngrooves = \"radial\"\npigment = \"a scan.png\"",
         ];
-        scene.objects = read(&several.join("\n"), folder.path()).objects;
+        let several = read(&several.join("\n"), folder.path());
+        (scene.objects, scene.around) = (several.objects, several.around);
         scene.grooves = Grooves::Turned(12.5);
         for step in 0..40u16 {
             let x = f32::from(step);

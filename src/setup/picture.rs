@@ -120,9 +120,8 @@ impl<'a> PreparedScene<'a> {
     ) -> Result<Self> {
         let textures = ObjectTextures::of(scene)?;
         let PictureSettings { size, sampling, .. } = *settings;
-        let meshes = std::iter::once(&scene.mesh).chain(scene.objects.iter().map(|object| &object.mesh));
         let mut shaded = Vec::with_capacity(surfaces.len());
-        for (mesh, surface) in meshes.zip(surfaces) {
+        for (mesh, surface) in scene.meshes().zip(surfaces) {
             let seen = surface.seen(device, mesh, views, size, &sampling)?;
             shaded.push((make(&seen)?, seen.optics.shading));
         }

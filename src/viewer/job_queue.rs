@@ -1,5 +1,6 @@
 //! Messages to and from the render thread: the newest frame request, jobs in order, and the replies.
 
+use super::compare::Side;
 use super::error_probe::Probe;
 use super::frame::{FrameRequest, RenderedFrame};
 use super::inspector::reading::Reading;
@@ -32,7 +33,7 @@ pub enum RenderReply {
     /// A frame is on the device.
     Drawn(Box<RenderedFrame>),
     /// This part of a picture is drawn.
-    Drawing(Drawing, f32),
+    Drawing(Side, f32),
     /// A frame of a moving scene was abandoned after this many milliseconds.
     TooSlow(Quality, f64),
     /// The device has no memory for the spectra of moving pictures.
@@ -45,15 +46,6 @@ pub enum RenderReply {
     Pixel(Option<Box<Reading>>),
     /// A request or a job failed.
     Failed(Error),
-}
-
-/// What is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Drawing {
-    /// The user's own picture.
-    Own,
-    /// The picture that it is compared with.
-    Other,
 }
 
 /// What the render thread has yet to do.

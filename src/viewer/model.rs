@@ -10,7 +10,6 @@ use super::framing;
 use super::graph::History;
 use super::inset::InsetRequest;
 use super::inspector::Inspector;
-use super::job_queue::Drawing;
 use super::prepared::{Prepared, ROLES, Role};
 use super::quality::{Detail, Quality, QualityControl};
 use super::settings::{Needs, OpticsSettings, SceneSettings, ViewSettings};
@@ -342,7 +341,7 @@ pub struct Model {
     /// Pictures of a turntable that are recorded, while that is done.
     pub recording: Option<Progress>,
     /// What the render thread draws and how much of it is there, where that takes its time.
-    pub drawing: Option<(Drawing, f32)>,
+    pub drawing: Option<(Side, f32)>,
     /// What was done last, for the user.
     pub notice: Option<String>,
     /// What went wrong.

@@ -5,7 +5,6 @@ use super::file_pane;
 use super::hemisphere;
 use super::input;
 use super::inspector_pane;
-use super::job_queue::Drawing;
 use super::model::{Comparison, Model, Progress};
 use super::palette_pane;
 use super::quality::Quality;
@@ -65,8 +64,8 @@ fn state(ui: &Ui, painter: &Painter, rect: Rect, model: &mut Model) {
         at.y = progress(painter, at, width, what, part).top() - 6.0;
     } else if let Some((drawing, part)) = model.drawing {
         let what = match drawing {
-            Drawing::Own => "drawing",
-            Drawing::Other => "drawing the comparison",
+            Side::Own => "drawing",
+            Side::Other => "drawing the comparison",
         };
         at.y = progress(painter, at, width, what, part).top() - 6.0;
     } else if let Some(frame) = &model.frame {

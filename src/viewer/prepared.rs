@@ -5,7 +5,7 @@ use crate::render::shading::Shading;
 use crate::render::source::Source;
 use crate::setup;
 use crate::surface::HeightField;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// What a setting is prepared for, the most urgent first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,10 +59,11 @@ pub struct Prepared {
 
 impl Prepared {
     /// What the objects of a scene of so many are shaded from, and how. Where it is not known yet, the pigment is seen.
-    pub fn shaded(&self, objects: usize) -> Vec<(Source, Shading)> {
-        let first = (self.shaded_from.clone(), self.shading.clone());
-        let unknown = (setup::pigment_alone(), Shading::default());
-        let others = self.others.iter().cloned().chain(std::iter::repeat(unknown));
-        std::iter::once(first).chain(others).take(objects).collect()
+    pub fn shaded(&self, objects: usize) -> impl Iterator<Item = (&Source, &Shading)> {
+        static UNKNOWN: LazyLock<(Source, Shading)> =
+            LazyLock::new(|| (setup::pigment_alone(), Shading::default()));
+        let others = self.others.iter().chain(std::iter::repeat(&*UNKNOWN));
+        let others = others.map(|(source, shading)| (source, shading));
+        std::iter::once((&self.shaded_from, &self.shading)).chain(others).take(objects)
     }
 }

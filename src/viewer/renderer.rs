@@ -1,12 +1,12 @@
 //! What the render thread draws with: a painter for each setting, and results that are kept between frames.
 
-use super::compare::Compare;
+use super::compare::{Compare, Side};
 use super::difference;
 use super::error_probe::{self, Probe};
 use super::frame::{FrameRequest, LoadedScene, PictureCost, RenderedFrame};
 use super::inset::{self, Inset, InsetRequest};
 use super::inspector::reading::Reading;
-use super::job_queue::{Drawing, Job, JobQueue, PixelRequest, RenderReply, Task};
+use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply, Task};
 use super::prepared::Prepared;
 use super::quality::{Detail, Quality};
 use crate::error::{Error, Result};
@@ -47,8 +47,8 @@ impl Slot {
     /// Whether the textures of `prepared` and the scene of `request` are on the device already.
     fn serves(&self, prepared: &Prepared, request: &FrameRequest) -> bool {
         Arc::ptr_eq(&self.loaded, &request.loaded)
-            && self.shaded().iter().zip(prepared.shaded(self.objects())).all(|(own, other)| {
-                own.0.shares_data_with(&other.0) && own.1.reflectance.shares_stages_with(&other.1.reflectance)
+            && self.shaded().zip(prepared.shaded(self.objects())).all(|(own, other)| {
+                own.0.shares_data_with(other.0) && own.1.reflectance.shares_stages_with(&other.1.reflectance)
             })
     }
 
@@ -58,7 +58,7 @@ impl Slot {
     }
 
     /// What they are shaded from, and how.
-    fn shaded(&self) -> Vec<(Source, Shading)> {
+    fn shaded(&self) -> impl Iterator<Item = (&Source, &Shading)> {
         self.prepared.shaded(self.objects())
     }
 
@@ -92,7 +92,7 @@ impl Slot {
     fn take_over(&mut self, prepared: &Arc<Prepared>) -> Result<()> {
         if self.prepared.number != prepared.number {
             self.displayed = None;
-            for (number, (source, shading)) in prepared.shaded(self.objects()).iter().enumerate() {
+            for (number, (source, shading)) in prepared.shaded(self.objects()).enumerate() {
                 self.painter.shade_object_by(number, source, shading)?;
             }
             self.prepared = prepared.clone();
@@ -198,7 +198,7 @@ impl Renderer {
         let newer = || superseded() || !queue.pending().jobs.is_empty();
         let milliseconds = || start.elapsed().as_secs_f64() * 1e3;
         let mut told = milliseconds();
-        let mut go_on = |what: Drawing, part: f64| {
+        let mut go_on = |what: Side, part: f64| {
             if milliseconds() - told > BETWEEN_REPORTS {
                 told = milliseconds();
                 reply(RenderReply::Drawing(what, part as f32));
@@ -215,7 +215,7 @@ impl Renderer {
         let prepared = request.lighter.as_ref().unwrap_or(&request.own);
         let size = request.quality.size(request.size);
         let first = slot.as_ref().is_none_or(|slot| !slot.serves(prepared, request));
-        let mut own_goes_on = |part| go_on(Drawing::Own, part);
+        let mut own_goes_on = |part| go_on(Side::Own, part);
         let painted = match paint(&self.device, slot, prepared, request, size, &mut own_goes_on) {
             Err(_) if request.lighter.is_some() && !self.device.is_lost() => {
                 *slot = None;
@@ -230,7 +230,7 @@ impl Renderer {
         let Some(left) = slot.as_ref().map(|s| s.painter.target().display.clone()) else { return Ok(None) };
         let (mut right, mut difference) = (left.clone(), None);
         if let Some(other) = request.other.as_ref().filter(|_| request.compare != Compare::Alone) {
-            let mut other_goes_on = |part| go_on(Drawing::Other, part);
+            let mut other_goes_on = |part| go_on(Side::Other, part);
             let Some(more) = paint(&self.device, &mut self.other, other, request, size, &mut other_goes_on)?
             else {
                 return Ok(None);
@@ -510,8 +510,7 @@ fn serving<'a>(
         }
         None => {
             let LoadedScene { scene, textures } = &*request.loaded;
-            let shaded = prepared.shaded(textures.len());
-            let objects = objects(scene, textures, shaded.iter().map(|(source, shading)| (source, shading)));
+            let objects = objects(scene, textures, prepared.shaded(textures.len()));
             let mut painter = Painter::of_objects(device, &objects, request.size, lights)?;
             if scene.shadows {
                 painter.cast_shadows()?;

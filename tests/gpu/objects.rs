@@ -81,7 +81,11 @@ fn each_object_of_a_scene_is_drawn_as_it_would_be_alone_where_nothing_stands_bef
         painter.draw_sample(&view, &sample, shown).unwrap();
         let together = painter.picture().unwrap();
         let seen = painter.directions_of(&view, 0, &sample).unwrap();
-        let mut counts = [0; 3];
+        let without = objects(&scene, &textures, std::iter::repeat_n((&sources[2], &shadings[2]), 3));
+        let mut pigments = Painter::of_objects(device, &without, SIZE, view.light_count()).unwrap();
+        pigments.draw_sample(&view, &sample, shown).unwrap();
+        let pigments = pigments.picture().unwrap();
+        let (mut counts, mut greens) = ([0; 3], [[0.0; 2]; 3]);
         for (number, object) in all.iter().enumerate() {
             let mut alone = Painter::of_objects(device, &[*object], SIZE, view.light_count()).unwrap();
             alone.draw_sample(&view, &sample, shown).unwrap();
@@ -89,6 +93,8 @@ fn each_object_of_a_scene_is_drawn_as_it_would_be_alone_where_nothing_stands_bef
             for pixel in 0..together.radiance.len() {
                 if seen.view[pixel][3] != 0.0 && seen.object(pixel) == number {
                     counts[number] += 1;
+                    greens[number][0] += together.radiance[pixel][1];
+                    greens[number][1] += pigments.radiance[pixel][1];
                     assert_eq!(together.radiance[pixel], alone.radiance[pixel], "pixel {pixel} of {number}");
                     assert_eq!(together.display[pixel], alone.display[pixel], "pixel {pixel} of {number}");
                 }
@@ -96,6 +102,10 @@ fn each_object_of_a_scene_is_drawn_as_it_would_be_alone_where_nothing_stands_bef
         }
         eprintln!("pixels of sphere, plate and ground: {counts:?}");
         assert!(counts.iter().all(|&count| count > 300), "{counts:?}");
+        // Two of them diffract light on top of what their pigments send on; the ground has its pigment alone.
+        eprintln!("green, and that of the pigments: {greens:?}");
+        let [sphere, plate, ground] = greens.map(|[all, pigment]| all / pigment);
+        assert!(sphere > 1.1 && plate > 1.1 && ground == 1.0, "{sphere}, {plate}, {ground}");
         // Sums of samples and tiles take the same way.
         let sampling = Sampling { count: 3, seed: 3 };
         let whole = painter.paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap();

@@ -158,6 +158,50 @@ fn a_sum_over_hundreds_of_wavelengths_and_taps_is_whole() {
 }
 
 #[test]
+fn parts_of_a_sum_that_are_drawn_one_by_one_make_the_same_picture() {
+    let field = patch(Kind::Elaphe, 10.0);
+    let scene = Scene::open("sphere").unwrap();
+    let view = View::of(&scene, vec![Light::point(70.0, 60.0, 1.0)]);
+    let coherence = Coherence::Gaussian { length: 16.0 };
+    let shading = Shading { coherence, windows: Windows::All, wavelengths: Some(400), ..Shading::default() };
+    let shading = shading.for_pictures();
+    let size = [24, 18];
+    with_device(|device| {
+        let new = |source: &Source| {
+            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), size, 1).unwrap()
+        };
+        let mut found = new(&Source::ClassicalGrating(ClassicalGrating::default()));
+        found.ask_for_footprints().unwrap();
+        let sample = Sampling::ONE.sample(0);
+        let seen = [found.directions_of(&view, 0, &sample).unwrap()];
+        let source = source(device, &field, &shading, Method::Spectral, sizes_of(&seen));
+        let mut painter = new(&source);
+        painter.draw_sample(&view, &sample, SHOWN).unwrap();
+        let whole = painter.picture().unwrap();
+        let mut pieces = Vec::new();
+        let mut next = |drawn: f64| {
+            pieces.push(drawn);
+            true
+        };
+        painter.draw_while(&view, SHOWN, size, &mut next).unwrap().unwrap();
+        assert!(painter.picture().unwrap() == whole);
+        // The first tile is 4 x 4 pixels.
+        let share = 16.0 / f64::from(size[0] * size[1]);
+        let of_first_tile = pieces.iter().filter(|&&drawn| drawn < 0.999 * share).count();
+        assert!(of_first_tile > 1, "the parts of a tile are drawn together");
+        // Given up in the middle of a tile, and drawn anew.
+        let mut left = of_first_tile;
+        let mut give_up = |_| {
+            left -= 1;
+            left > 0
+        };
+        assert!(painter.draw_while(&view, SHOWN, size, &mut give_up).unwrap().is_none());
+        painter.draw_while(&view, SHOWN, size, &mut |_| true).unwrap().unwrap();
+        assert!(painter.picture().unwrap() == whole);
+    });
+}
+
+#[test]
 fn glass_reflects_as_fresnel_says_where_footprints_reach_far() {
     // Beside silhouettes a footprint reads R at other angles than the pixel's. Over Schlick's form it erred by 0.016, over its own mean by nothing.
     let case = Case {

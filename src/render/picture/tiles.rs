@@ -1,4 +1,4 @@
-//! The tiles that a picture is drawn in: each takes so little time that others get the device in between.
+//! The pieces that a picture is drawn in: each takes so little time that others get the device in between.
 
 use std::ops::Range;
 
@@ -14,11 +14,45 @@ const AN_ITERATION: f64 = 1e-6;
 /// How much more than the picture on average its dearest part costs, at most.
 const DEAREST: f64 = 4.0;
 
-/// Tiles of a picture from the upper left, row after row.
+/// What is drawn at once.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Piece {
+    /// Columns and rows.
+    pub tile: [Range<u32>; 2],
+    /// Parts of the sum over wavelengths.
+    pub parts: Range<u32>,
+}
+
+impl Piece {
+    /// A whole picture of `size` whose sum has so many `parts`.
+    pub(super) fn whole(size: [u32; 2], parts: u32) -> Self {
+        Self { tile: size.map(|n| 0..n), parts: 0..parts }
+    }
+
+    /// Whether a picture begins with it.
+    pub(super) fn is_first(&self) -> bool {
+        self.parts.start == 0 && self.tile.iter().all(|range| range.start == 0)
+    }
+
+    /// Whether a picture of `size` whose sum has so many `parts` ends with it.
+    pub(super) fn is_last(&self, size: [u32; 2], parts: u32) -> bool {
+        self.parts.end == parts && self.tile.iter().zip(size).all(|(range, end)| range.end == end)
+    }
+}
+
+/// Tiles of a picture from the upper left, row after row. A tile of the smallest size is drawn part by part of its sum.
 pub(super) struct Tiles {
     size: [u32; 2],
+    // Of the sum of a pixel.
+    parts: u32,
     // Upper left corner of the next tile.
     corner: [u32; 2],
+    // The tile of which parts are left, and the first of these.
+    begun: Option<([Range<u32>; 2], u32)>,
+    // Pixels of the pieces so far, by the share of their parts.
+    drawn: f64,
+    // Milliseconds of the parts of the last tile so far.
+    spent: f64,
     // Pixels of the next tile, about, and of the last.
     pixels: f64,
     last: f64,
@@ -32,23 +66,48 @@ pub(super) struct Tiles {
 
 impl Tiles {
     /// For a picture of `size` whose pixels took `known` milliseconds on average when it was drawn last, and of which a pixel may take `iterations` of a
-    /// loop.
-    pub(super) fn new(size: [u32; 2], known: Option<f64>, iterations: usize) -> Self {
+    /// loop in so many `parts`.
+    pub(super) fn new(size: [u32; 2], known: Option<f64>, iterations: usize, parts: u32) -> Self {
         let least = if known.is_none() { iterations as f64 * AN_ITERATION } else { 0.0 };
         let smallest = f64::from(STEP * STEP);
         let pixels = known.map_or(smallest, |time| LONGEST / (DEAREST * time).max(1e-9));
-        Self { size, corner: [0; 2], pixels, last: 0.0, known, dearest: 0.0, least }
+        Self {
+            size,
+            parts,
+            corner: [0; 2],
+            begun: None,
+            drawn: 0.0,
+            spent: 0.0,
+            pixels,
+            last: 0.0,
+            known,
+            dearest: 0.0,
+            least,
+        }
     }
 
-    /// The part of the picture that the tiles so far cover.
+    /// The part of the picture that the pieces so far are.
     pub(super) fn drawn(&self) -> f64 {
-        let [width, height] = self.size.map(f64::from);
-        let [left, top] = self.corner.map(f64::from);
-        if width * height > 0.0 { (top + left / width) / height } else { 1.0 }
+        self.drawn / (f64::from(self.size[0]) * f64::from(self.size[1])).max(1.0)
+    }
+
+    /// What is drawn next.
+    pub(super) fn next_piece(&mut self) -> Option<Piece> {
+        let (tile, first) = match self.begun.take() {
+            Some(begun) => begun,
+            None => (self.next_tile()?, 0),
+        };
+        let is_smallest = tile.iter().all(|range| range.len() <= STEP as usize);
+        let end = if is_smallest { first + 1 } else { self.parts };
+        if end < self.parts {
+            self.begun = Some((tile.clone(), end));
+        }
+        self.drawn += self.last * f64::from(end - first) / f64::from(self.parts);
+        Some(Piece { tile, parts: first..end })
     }
 
     /// Columns and rows of the next tile.
-    pub(super) fn next_tile(&mut self) -> Option<[Range<u32>; 2]> {
+    fn next_tile(&mut self) -> Option<[Range<u32>; 2]> {
         let ([width, height], [left, top]) = (self.size, self.corner);
         if top >= height || width == 0 {
             return None;
@@ -65,9 +124,14 @@ impl Tiles {
         Some([left..right, top..bottom])
     }
 
-    /// Fits the size of the next tile to the time that the last one took \[ms\].
+    /// Fits the size of the next tile to the time that the last piece took \[ms\].
     pub(super) fn took(&mut self, milliseconds: f64) {
-        self.dearest = (milliseconds / self.last).max(FADING * self.dearest);
+        self.spent += milliseconds;
+        if self.begun.is_some() {
+            return;
+        }
+        let of_tile = std::mem::take(&mut self.spent);
+        self.dearest = (of_tile / self.last).max(FADING * self.dearest);
         let fitting = LONGEST / self.dearest.max(self.least).max(1e-9);
         self.pixels = match self.known {
             Some(average) => fitting.min(LONGEST / (DEAREST * average).max(1e-9)),
@@ -87,9 +151,9 @@ mod tests {
         known: Option<f64>,
         cost: impl Fn(u32, u32) -> f64,
     ) -> Vec<([Range<u32>; 2], f64)> {
-        let mut tiles = Tiles::new(size, known, 0);
+        let mut tiles = Tiles::new(size, known, 0, 1);
         let mut drawn = Vec::new();
-        while let Some([columns, rows]) = tiles.next_tile() {
+        while let Some(Piece { tile: [columns, rows], .. }) = tiles.next_piece() {
             let time = rows
                 .clone()
                 .flat_map(|y| columns.clone().map(move |x| (x, y)))
@@ -147,11 +211,40 @@ mod tests {
         let of_mesh = 300 * 119 / (STEP * STEP) as usize;
         assert!(drawn.len() < 3 * of_mesh, "{} tiles, {of_mesh} of the mesh", drawn.len());
         // Where it is known that pixels may be dear, no tile of background grows much.
-        let mut tiles = Tiles::new([1024, 160], None, 100_000);
-        while let Some([columns, rows]) = tiles.next_tile() {
+        let mut tiles = Tiles::new([1024, 160], None, 100_000, 1);
+        while let Some(Piece { tile: [columns, rows], .. }) = tiles.next_piece() {
             let pixels = columns.len() * rows.len();
             assert!(pixels <= 400, "{pixels} pixels");
             tiles.took(1e-4 * pixels as f64);
         }
+    }
+    #[test]
+    fn the_smallest_tiles_are_drawn_part_by_part() {
+        /// Parts of the sum.
+        const PARTS: u32 = 6;
+        let size = [64, 32];
+        // A pixel of the right half takes so long that only tiles of the smallest size are drawn there.
+        let cost = |x: u32| if x >= 32 { 2.0 } else { 1e-4 };
+        let mut tiles = Tiles::new(size, None, 100_000, PARTS);
+        let mut drawn = vec![0; (size[0] * size[1] * PARTS) as usize];
+        let (mut firsts, mut lasts, mut together) = (0, 0, 0);
+        while let Some(piece) = tiles.next_piece() {
+            let Piece { tile: [columns, rows], parts } = piece.clone();
+            (firsts, lasts) =
+                (firsts + u32::from(piece.is_first()), lasts + u32::from(piece.is_last(size, PARTS)));
+            assert_eq!(firsts, 1, "the first piece comes first");
+            together += u32::from(parts.len() > 1);
+            let mut time = 0.0;
+            for (y, x) in rows.flat_map(|y| columns.clone().map(move |x| (y, x))) {
+                for part in parts.clone() {
+                    drawn[((y * size[0] + x) * PARTS + part) as usize] += 1;
+                    time += cost(x) / f64::from(PARTS);
+                }
+            }
+            tiles.took(time);
+        }
+        assert!(drawn.iter().all(|&times| times == 1), "each part of each pixel once");
+        assert_eq!(lasts, 1);
+        assert!(together > 0, "no larger tile was drawn whole");
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Painter;
 use crate::error::Result;
-use crate::render::frame::{Shown, View, record_shading};
+use crate::render::frame::{Shown, View, begin_shading, record_shading};
 use crate::render::sampling::Sampling;
 use crate::vk::queries::Timestamps;
 use glam::DVec3;
@@ -58,6 +58,7 @@ impl Painter {
         let start = Instant::now();
         let milliseconds = |since: Instant| since.elapsed().as_secs_f64() * 1e3;
         self.write(view, self.target.size(), &Sampling::ONE.sample(0))?;
+        let parts = self.parts();
         let (target, stamps) = (&self.target, &watch.timestamps);
         let (find, objects, geometry) = (&self.find, &self.objects, &self.geometry);
         let shaded = || objects.iter().zip(&self.shadings).map(|(object, own)| own.of(object));
@@ -68,7 +69,8 @@ impl Painter {
             record.timestamp(stamps, 0);
             find.record(record, geometry, objects);
             record.timestamp(stamps, 1);
-            record_shading(record, (geometry, target), shaded());
+            begin_shading(record, (geometry, target));
+            record_shading(record, (geometry, target), shaded(), 0..parts);
             record.timestamp(stamps, 2);
             super::record_display(record, target, |record| {
                 let shown = Shown::plain(exposure, background);
