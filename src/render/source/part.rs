@@ -3,8 +3,9 @@
 
 use bytemuck::{Pod, Zeroable};
 
-/// Loop iterations of an invocation, at most; some are left to what does not count them.
-const MOST_ITERATIONS: usize = 60_000;
+/// Loop iterations of an invocation, at most: half of what such devices do, so that a part of the smallest tile takes some 50 ms at most and
+/// a window answers in between.
+const MOST_ITERATIONS: usize = 30_000;
 
 /// Loop iterations of a sum over wavelengths, at most.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
