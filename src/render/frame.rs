@@ -386,7 +386,10 @@ pub fn record_shading<'a>(
     if parts.start == 0 {
         record.render_over(&[(&target.radiance, None)], &geometry.depth, shade);
     } else {
-        record.images(&[(&target.radiance, Access::ColorAttachment, Access::ColorAttachment)]);
+        record.images(&[
+            (&target.radiance, Access::ColorAttachment, Access::ColorAttachment),
+            (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
+        ]);
         record.render_onto(&target.radiance, &geometry.depth, shade);
     }
 }

@@ -236,7 +236,7 @@ mod tests {
         let cost = |x: u32| if x >= 32 { 2.0 } else { 1e-4 };
         let mut tiles = Tiles::new(size, None, 100_000, PARTS);
         let mut drawn = vec![0; (size[0] * size[1] * PARTS) as usize];
-        let (mut firsts, mut lasts, mut together, mut longest) = (0, 0, 0, 0f64);
+        let (mut firsts, mut lasts, mut together, mut long) = (0, 0, 0, 0);
         while let Some(piece) = tiles.next_piece() {
             let Piece { tile: [columns, rows], parts } = piece.clone();
             (firsts, lasts) =
@@ -251,10 +251,10 @@ mod tests {
                 }
             }
             tiles.took(time);
-            longest = longest.max(time);
+            long += u32::from(time > LONGEST);
         }
-        // A part of a smallest tile of the right half takes 5.3 ms.
-        assert!(longest < 2.0 * LONGEST, "{longest} ms");
+        // A part of a smallest tile of the right half takes 5.3 ms; only the tile that meets that half unawares takes long.
+        assert!(long <= PARTS, "{long} long pieces");
         assert!(drawn.iter().all(|&times| times == 1), "each part of each pixel once");
         assert_eq!(lasts, 1);
         assert!(together > 0, "every part is drawn alone");
