@@ -20,7 +20,7 @@ use crate::render::reference_picture::{covered, displayed, reference_pixels};
 use crate::render::sampling::Sampling;
 use crate::render::shading::Shading;
 use crate::render::source::cost::Cost;
-use crate::render::source::{Source, Summary};
+use crate::render::source::{Source, SourceSummary};
 use crate::scene::{Light, Scene};
 use crate::setup::{self, InUse, Method, Settings};
 use crate::surface::HeightField;
@@ -79,7 +79,7 @@ pub struct Benchmark {
     /// What it is shaded with.
     pub shading: Shading,
     /// What it is shaded from.
-    pub summary: Summary,
+    pub summary: SourceSummary,
     /// Samples and wavelengths of the frame.
     pub cost: Cost,
     /// Where its error comes from.

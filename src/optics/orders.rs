@@ -152,7 +152,7 @@ impl Pattern {
 
 /// How to integrate over the wavelengths along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sampling {
+pub struct OrderSampling {
     /// The axis whose periods are counted.
     pub axis: usize,
     /// Periods that the ray crosses per wavenumber: |u| T_x or |v| T_y \[µm\].
@@ -161,7 +161,7 @@ pub struct Sampling {
     pub pattern: Pattern,
 }
 
-impl Sampling {
+impl OrderSampling {
     /// Wavelengths over the visible range, on average.
     pub fn wavelengths(&self) -> f64 {
         SPAN * self.periods * self.pattern.per_period() as f64
@@ -204,7 +204,7 @@ impl Repeats {
 
     /// How to integrate over the wavelengths along (u, v) against colour functions of lag `colour_lag` \[µm\], for a relative
     /// error of about `tolerance`. Its twin is `sampling` of `shaders/repeats.glsl`.
-    pub fn sampling(&self, uv: DVec2, colour_lag: f64, tolerance: f64) -> Sampling {
+    pub fn sampling(&self, uv: DVec2, colour_lag: f64, tolerance: f64) -> OrderSampling {
         let n = self.copies.map(f64::from);
         let lag = [0, 1].map(|axis| n[axis] * uv[axis].abs() * self.period[axis]);
         let axis = usize::from(lag[1] > lag[0]); // the sharper one
@@ -218,7 +218,7 @@ impl Repeats {
         } else {
             Pattern::Every((others + n[axis]).ceil() as u64)
         };
-        Sampling { axis, periods, pattern }
+        OrderSampling { axis, periods, pattern }
     }
 
     /// More wavelengths than [`Repeats::sampling`] takes of any direction, against colour functions of lag `colour_lag` \[µm\].
@@ -238,7 +238,7 @@ impl Repeats {
     ///
     /// # Errors
     /// With both numbers.
-    pub fn check(&self, sampling: &Sampling) -> Result<()> {
+    pub fn check(&self, sampling: &OrderSampling) -> Result<()> {
         let count = sampling.wavelengths();
         if count <= MAX_WAVELENGTHS {
             return Ok(());
@@ -255,7 +255,7 @@ impl Repeats {
 
     /// Wavenumbers \[µm⁻¹\] of `sampling` along (u, v), and the XYZ weight of the response of one period there, both factors
     /// included.
-    pub fn terms(&self, sampling: &Sampling, uv: DVec2, colours: &Colours) -> Vec<(f64, DVec3)> {
+    pub fn terms(&self, sampling: &OrderSampling, uv: DVec2, colours: &Colours) -> Vec<(f64, DVec3)> {
         let term = |(q, index)| {
             let weight = self.weight(sampling.axis, sampling.pattern, index) / sampling.periods;
             let other = 1 - sampling.axis;

@@ -28,7 +28,7 @@ pub mod samples;
 mod tiles;
 pub mod timing;
 
-use directions::Part;
+use directions::PictureArea;
 pub use directions::{Directions, Pixel};
 use display::Display;
 use tiles::{Piece, Tiles};
@@ -90,7 +90,7 @@ enum Content {
     /// Nothing: radiance is of no picture, or of parts of several.
     Nothing,
     /// Nothing: radiance holds a part of a picture, and more tiles of it may follow.
-    Part,
+    PictureArea,
     /// One sample: the radiance, where the depth says that the mesh covers.
     Sample,
     /// The mean of the samples that are summed.
@@ -421,7 +421,7 @@ impl Painter {
         let display = Display::new((&self.geometry, target), &self.display, around, frame, written);
         let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
         match self.shows {
-            Content::Nothing | Content::Part => return Ok(false),
+            Content::Nothing | Content::PictureArea => return Ok(false),
             Content::Sample => self.commands.run(|record| {
                 record.images(&[(&target.radiance, Access::ShaderRead, Access::ColorAttachment)]);
                 let all = record.within(size, 0..size[1]);
@@ -488,7 +488,7 @@ impl Painter {
         if last {
             self.shows = if matches!(finish, Finish::Add(_)) { Content::Mean } else { Content::Sample };
         } else if self.shows != Content::Mean {
-            self.shows = Content::Part;
+            self.shows = Content::PictureArea;
         }
         let times = self.timestamps.intervals()?;
         Ok([times[0], times[1]])
@@ -560,18 +560,18 @@ impl Painter {
         let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
         let radiance = match sum.filter(|_| self.shows == Content::Mean) {
             Some((accumulation, summed)) => {
-                let mut sum = self.read(&accumulation.sum, Part::All)?;
+                let mut sum = self.read(&accumulation.sum, PictureArea::All)?;
                 let samples = summed.samples as f32;
                 sum.iter_mut().flatten().for_each(|x| *x /= samples);
                 sum
             }
-            None if self.shows == Content::Part => {
+            None if self.shows == Content::PictureArea => {
                 let [width, height] = self.target.size();
                 vec![[0.0; 4]; width as usize * height as usize]
             }
             None => {
-                let mut radiance = self.read(&self.target.radiance, Part::All)?;
-                let uncovered = self.covered(Part::All)?.into_iter().map(|covered| !covered);
+                let mut radiance = self.read(&self.target.radiance, PictureArea::All)?;
+                let uncovered = self.covered(PictureArea::All)?.into_iter().map(|covered| !covered);
                 radiance.iter_mut().zip(uncovered).filter(|(_, u)| *u).for_each(|(p, _)| *p = [0.0; 4]);
                 radiance
             }
@@ -596,7 +596,7 @@ impl Painter {
     /// Writes the `Frame` block of what is shown, where that of a picture that was given up took its place.
     fn write_shown(&mut self) -> Result<()> {
         let shown = match self.shows {
-            Content::Nothing | Content::Part => None,
+            Content::Nothing | Content::PictureArea => None,
             Content::Sample => self.found.clone(),
             Content::Mean => self.summed.as_ref().map(samples::Summed::last),
         };

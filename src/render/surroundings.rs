@@ -3,7 +3,7 @@
 
 use super::upload;
 use crate::error::Result;
-use crate::scene::environment::{Environment, Level};
+use crate::scene::environment::{Environment, EnvironmentLevel};
 use crate::vk::device::Device;
 use crate::vk::image::{Description, Image};
 use ash::vk;
@@ -53,7 +53,7 @@ impl Surroundings {
     }
 }
 
-fn texels(level: &Level, unit: f32) -> Vec<f16> {
+fn texels(level: &EnvironmentLevel, unit: f32) -> Vec<f16> {
     let colors: Vec<f32> = level.radiance.iter().flat_map(|c| (*c / unit).extend(0.0).to_array()).collect();
     let mut texels = vec![f16::ZERO; colors.len()];
     texels.convert_from_f32_slice(&colors);

@@ -92,14 +92,14 @@ impl fmt::Debug for Environment {
 
 /// The picture of surroundings, or means over squares of its pixels.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Level {
+pub struct EnvironmentLevel {
     /// Width and height \[pixels\].
     pub size: [usize; 2],
     /// Linear sRGB, row by row from the top.
     pub radiance: Vec<Vec3>,
 }
 
-impl Level {
+impl EnvironmentLevel {
     /// Means over 2 × 2 pixels; over 3 along a side of an odd number of them, so that none is left out.
     fn halved(&self) -> Self {
         let [width, height] = self.size;
@@ -191,10 +191,10 @@ impl Environment {
     }
 
     /// The picture in levels of half the size each, the finest first, for reading means over parts of it. Neither turned nor brightened.
-    pub fn levels(&self) -> Vec<Level> {
+    pub fn levels(&self) -> Vec<EnvironmentLevel> {
         let Picture { width, height, radiance, .. } = &*self.picture;
-        let finest = Level { size: [*width, *height], radiance: radiance.clone() };
-        let halved = |level: &Level| (level.size != [1, 1]).then(|| level.halved());
+        let finest = EnvironmentLevel { size: [*width, *height], radiance: radiance.clone() };
+        let halved = |level: &EnvironmentLevel| (level.size != [1, 1]).then(|| level.halved());
         std::iter::successors(Some(finest), halved).collect()
     }
 

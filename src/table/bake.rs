@@ -3,7 +3,7 @@
 use super::grid::Grid;
 use super::pieces::choose_pieces;
 use super::specular::Specular;
-use super::sums::{CUBIC, Scratch, Spectrum, Sums};
+use super::sums::{CUBIC, DirectionWavelengths, Scratch, Sums};
 use super::{ColorTable, Header, TableSettings};
 use crate::error::{Error, Remedy, Result};
 use crate::memory;
@@ -32,7 +32,7 @@ pub fn bake(
     let orders = reader.header.orders_blur.variance;
     let coherence_blur = BLUE * BLUE * 0.5 * (orders[0] + orders[1]);
     let blur = settings.finest.powi(2) + coherence_blur;
-    let spectrum = Spectrum::new(&reader, settings);
+    let spectrum = DirectionWavelengths::new(&reader, settings);
     let (pieces, cubic_error) = choose_pieces(&reader, &spectrum, settings)?;
     let grid = choose_grid(&reader, settings, blur, pieces);
     check_room(&grid, pieces, settings)?;

@@ -20,7 +20,7 @@ use std::f64::consts::TAU;
 pub const CUBIC: usize = 4;
 
 /// The wavelengths of each direction.
-pub struct Spectrum {
+pub struct DirectionWavelengths {
     combs: Vec<Comb>,
     // For each comb, node by node, what the surface reflects over cos θ_h; nothing where that does not depend on the wavelength.
     reflectances: Vec<Vec<ReflectanceRow>>,
@@ -29,7 +29,7 @@ pub struct Spectrum {
     variance: f64,
 }
 
-impl Spectrum {
+impl DirectionWavelengths {
     /// For the table of `settings`.
     pub fn new(reader: &Reader, settings: &TableSettings) -> Self {
         let orders = reader.header.orders_blur.variance;
@@ -92,7 +92,7 @@ const LANES: usize = 4;
 /// Sums over the spectrum at given |w|.
 pub struct Sums<'a> {
     reader: &'a Reader,
-    spectrum: &'a Spectrum,
+    spectrum: &'a DirectionWavelengths,
     // Number of |w|, and the same rounded up to LANES.
     count: usize,
     padded: usize,
@@ -116,7 +116,7 @@ pub struct Scratch {
 
 impl<'a> Sums<'a> {
     /// At the four Chebyshev nodes of each of `pieces`.
-    pub fn new(reader: &'a Reader, spectrum: &'a Spectrum, pieces: usize) -> Self {
+    pub fn new(reader: &'a Reader, spectrum: &'a DirectionWavelengths, pieces: usize) -> Self {
         let length = LARGEST_W / pieces as f64;
         let w =
             (0..pieces).flat_map(|p| nodes(CUBIC, length).into_iter().map(move |x| p as f64 * length + x));
@@ -124,7 +124,7 @@ impl<'a> Sums<'a> {
     }
 
     /// At the given |w|.
-    pub fn at(reader: &'a Reader, spectrum: &'a Spectrum, w: Vec<f64>) -> Self {
+    pub fn at(reader: &'a Reader, spectrum: &'a DirectionWavelengths, w: Vec<f64>) -> Self {
         let (terms, z_max) = (reader.header.terms, reader.header.z_max);
         let (count, padded) = (w.len(), w.len().next_multiple_of(LANES));
         let of_comb = |comb: &Comb| {

@@ -64,7 +64,7 @@ pub fn samples(painter: &mut Painter, view: &View) -> Result<ProbeSamples> {
 }
 
 /// Pixels to compare with the reference, and the settings that they were drawn with.
-pub struct Probe {
+pub struct ProbeTask {
     /// Surface and settings.
     pub prepared: Arc<Prepared>,
     /// Camera and lights.
@@ -94,7 +94,7 @@ impl ErrorProbe {
     ///
     /// # Errors
     /// When the system refuses a thread.
-    pub fn new(probe: Probe, reply: impl Fn(Result<ProbeStatus>) + Send + 'static) -> Result<Self> {
+    pub fn new(probe: ProbeTask, reply: impl Fn(Result<ProbeStatus>) + Send + 'static) -> Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
         let work = move || {
@@ -118,7 +118,7 @@ impl ErrorProbe {
     }
 }
 
-impl Probe {
+impl ProbeTask {
     fn errors(&self, progress: &dyn Fn(usize, usize) -> Result<()>) -> Result<PixelErrors> {
         let Prepared { field, shading, .. } = &*self.prepared;
         let ProbeSamples { radiance, directions } = &self.samples;

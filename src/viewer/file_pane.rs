@@ -1,6 +1,6 @@
 //! The dialog in which files are chosen.
 
-use super::files::{Chosen, Purpose};
+use super::files::{Chosen, DialogPurpose};
 use super::model::Model;
 use egui::{Key, Popup, Ui};
 
@@ -11,8 +11,8 @@ pub fn show(ui: &Ui, model: &mut Model) {
     }
     let Some(Chosen { purpose, path }) = model.file_choice.update(ui.ctx()) else { return };
     match purpose {
-        Purpose::Open => model.actions.open = Some(path.to_string_lossy().into_owned()),
-        Purpose::SaveScene => model.actions.save_scene = Some(path),
+        DialogPurpose::Open => model.actions.open = Some(path.to_string_lossy().into_owned()),
+        DialogPurpose::SaveScene => model.actions.save_scene = Some(path),
     }
 }
 

@@ -9,7 +9,7 @@ const MOST_RECENT: usize = 12;
 
 /// What a file is chosen for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Purpose {
+pub enum DialogPurpose {
     /// A scene, a mesh or a height field, to be shown.
     Open,
     /// A scene file, to be written.
@@ -20,7 +20,7 @@ pub enum Purpose {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Chosen {
     /// What for.
-    pub purpose: Purpose,
+    pub purpose: DialogPurpose,
     /// The file.
     pub path: PathBuf,
 }
@@ -28,7 +28,7 @@ pub struct Chosen {
 /// The dialog in which files are chosen, and the list of those that were opened lately.
 #[derive(Default)]
 pub struct FileChoice {
-    dialog: Option<(Purpose, FileDialog)>,
+    dialog: Option<(DialogPurpose, FileDialog)>,
     // The newest first.
     recent: Vec<String>,
 }
@@ -54,7 +54,7 @@ impl FileChoice {
             .add_file_filter_extensions("height fields", EXTENSIONS.to_vec())
             .default_file_filter("all that can be shown");
         dialog.pick_file();
-        self.dialog = Some((Purpose::Open, dialog));
+        self.dialog = Some((DialogPurpose::Open, dialog));
     }
 
     /// Lets the user choose where the scene is written.
@@ -64,7 +64,7 @@ impl FileChoice {
             .default_save_extension("scene")
             .default_file_name("scene.toml");
         dialog.save_file();
-        self.dialog = Some((Purpose::SaveScene, dialog));
+        self.dialog = Some((DialogPurpose::SaveScene, dialog));
     }
 
     /// Closes the dialog.

@@ -3,7 +3,7 @@
 use super::inspector::reading::{LightAt, Reading};
 use super::inspector::reference::{Answer, LightAnswer, WAVELENGTHS, wavelength};
 use super::model::Model;
-use super::panel::rows::{Row, inspected as rows};
+use super::panel::rows::{SettingRow, inspected as rows};
 use super::style;
 use crate::optics::color::{display, xyz_to_linear_srgb};
 use crate::optics::spectrum::{LONGEST, SHORTEST, observer};
@@ -109,7 +109,7 @@ fn contents(ui: &mut Ui, model: &mut Model) {
     }
 }
 
-fn row(ui: &mut Ui, row: &Row, value: impl Into<String>) {
+fn row(ui: &mut Ui, row: &SettingRow, value: impl Into<String>) {
     ui.label(RichText::new(row.label).color(style::FAINT)).on_hover_text(row.tip);
     ui.label(value.into()).on_hover_text(row.tip);
     ui.end_row();

@@ -1,7 +1,7 @@
 //! Messages to and from the render thread: the newest frame request, jobs in order, and the replies.
 
 use super::compare::Side;
-use super::error_probe::Probe;
+use super::error_probe::ProbeTask;
 use super::frame::{FrameRequest, RenderedFrame};
 use super::inspector::reading::Reading;
 use super::quality::{Detail, Quality};
@@ -41,7 +41,7 @@ pub enum RenderReply {
     /// The picture of [`Job::Picture`], and how far scalar theory holds for its surface; or why there is none.
     Picture(Result<(Box<Picture>, String)>),
     /// The pixels of [`Job::Samples`].
-    Samples(Box<Probe>),
+    Samples(Box<ProbeTask>),
     /// What a pixel shows; `None` where the mesh does not cover it.
     Pixel(Option<Box<Reading>>),
     /// A request or a job failed.

@@ -62,7 +62,7 @@ mod tests {
     use crate::viewer::hand::Hand;
     use crate::viewer::input;
     use crate::viewer::panel::LEAST_WIDTH;
-    use crate::viewer::panel::rows::{ALL, Row};
+    use crate::viewer::panel::rows::{ALL, SettingRow};
     use egui::{Key, Modifiers, Pos2, pos2, vec2};
 
     const LARGE: [f32; 2] = [900.0, 1400.0];
@@ -95,7 +95,7 @@ mod tests {
     }
 
     /// What the panel shows for `row`.
-    fn label(hand: &Hand, row: &Row) -> String {
+    fn label(hand: &Hand, row: &SettingRow) -> String {
         match row.label {
             "light" => "light 1".to_owned(),
             "device" => hand.model.device.line(),
@@ -104,7 +104,7 @@ mod tests {
     }
 
     /// Rows that need a device.
-    fn needs_a_device(row: &Row) -> bool {
+    fn needs_a_device(row: &SettingRow) -> bool {
         ["texture", "error bound"].contains(&row.label)
     }
 

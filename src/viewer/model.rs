@@ -164,13 +164,13 @@ pub struct Sources {
     pub coarse: Option<Arc<Prepared>>,
     /// For moving pictures: fewer wavelengths.
     pub fewer_wavelengths: Option<Arc<Prepared>>,
-    /// Progress by [`Role`].
-    pub progress: [Option<Progress>; ROLES],
+    /// TaskProgress by [`Role`].
+    pub progress: [Option<TaskProgress>; ROLES],
 }
 
 /// Progress of a setting in preparation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
+pub struct TaskProgress {
     /// Steps done.
     pub done: usize,
     /// Steps in total.
@@ -225,7 +225,7 @@ impl Sources {
             (Role::FewerWavelengths, "preparing previews"),
         ];
         named.into_iter().find_map(|(role, name)| {
-            let Progress { done, of } = self.progress[role as usize]?;
+            let TaskProgress { done, of } = self.progress[role as usize]?;
             Some((name, done as f32 / of.max(1) as f32))
         })
     }
@@ -339,7 +339,7 @@ pub struct Model {
     /// Pictures of a turntable.
     pub turntable: u32,
     /// Pictures of a turntable that are recorded, while that is done.
-    pub recording: Option<Progress>,
+    pub recording: Option<TaskProgress>,
     /// What the render thread draws and how much of it is there, where that takes its time.
     pub drawing: Option<(Side, f32)>,
     /// What was done last, for the user.

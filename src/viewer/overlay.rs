@@ -5,7 +5,7 @@ use super::file_pane;
 use super::hemisphere;
 use super::input;
 use super::inspector_pane;
-use super::model::{Comparison, Model, Progress};
+use super::model::{Comparison, Model, TaskProgress};
 use super::palette_pane;
 use super::quality::Quality;
 use super::settings::{OpticsSettings, ViewSettings};
@@ -81,7 +81,7 @@ fn state(ui: &Ui, painter: &Painter, rect: Rect, model: &mut Model) {
         };
         at.y = note(painter, at, Align2::LEFT_BOTTOM, width, &text, style::FAINT).top() - 6.0;
     }
-    if let Some(Progress { done, of }) = model.recording {
+    if let Some(TaskProgress { done, of }) = model.recording {
         let what = format!("recording a turntable, {done} of {of} pictures; Esc stops");
         at.y = progress(painter, at, width, &what, done as f32 / of.max(1) as f32).top() - 6.0;
     }

@@ -2,7 +2,7 @@
 
 use super::compare::{Compare, Side};
 use super::difference;
-use super::error_probe::{self, Probe};
+use super::error_probe::{self, ProbeTask};
 use super::frame::{FrameRequest, LoadedScene, PictureCost, RenderedFrame};
 use super::inset::{self, Inset, InsetRequest};
 use super::inspector::reading::Reading;
@@ -417,7 +417,7 @@ impl Renderer {
                 let scalar_theory = Validity::note(&request.own.field);
                 Ok(RenderReply::Picture(Ok((Box::new(slot.painter.picture()?), scalar_theory))))
             }
-            Job::Samples(request) => Ok(RenderReply::Samples(Box::new(Probe {
+            Job::Samples(request) => Ok(RenderReply::Samples(Box::new(ProbeTask {
                 samples: error_probe::samples(&mut slot.painter, &request.view)?,
                 prepared: request.own.clone(),
                 view: request.view.clone(),

@@ -3,7 +3,7 @@
 use super::surface_pane::analysis::{Analysis, height_at, profile};
 use super::surface_pane::directions::{direction, period, visible};
 use super::surface_pane::plot::{Axes, BELOW, LEFT};
-use super::surface_pane::{Pictures, Pointed, Shown, SurfacePane};
+use super::surface_pane::{Pictures, Pointed, ShownPane, SurfacePane};
 use crate::figure::palette::ColorMap;
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::viewer::model::Model;
@@ -102,15 +102,15 @@ fn contents(ui: &mut Ui, pane: &mut SurfacePane, light: Light, is_wide: bool) {
 /// The heights, and the profile below them.
 fn surface(ui: &mut Ui, pane: &mut SurfacePane, analysis: &Arc<Analysis>, pointed: &mut Option<Pointed>) {
     ui.horizontal(|ui| {
-        for (shown, name) in [(Shown::Heights, "heights"), (Shown::Relief, "relief")] {
+        for (shown, name) in [(ShownPane::Heights, "heights"), (ShownPane::Relief, "relief")] {
             ui.selectable_value(&mut pane.shown, shown, name).on_hover_text(tips::SHOWN.tip);
         }
         let text = match pane.shown {
-            Shown::Heights => {
+            ShownPane::Heights => {
                 let [low, high] = analysis.range;
                 format!("{low:.0} to {high:.0} nm")
             }
-            Shown::Relief => format!("heights × {:.3}", analysis.exaggeration),
+            ShownPane::Relief => format!("heights × {:.3}", analysis.exaggeration),
         };
         ui.label(RichText::new(text).color(style::FAINT)).on_hover_text(tips::HEIGHTS.tip);
     });
@@ -345,11 +345,11 @@ fn pictures(ui: &Ui, pane: &mut SurfacePane, analysis: &Arc<Analysis>) -> [Textu
     };
     let [low, high] = analysis.range;
     let heights: Vec<Color32> = match pane.shown {
-        Shown::Heights => {
+        ShownPane::Heights => {
             let share = |h: &f64| (h - low) / (high - low).max(f64::MIN_POSITIVE);
             analysis.heights.values.iter().map(|h| color(ColorMap::Viridis, share(h))).collect()
         }
-        Shown::Relief => {
+        ShownPane::Relief => {
             analysis.relief.iter().map(|shade| Color32::from_gray((shade * 255.0).round() as u8)).collect()
         }
     };

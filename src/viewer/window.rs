@@ -10,7 +10,7 @@ use super::event::Event;
 use super::files::FileChoice;
 use super::frame::{FrameRequest, LoadedScene};
 use super::gui::PaintJobs;
-use super::inspector::reference::Reference;
+use super::inspector::reference::DirectionReference;
 use super::model::{Model, Stage};
 use super::prepared::{Prepared, ROLES};
 use super::presenter::{Presenter, ShownPictures};
@@ -61,7 +61,7 @@ struct PendingSave {
 struct Threads {
     probe: Option<ErrorProbe>,
     // While the inspector is open.
-    inspector: Option<Reference>,
+    inspector: Option<DirectionReference>,
     render: RenderThread,
     worker: Worker,
 }

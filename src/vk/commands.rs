@@ -5,7 +5,7 @@ use super::buffer::Buffer;
 use super::descriptors::Descriptors;
 use super::device::Device;
 use super::failure;
-use super::hazards::{Event, EventLog, Part, Resource};
+use super::hazards::{Event, EventLog, Resource, TexelArea};
 use super::image::Image;
 use super::pipeline::Pipeline;
 use super::queries::Timestamps;
@@ -213,7 +213,7 @@ impl Recorder<'_> {
         unsafe { self.device.cmd_write_timestamp2(self.raw, all, timestamps.pool(), index) };
     }
 
-    fn note_use(&self, resource: Resource, access: Access, part: Option<Part>) {
+    fn note_use(&self, resource: Resource, access: Access, part: Option<TexelArea>) {
         self.events.note(|| Event::Used(resource, access, part));
     }
 
@@ -352,7 +352,8 @@ impl Recorder<'_> {
     ) {
         let Some(size) = colors.first().map(|c| c.0).or(depth.map(|d| d.0)).map(Image::size) else { return };
         let (size, [columns, rows]) = self.part.clone().unwrap_or((size, size.map(|n| 0..n)));
-        let drawn = Part { layer: [0; 2], from: [columns.start, rows.start], to: [columns.end, rows.end] };
+        let drawn =
+            TexelArea { layer: [0; 2], from: [columns.start, rows.start], to: [columns.end, rows.end] };
         for (image, ..) in colors {
             self.note_use(image.resource(), Access::ColorAttachment, Some(drawn));
         }
@@ -438,11 +439,11 @@ fn cleared<'a>(colors: &[(&'a Image, Option<[f32; 4]>)]) -> Vec<(&'a Image, vk::
 }
 
 /// The texels of a copy.
-fn part(region: &vk::BufferImageCopy) -> Part {
+fn part(region: &vk::BufferImageCopy) -> TexelArea {
     let (of, at, size) = (region.image_subresource, region.image_offset, region.image_extent);
     let from = [at.x as u32, at.y as u32];
     let to = [from[0] + size.width, from[1] + size.height];
-    Part { layer: [of.base_array_layer, of.mip_level], from, to }
+    TexelArea { layer: [of.base_array_layer, of.mip_level], from, to }
 }
 
 /// Rows of one layer of an image, against tightly packed texels in a buffer.

@@ -28,7 +28,7 @@ pub enum Resource {
 
 /// Texels: array layer, mip level, and the first and the end of columns and rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Part {
+pub struct TexelArea {
     /// Array layer and mip level.
     pub layer: [u32; 2],
     /// First column and row.
@@ -37,7 +37,7 @@ pub struct Part {
     pub to: [u32; 2],
 }
 
-impl Part {
+impl TexelArea {
     fn meets(&self, other: &Self) -> bool {
         let overlap = |i: usize| self.from[i] < other.to[i] && other.from[i] < self.to[i];
         self.layer == other.layer && overlap(0) && overlap(1)
@@ -63,7 +63,7 @@ pub enum Event {
     /// A draw or a dispatch used what is bound.
     Work,
     /// A resource was used, all of it or a part.
-    Used(Resource, Access, Option<Part>),
+    Used(Resource, Access, Option<TexelArea>),
     /// The pass that drew into attachments ended.
     Ended,
     /// A barrier over all memory.
@@ -133,7 +133,7 @@ pub fn check(events: &[Event]) -> Vec<String> {
 /// An access that happened.
 struct Past {
     what: String,
-    part: Option<Part>,
+    part: Option<TexelArea>,
     stages: S,
     writes: A,
     is_write: bool,
@@ -248,7 +248,7 @@ impl Replay {
         }];
     }
 
-    fn use_of(&mut self, resource: Resource, access: Access, part: Option<Part>) {
+    fn use_of(&mut self, resource: Resource, access: Access, part: Option<TexelArea>) {
         let (stages, mask, layout) = access.row();
         let state = self.states.entry(resource).or_default();
         let mask = match resource {

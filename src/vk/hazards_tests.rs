@@ -27,8 +27,8 @@ fn image(from: Access, to: Access) -> Event {
     Event::image_barrier(IMAGE, &barrier)
 }
 
-fn rows(from: u32, to: u32) -> Option<Part> {
-    Some(Part { layer: [0; 2], from: [0, from], to: [8, to] })
+fn rows(from: u32, to: u32) -> Option<TexelArea> {
+    Some(TexelArea { layer: [0; 2], from: [0, from], to: [8, to] })
 }
 
 /// An evaluation and what the host reads of it, twice.

@@ -6,7 +6,7 @@ use crate::figure::{Axis, ColorMap, ColorScale, Figure, Mark, Panel, Raster, Sca
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::optics::validity::Validity;
 use crate::surface::prepare;
-use crate::surface::statistics::picture::{self, Grid, histogram};
+use crate::surface::statistics::picture::{self, PlotGrid, histogram};
 use crate::surface::statistics::slopes::gradients;
 use crate::surface::statistics::spectrum::{Spectrum, analysed_part};
 use crate::surface::{HeightField, Source, Statistics};
@@ -63,7 +63,7 @@ fn caption(source: &Source, field: &HeightField, statistics: &Statistics) -> Str
 /// The heights in false colour, from the lower to the upper end of almost all of them, so that dust does not take the colours.
 fn heights(field: &HeightField, statistics: &Statistics) -> Panel {
     let [width, height] = field.patch_size();
-    let grid = Grid::of_heights(field, MOST_PIXELS);
+    let grid = PlotGrid::of_heights(field, MOST_PIXELS);
     let [low, high] = grid.core();
     let scale = ColorScale { axis: Axis::linear("height [nm]", low, high), map: ColorMap::Viridis };
     let bar = scale_bar(width);
@@ -92,7 +92,7 @@ fn heights(field: &HeightField, statistics: &Statistics) -> Panel {
 /// The power spectrum over both halves, with the circles of the orders that light from straight above sends to the horizon.
 fn power(spectrum: &Spectrum) -> Panel {
     let side = picture::side_of_power(spectrum, SHORTEST);
-    let grid = Grid::of_power(spectrum, side, MOST_PIXELS);
+    let grid = PlotGrid::of_power(spectrum, side, MOST_PIXELS);
     /// Decades below the peak that are shown.
     const DECADES: f64 = 7.0;
     let scale = ColorScale::decades("power density [nm² µm²]", DECADES, &grid.values);

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::setup;
 use crate::surface::files::plausible::in_words;
-use crate::surface::files::{Origin, Summary, Topography, choose};
+use crate::surface::files::{FileSummary, Origin, Topography, choose};
 use crate::surface::prepare::Step;
 use crate::surface::statistics::notes;
 use crate::surface::{HeightField, Source, Statistics};
@@ -40,7 +40,7 @@ pub struct Report {
 impl Report {
     /// The numbers of `scan`, of which `invalid` samples were not measured in the file.
     pub fn of(scan: &Topography, origin: Option<&Origin>, invalid: usize) -> Self {
-        let Summary { range, mean, rms } = scan.summary();
+        let FileSummary { range, mean, rms } = scan.summary();
         Self {
             format: origin.map(|o| o.format),
             samples: scan.size(),

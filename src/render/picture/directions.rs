@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 
 /// Which pixels are read back.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Part {
+pub(super) enum PictureArea {
     /// All of them.
     All,
     /// The one in this column and row.
@@ -110,7 +110,7 @@ impl Painter {
             ));
         }
         self.draw_geometry(view, sample)?;
-        self.found(view, light, sample, Part::All)
+        self.found(view, light, sample, PictureArea::All)
     }
 
     /// What pixel `at` of the frame of `view` that was drawn last shows, one sample at the centres of pixels; `None` where the mesh does not
@@ -119,7 +119,7 @@ impl Painter {
     /// # Errors
     /// Where the device is lost.
     pub fn pixel(&self, view: &View, at: [u32; 2]) -> Result<Option<Pixel>> {
-        let (part, lights) = (Part::Pixel(at), self.geometry.settings.lights.min(view.light_count()));
+        let (part, lights) = (PictureArea::Pixel(at), self.geometry.settings.lights.min(view.light_count()));
         let size = self.target.size();
         let is_there = self.shows == Content::Sample && at[0] < size[0] && at[1] < size[1];
         if !is_there || self.covered(part)? != [true] {
@@ -133,7 +133,7 @@ impl Painter {
     }
 
     /// The directions of light number `light` in `part` of the frame of `sample` of `view` that was drawn last.
-    fn found(&self, view: &View, light: usize, sample: &Sample, part: Part) -> Result<Directions> {
+    fn found(&self, view: &View, light: usize, sample: &Sample, part: PictureArea) -> Result<Directions> {
         let first = self.read(&self.geometry.directions, part)?;
         let lights = match light.checked_sub(1) {
             None => first.iter().map(|&[.., x, y]| [x, y]).collect(),
@@ -173,7 +173,7 @@ impl Painter {
 
     /// Radiance of the surroundings in the mirrored direction of each `covered` pixel, as the geometry pass wrote it: behind the last light,
     /// and beside the albedo.
-    fn mirrored(&self, covered: &[bool], part: Part) -> Result<Vec<[f32; 3]>> {
+    fn mirrored(&self, covered: &[bool], part: PictureArea) -> Result<Vec<[f32; 3]>> {
         let Geometry { more_lights, albedo, settings, .. } = &self.geometry;
         let place = settings.lights - 1;
         let (Some(image), Some(albedo)) = (more_lights.get(place / 2), albedo) else {
@@ -188,13 +188,13 @@ impl Painter {
     }
 
     /// Number of the object that each pixel of `part` shows, from 0; empty where there is one object.
-    fn objects_seen(&self, part: Part) -> Result<Vec<u8>> {
+    fn objects_seen(&self, part: PictureArea) -> Result<Vec<u8>> {
         if !self.geometry.settings.several {
             return Ok(Vec::new());
         }
         let (corner, size) = match part {
-            Part::All => ([0; 2], self.geometry.depth.size()),
-            Part::Pixel(at) => (at, [1; 2]),
+            PictureArea::All => ([0; 2], self.geometry.depth.size()),
+            PictureArea::Pixel(at) => (at, [1; 2]),
         };
         let stencil = target::read_back_objects(&self.device, &self.geometry.depth, corner, size)?;
         Ok(stencil.into_iter().map(|number| number.saturating_sub(1)).collect())
@@ -220,30 +220,30 @@ impl Painter {
     }
 
     /// The texels of `part` of an image of four floats that shaders may read.
-    pub(super) fn read(&self, image: &Image, part: Part) -> Result<Vec<[f32; 4]>> {
+    pub(super) fn read(&self, image: &Image, part: PictureArea) -> Result<Vec<[f32; 4]>> {
         let bytes = self.read_bytes(image, Access::ShaderRead, part)?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 
-    fn read_bytes(&self, image: &Image, last: Access, part: Part) -> Result<Vec<u8>> {
+    fn read_bytes(&self, image: &Image, last: Access, part: PictureArea) -> Result<Vec<u8>> {
         match part {
-            Part::All => target::read_back(&self.device, image, last),
-            Part::Pixel(at) => target::read_back_part(&self.device, image, last, at, [1; 2]),
+            PictureArea::All => target::read_back(&self.device, image, last),
+            PictureArea::Pixel(at) => target::read_back_part(&self.device, image, last, at, [1; 2]),
         }
     }
 
     /// Depth of each pixel of what was found last; [`FAR`] where nothing is covered.
     pub(in crate::render) fn depth(&self) -> Result<Vec<f32>> {
-        self.depth_of(Part::All)
+        self.depth_of(PictureArea::All)
     }
 
-    fn depth_of(&self, part: Part) -> Result<Vec<f32>> {
+    fn depth_of(&self, part: PictureArea) -> Result<Vec<f32>> {
         let depth = self.read_bytes(&self.geometry.depth, Access::DepthAttachment, part)?;
         Ok(bytemuck::pod_collect_to_vec(&depth))
     }
 
     /// Whether the mesh covers each pixel of `part`.
-    pub(super) fn covered(&self, part: Part) -> Result<Vec<bool>> {
+    pub(super) fn covered(&self, part: PictureArea) -> Result<Vec<bool>> {
         Ok(self.depth_of(part)?.into_iter().map(|depth| depth < FAR).collect())
     }
 }

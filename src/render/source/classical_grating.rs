@@ -1,7 +1,7 @@
 //! The classical shader of a grating of one period, to compare with. Its twin is `shaders/source_classical_grating.glsl`.
 
 use super::bound::{BoundSource, Kind, uniform};
-use super::{Summary, stages};
+use super::{SourceSummary, stages};
 use crate::error::Result;
 use crate::render::shading::Shading;
 use crate::vk::device::Device;
@@ -53,8 +53,8 @@ impl ClassicalGrating {
         bound.replace(device, Vec::new(), vec![(0, uniform(device, "classical grating block", &block)?)])
     }
 
-    pub(super) fn summary(&self) -> Summary {
+    pub(super) fn summary(&self) -> SourceSummary {
         let (method, kernel) = ("classical grating", "none".to_owned());
-        Summary { method, basis: None, terms: 0, layers: 0, kernel }
+        SourceSummary { method, basis: None, terms: 0, layers: 0, kernel }
     }
 }

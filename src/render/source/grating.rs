@@ -4,7 +4,7 @@
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
 use super::part::Iterations;
-use super::{Summary, spectra, stages};
+use super::{SourceSummary, spectra, stages};
 use crate::error::Result;
 use crate::optics::geometry::Pair;
 use crate::optics::orders::{Colours, Repeats};
@@ -89,8 +89,8 @@ impl Grating {
         Colours::new(&shading.illuminant, shading.quadrature())
     }
 
-    pub(super) fn summary(&self, shading: &Shading) -> Summary {
-        Summary {
+    pub(super) fn summary(&self, shading: &Shading) -> SourceSummary {
+        SourceSummary {
             method: "spectral",
             basis: Some(shading.basis),
             terms: self.layers.terms,

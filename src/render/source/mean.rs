@@ -4,7 +4,7 @@ use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
 use super::part::Iterations;
 use super::spectra::numbers;
-use super::{Extent, Summary, reflectance, stages, taps_constants};
+use super::{Extent, SourceSummary, reflectance, stages, taps_constants};
 use crate::error::Result;
 use crate::optics::footprint::{self, Levels, Polygon, Share, TapRule, Taps};
 use crate::optics::spectrum::{BLUE, MIDDLE};
@@ -207,9 +207,9 @@ impl Mean {
         }
     }
 
-    pub(super) fn summary(&self) -> Summary {
+    pub(super) fn summary(&self) -> SourceSummary {
         let header = &self.spectra.header;
-        Summary {
+        SourceSummary {
             method: "spectral",
             basis: None,
             terms: header.terms,

@@ -82,7 +82,7 @@ pub struct Extent {
 
 /// A source in the words of reports.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Summary {
+pub struct SourceSummary {
     /// `--method` of it.
     pub method: &'static str,
     /// The expansion, where there is one.
@@ -166,7 +166,7 @@ impl Source {
     }
 
     /// What reports say of it, drawn under `shading`.
-    pub fn summary(&self, shading: &Shading) -> Summary {
+    pub fn summary(&self, shading: &Shading) -> SourceSummary {
         match self {
             Self::Mean(source) => source.summary(),
             Self::Window(source) => source.summary(shading),

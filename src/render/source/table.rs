@@ -3,7 +3,7 @@
 
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
-use super::{Extent, Summary, stages, taps_constants};
+use super::{Extent, SourceSummary, stages, taps_constants};
 use crate::error::Result;
 use crate::optics::footprint::TapRule;
 use crate::render::picture::Directions;
@@ -114,9 +114,9 @@ impl Table {
         Extent { layers: 3 * header.pieces, size: [header.grid.side; 2], bytes: self.table.bytes() as u64 }
     }
 
-    pub(super) fn summary(&self) -> Summary {
+    pub(super) fn summary(&self) -> SourceSummary {
         let pieces = self.table.header.pieces;
-        Summary {
+        SourceSummary {
             method: "table",
             basis: None,
             terms: 4 * pieces,

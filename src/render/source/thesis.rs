@@ -4,7 +4,7 @@ use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
 use super::part::Iterations;
 use super::spectra::{edge, format, numbers};
-use super::{Summary, reflectance, stages};
+use super::{SourceSummary, reflectance, stages};
 use crate::error::Result;
 use crate::expansion::Basis;
 use crate::precompute::Layers;
@@ -94,9 +94,9 @@ impl Thesis {
         bound.replace(device, tables, vec![(binding::BLOCK, block)])
     }
 
-    pub(super) fn summary(&self) -> Summary {
+    pub(super) fn summary(&self) -> SourceSummary {
         let (terms, kernel) = (self.layers.terms, "3 x 3 bins".to_owned());
-        Summary { method: "thesis", basis: Some(Basis::Taylor), terms, layers: terms, kernel }
+        SourceSummary { method: "thesis", basis: Some(Basis::Taylor), terms, layers: terms, kernel }
     }
 
     pub(super) fn cost(&self, directions: &[Directions]) -> Cost {

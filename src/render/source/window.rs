@@ -3,7 +3,7 @@
 use super::bound::{BoundSource, Kind};
 use super::cost::Cost;
 use super::part::Iterations;
-use super::{Summary, spectra, stages};
+use super::{SourceSummary, spectra, stages};
 use crate::error::Result;
 use crate::precompute::Layers;
 use crate::render::picture::Directions;
@@ -49,11 +49,11 @@ impl Window {
         bound.replace(device, tables, buffers)
     }
 
-    pub(super) fn summary(&self, shading: &Shading) -> Summary {
+    pub(super) fn summary(&self, shading: &Shading) -> SourceSummary {
         let layers = &self.layers;
         let kernel = format!("{} kernel", layers.interpolation.name());
         let (terms, basis) = (layers.terms, Some(shading.basis));
-        Summary { method: "spectral", basis, terms, layers: layers.pairs(), kernel }
+        SourceSummary { method: "spectral", basis, terms, layers: layers.pairs(), kernel }
     }
 
     pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {

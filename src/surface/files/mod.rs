@@ -37,7 +37,7 @@ use scan::{Quantity, Scan};
 use sidecar::Sidecar;
 use std::io::Read;
 use std::path::Path;
-pub use topography::{ChannelInfo, Origin, Spacing, Summary, Topography};
+pub use topography::{ChannelInfo, FileSummary, Origin, Spacing, Topography};
 
 /// The largest file that is read \[bytes\]: several channels of the largest field in double precision.
 pub const MAX_FILE: u64 = 8 << 30;

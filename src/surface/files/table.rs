@@ -9,7 +9,7 @@ const MISSING: [&str; 6] = ["nan", "bad", "n/a", "null", "---", "--"];
 
 /// Numbers of a table, row by row.
 #[derive(Debug, PartialEq)]
-pub struct Table {
+pub struct TextTable {
     /// Numbers of a row.
     pub columns: usize,
     /// All numbers; NaN for what was not measured.
@@ -35,9 +35,9 @@ enum Style {
 ///
 /// # Errors
 /// A row of another length, a word that is no number, no row at all; no room.
-pub fn parse(text: &str) -> Result<Table> {
+pub fn parse(text: &str) -> Result<TextTable> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut table = Table { columns: 0, numbers: Vec::new(), head: Vec::new(), titled: false };
+    let mut table = TextTable { columns: 0, numbers: Vec::new(), head: Vec::new(), titled: false };
     let mut style = None;
     for (i, line) in text.lines().enumerate() {
         let line = line.trim_matches(|c: char| c == ' ' || c == '\r');

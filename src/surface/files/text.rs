@@ -5,7 +5,7 @@
 
 use super::bytes::decode_text;
 use super::scan::{Channel, Quantity, Scan, size, spacing};
-use super::table::{self, Table};
+use super::table::{self, TextTable};
 use super::topography::Topography;
 use super::units;
 use crate::error::{Error, Result};
@@ -24,7 +24,7 @@ struct Head {
 /// # Errors
 /// As [`table::parse`]; too many numbers on a side.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
-    let Table { columns, mut numbers, head, titled } = table::parse(&decode_text(bytes))?;
+    let TextTable { columns, mut numbers, head, titled } = table::parse(&decode_text(bytes))?;
     if titled {
         return Err(Error::failed(
             "is a table with named columns and no matrix",

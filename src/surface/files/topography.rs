@@ -61,7 +61,7 @@ pub enum Spacing {
 
 /// What the heights of a scan are, without what was not measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Summary {
+pub struct FileSummary {
     /// Lowest and highest height \[m\].
     pub range: [f64; 2],
     /// Mean height \[m\].
@@ -156,7 +156,7 @@ impl Topography {
     }
 
     /// Range, mean and deviation of what was measured.
-    pub fn summary(&self) -> Summary {
+    pub fn summary(&self) -> FileSummary {
         let measured = || self.metres().filter(|h| !h.is_nan());
         let count = (self.samples.len() - self.missing) as f64;
         let low = measured().fold(f64::INFINITY, f64::min);
@@ -164,7 +164,7 @@ impl Topography {
         // From the lowest height: a small relief may stand on a large offset.
         let mean = low + measured().map(|h| h - low).sum::<f64>() / count;
         let rms = (measured().map(|h| (h - mean).powi(2)).sum::<f64>() / count).sqrt();
-        Summary { range: [low, high], mean, rms }
+        FileSummary { range: [low, high], mean, rms }
     }
 
     /// The height field, in which what was not measured is filled by [`invalid::fill`].
@@ -209,7 +209,7 @@ mod tests {
     fn what_was_not_measured_counts_in_no_statistic() {
         let t = Topography::new([2, 2], Spacing::Metres([1e-8; 2]), vec![1.0, f64::NAN, 3.0, 2.0], UM, None)
             .unwrap();
-        let Summary { range, mean, rms } = t.summary();
+        let FileSummary { range, mean, rms } = t.summary();
         assert_eq!((range, mean), ([1.0, 3.0], 2.0));
         assert!((rms - (2.0_f64 / 3.0).sqrt()).abs() < 1e-15);
         assert!(Topography::new([1, 1], Spacing::Metres([1.0; 2]), vec![f64::NAN], 1.0, None).is_err());

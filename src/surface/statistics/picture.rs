@@ -5,14 +5,14 @@ use crate::surface::HeightField;
 
 /// Values on a grid, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Grid {
+pub struct PlotGrid {
     /// Columns and rows.
     pub size: [usize; 2],
     /// The values.
     pub values: Vec<f64>,
 }
 
-impl Grid {
+impl PlotGrid {
     /// The heights of `field` \[nm\], averaged down until no side is longer than `most`.
     pub fn of_heights(field: &HeightField, most: usize) -> Self {
         reduced([field.columns(), field.rows()], most, |column, row| field.row(row)[column] * 1e3)
@@ -48,7 +48,7 @@ pub fn side_of_power(spectrum: &Spectrum, shortest: f64) -> f64 {
     largest[0].min(largest[1]).min(2.2 / shortest)
 }
 
-fn reduced(size: [usize; 2], most: usize, value: impl Fn(usize, usize) -> f64) -> Grid {
+fn reduced(size: [usize; 2], most: usize, value: impl Fn(usize, usize) -> f64) -> PlotGrid {
     let factor = size[0].max(size[1]).div_ceil(most);
     let [columns, rows] = size.map(|n| (n / factor).max(1));
     let mean = |i: usize| {
@@ -58,7 +58,7 @@ fn reduced(size: [usize; 2], most: usize, value: impl Fn(usize, usize) -> f64) -
         let (sum, count) = cells.fold((0.0, 0.0), |(sum, count), (c, r)| (sum + value(c, r), count + 1.0));
         sum / count
     };
-    Grid { size: [columns, rows], values: (0..columns * rows).map(mean).collect() }
+    PlotGrid { size: [columns, rows], values: (0..columns * rows).map(mean).collect() }
 }
 
 /// The density of `values` in bins of `width` from `low` to `high`, at most four times `bins`, as the outline of a band: x, 0, density.
@@ -97,7 +97,7 @@ mod tests {
         assert!((area - 1.0).abs() < 1e-12, "{bars:?}");
         assert_eq!(bars[0], [0.0, 0.0, 2.0]);
         let field = HeightField::from_fn(64, 32, [0.1; 2], |x, y| 0.3 * x - 0.2 * y).unwrap();
-        let grid = Grid::of_heights(&field, 16);
+        let grid = PlotGrid::of_heights(&field, 16);
         assert_eq!(grid.size, [16, 8]);
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         assert!((mean(&grid.values) - 1e3 * mean(field.heights())).abs() < 1e-9);

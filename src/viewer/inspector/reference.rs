@@ -42,12 +42,12 @@ pub struct LightAnswer {
 }
 
 /// The thread. Dropping it ends the thread without waiting.
-pub struct Reference {
+pub struct DirectionReference {
     readings: Sender<Reading>,
     stop: Arc<AtomicBool>,
 }
 
-impl Reference {
+impl DirectionReference {
     /// Starts a thread that answers readings by their number to `reply`.
     ///
     /// # Errors
@@ -75,7 +75,7 @@ impl Reference {
     }
 }
 
-impl Drop for Reference {
+impl Drop for DirectionReference {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
     }

@@ -1,6 +1,6 @@
 //! The rows of the optics.
 
-use super::rows::{self, Row, number};
+use super::rows::{self, SettingRow, number};
 use super::section;
 use crate::expansion::Basis;
 use crate::optics::coherence::{Coherence, Windows};
@@ -76,7 +76,7 @@ fn choice<T: PartialEq + Copy>(ui: &mut Ui, id: &str, now: &mut T, all: &[(T, &s
 /// A number that follows from the tolerance unless the user sets it; `first` is the value to start with.
 fn count(
     ui: &mut Ui,
-    row: &Row,
+    row: &SettingRow,
     number_set: &mut Option<usize>,
     first: usize,
     range: std::ops::RangeInclusive<usize>,

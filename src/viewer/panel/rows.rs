@@ -10,7 +10,7 @@ use std::sync::Arc;
 const LABEL: f32 = 100.0;
 
 /// A row of the panel.
-pub struct Row {
+pub struct SettingRow {
     /// The label.
     pub label: &'static str,
     /// What it shows or sets, with the unit.
@@ -24,7 +24,7 @@ pub struct Row {
 /// Copies a setting from the second settings to the first.
 pub type Copy = fn(&mut ViewSettings, &ViewSettings);
 
-impl Row {
+impl SettingRow {
     const fn setting(label: &'static str, option: &'static str, tip: &'static str) -> Self {
         Self { label, tip, option: Some(option), copy: None }
     }
@@ -46,114 +46,121 @@ impl Row {
 /// Declares the rows, and a list of all.
 macro_rules! rows {
     ($($name:ident = $row:expr;)*) => {
-        $(pub const $name: Row = $row;)*
+        $(pub const $name: SettingRow = $row;)*
         /// All of them.
-        pub const ALL: &[&Row] = &[$(&$name),*];
+        pub const ALL: &[&SettingRow] = &[$(&$name),*];
     };
 }
 
 rows! {
-    SCENE = Row::setting("scene", "diffract view SCENE", "Mesh, camera, lights and surface. What you have set yourself stays.");
-    FILE = Row::setting("file", "diffract view FILE", "Open a scene (.toml), a mesh (.obj) or a height field, or one that was opened lately; save the scene with all settings as .toml.  [Ctrl + O, Ctrl + S]");
-    EXPOSURE = Row::setting("exposure", "--exposure", "Brightness of the picture in stops (EV): one more doubles it.")
+    SCENE = SettingRow::setting("scene", "diffract view SCENE", "Mesh, camera, lights and surface. What you have set yourself stays.");
+    FILE = SettingRow::setting("file", "diffract view FILE", "Open a scene (.toml), a mesh (.obj) or a height field, or one that was opened lately; save the scene with all settings as .toml.  [Ctrl + O, Ctrl + S]");
+    EXPOSURE = SettingRow::setting("exposure", "--exposure", "Brightness of the picture in stops (EV): one more doubles it.")
         .copied(|to, from| to.exposure = from.exposure);
-    TONE = Row::setting("tone mapping", "--tone", "What the display makes of highlights. none: colours as they are, up to the edge of what it can show. \
+    TONE = SettingRow::setting("tone mapping", "--tone", "What the display makes of highlights. none: colours as they are, up to the edge of what it can show. \
         neutral: highlights go softly to white.")
         .copied(|to, from| to.tone = from.tone);
-    SAMPLES = Row::setting("samples", "--samples", "Samples a pixel that a still picture is the mean of: smooth edges, soft lights. 1: pixel centres only.")
+    SAMPLES = SettingRow::setting("samples", "--samples", "Samples a pixel that a still picture is the mean of: smooth edges, soft lights. 1: pixel centres only.")
         .copied(|to, from| to.samples = from.samples);
-    TURNTABLE = Row::other("turntable", "Pictures of a whole turn of the camera about its target, which are recorded into a new folder.  [T]");
-    BASE_COLOR = Row::setting("base colour", "--base-color", "Colour of the pigment below the surface, linear sRGB. Black shows the diffraction alone.")
+    TURNTABLE = SettingRow::other("turntable", "Pictures of a whole turn of the camera about its target, which are recorded into a new folder.  [T]");
+    BASE_COLOR = SettingRow::setting("base colour", "--base-color", "Colour of the pigment below the surface, linear sRGB. Black shows the diffraction alone.")
         .copied(|to, from| to.base_color = from.base_color);
-    WINDOWS = Row::setting("windows", "--windows", "mean: what a pixel sees, the average over all positions of the coherence window. \
+    WINDOWS = SettingRow::setting("windows", "--windows", "mean: what a pixel sees, the average over all positions of the coherence window. \
         one: a single window, with its speckle.")
         .copied(|to, from| to.optics.windows = from.optics.windows);
-    METHOD = Row::setting("method", "--method", "table: reads colours that are summed beforehand, the fastest. spectral: sums the wavelengths in every pixel.")
+    METHOD = SettingRow::setting("method", "--method", "table: reads colours that are summed beforehand, the fastest. spectral: sums the wavelengths in every pixel.")
         .copied(|to, from| to.optics.method = from.optics.method);
-    BASIS = Row::setting("basis", "--basis", "Functions that the phase is expanded in. optimal: fewest terms for the tolerance. taylor: powers of the height.")
+    BASIS = SettingRow::setting("basis", "--basis", "Functions that the phase is expanded in. optimal: fewest terms for the tolerance. taylor: powers of the height.")
         .copied(|to, from| to.optics.basis = from.optics.basis);
-    TOLERANCE = Row::setting("tolerance", "--tolerance", "Accepted relative error of the colours, root mean square. Smaller is slower.")
+    TOLERANCE = SettingRow::setting("tolerance", "--tolerance", "Accepted relative error of the colours, root mean square. Smaller is slower.")
         .copied(|to, from| to.optics.tolerance = from.optics.tolerance);
-    TERMS = Row::setting("terms", "--terms", "Number of terms of the expansion. automatic: as many as the tolerance needs.")
+    TERMS = SettingRow::setting("terms", "--terms", "Number of terms of the expansion. automatic: as many as the tolerance needs.")
         .copied(|to, from| to.optics.terms = from.optics.terms);
-    WAVELENGTHS = Row::setting("wavelengths", "--wavelengths", "Number of wavelengths in the sum over the spectrum. automatic: as many as the tolerance needs.")
+    WAVELENGTHS = SettingRow::setting("wavelengths", "--wavelengths", "Number of wavelengths in the sum over the spectrum. automatic: as many as the tolerance needs.")
         .copied(|to, from| to.optics.wavelengths = from.optics.wavelengths);
-    ILLUMINANT = Row::setting("illuminant", "--illuminant", "Spectrum of the light. D65: daylight. A: incandescent lamp. E: equal energy.")
+    ILLUMINANT = SettingRow::setting("illuminant", "--illuminant", "Spectrum of the light. D65: daylight. A: incandescent lamp. E: equal energy.")
         .copied(|to, from| to.illuminant.clone_from(&from.illuminant));
-    COMPARE = Row::other("show", "What lies right of the line. off: nothing. split: the same scene with the settings below. \
+    COMPARE = SettingRow::other("show", "What lies right of the line. off: nothing. split: the same scene with the settings below. \
         In false colour, how far the picture is from it: error: relative, of radiance. ΔE: CIEDE2000 of what is displayed; 1 is just noticeable. FLIP: what is seen when flipping between them, 0 to 1.  [C, X]");
-    OTHER_SURFACE = Row::other("other surface", "The height field of what is compared with: the same, or another, as a model beside a scan.");
-    OTHER_LEVEL = Row::other("other level", "What is subtracted from the heights of the other surface: nothing, their mean, or the plane that fits them.");
-    SURFACE = Row::setting("height field", "--surface", "The surface that diffracts: a generated one, or a file that was opened or dropped on the window.")
+    OTHER_SURFACE = SettingRow::other("other surface", "The height field of what is compared with: the same, or another, as a model beside a scan.");
+    OTHER_LEVEL = SettingRow::other("other level", "What is subtracted from the heights of the other surface: nothing, their mean, or the plane that fits them.");
+    SURFACE = SettingRow::setting("height field", "--surface", "The surface that diffracts: a generated one, or a file that was opened or dropped on the window.")
         .copied(|to, from| to.surface.clone_from(&from.surface));
-    SPACING = Row::setting("sample spacing", "--pixel-size", "Distance between neighbouring samples of the height image along x and y, in nanometres.")
+    SPACING = SettingRow::setting("sample spacing", "--pixel-size", "Distance between neighbouring samples of the height image along x and y, in nanometres.")
         .copied(|to, from| to.surface.pixel_size = from.surface.pixel_size);
-    HEIGHT = Row::setting("full height", "--height", "Height that white stands for in the height image, in nanometres.")
+    HEIGHT = SettingRow::setting("full height", "--height", "Height that white stands for in the height image, in nanometres.")
         .copied(|to, from| to.surface.height = from.surface.height);
-    SEED = Row::setting("seed", "--seed", "Which of the many random surfaces of this kind.")
+    SEED = SettingRow::setting("seed", "--seed", "Which of the many random surfaces of this kind.")
         .copied(|to, from| to.surface.seed = from.surface.seed);
-    LEVEL = Row::setting("level", "--level", "What is subtracted from the heights: nothing, their mean, or the plane that fits them.")
+    LEVEL = SettingRow::setting("level", "--level", "What is subtracted from the heights: nothing, their mean, or the plane that fits them.")
         .copied(|to, from| to.surface.set_level(from.surface.level()));
-    COHERENCE = Row::setting("coherence", "--coherence", "gaussian: light that is coherent over a certain length. repeats: a finite grating of copies of the patch.")
+    COHERENCE = SettingRow::setting("coherence", "--coherence", "gaussian: light that is coherent over a certain length. repeats: a finite grating of copies of the patch.")
         .copied(|to, from| to.coherence = from.coherence);
-    LENGTH = Row::setting("length", "--coherence gaussian:", "Coherence length on the surface in micrometres. Sunlight: 65 µm.")
+    LENGTH = SettingRow::setting("length", "--coherence gaussian:", "Coherence length on the surface in micrometres. Sunlight: 65 µm.")
         .copied(|to, from| to.coherence = from.coherence);
-    COPIES = Row::setting("copies", "--coherence grating:", "Number of copies of the patch along x and y.")
+    COPIES = SettingRow::setting("copies", "--coherence grating:", "Number of copies of the patch along x and y.")
         .copied(|to, from| to.coherence = from.coherence);
-    INDEX = Row::setting("refractive index", "--ior", "Refractive index of the surface, for how much it reflects. --material names one with its spectrum.")
+    INDEX = SettingRow::setting("refractive index", "--ior", "Refractive index of the surface, for how much it reflects. --material names one with its spectrum.")
         .copied(|to, from| to.reflectance.clone_from(&from.reflectance));
-    LIGHT = Row::setting("light", "--light", "θ: degrees from up. φ: degrees from +x toward +y. ×: irradiance over π. Of a lamp in the scene: where it stands, its diameter ⌀ or its width and height, its radiance L or power W. A right drag on the picture moves the first light.")
+    LIGHT = SettingRow::setting("light", "--light", "θ: degrees from up. φ: degrees from +x toward +y. ×: irradiance over π. Of a lamp in the scene: where it stands, its diameter ⌀ or its width and height, its radiance L or power W. A right drag on the picture moves the first light.")
         .copied(|to, from| to.lights.clone_from(&from.lights));
-    SURROUNDINGS = Row::setting("surroundings", "--rotate-environment, --environment-exposure", "How far the surroundings are turned about the vertical, in degrees, and how much brighter they are, in stops (EV). Shift + right drag on the picture turns them.")
+    SURROUNDINGS = SettingRow::setting("surroundings", "--rotate-environment, --environment-exposure", "How far the surroundings are turned about the vertical, in degrees, and how much brighter they are, in stops (EV). Shift + right drag on the picture turns them.")
         .copied(|to, from| to.surroundings = from.surroundings);
-    ADD_LIGHT = Row::setting("add a light", "--light", "Four lights at most, three beside surroundings.");
-    ADD_LAMP = Row::setting("add a lamp", "--light sphere:", "A sphere that shines, above the scene. Three lights at most where one is a lamp, two beside surroundings.");
-    DEVICE = Row::setting("device", "--device, --present", "The device that draws, and how frames reach the display.");
-    FRAME = Row::other("frame time", "Time from the request of a frame to its picture: median and 95th percentile of the last 120.");
-    TEXTURE = Row::other("texture", "Size of the spectra or colours on the device.");
-    READS = Row::other("texture reads", "Texture reads of a covered pixel, with the number of terms and wavelengths that they are summed from.");
-    MEMORY = Row::other("memory", "Device memory that the program takes.");
-    BOUND = Row::other("error bound", "Relative error that the settings promise, root mean square.");
-    MEASURED = Row::other("measured error", "Relative error of random pixels of this picture against the direct sum in f64.  [E]");
-    FPS = Row::setting("frame rate", "--fps", "Frames a second to keep while something moves, by leaving work out. continuous: draw all the time.  [space]");
+    ADD_LIGHT = SettingRow::setting("add a light", "--light", "Four lights at most, three beside surroundings.");
+    ADD_LAMP = SettingRow::setting("add a lamp", "--light sphere:", "A sphere that shines, above the scene. Three lights at most where one is a lamp, two beside surroundings.");
+    DEVICE = SettingRow::setting("device", "--device, --present", "The device that draws, and how frames reach the display.");
+    FRAME = SettingRow::other("frame time", "Time from the request of a frame to its picture: median and 95th percentile of the last 120.");
+    TEXTURE = SettingRow::other("texture", "Size of the spectra or colours on the device.");
+    READS = SettingRow::other("texture reads", "Texture reads of a covered pixel, with the number of terms and wavelengths that they are summed from.");
+    MEMORY = SettingRow::other("memory", "Device memory that the program takes.");
+    BOUND = SettingRow::other("error bound", "Relative error that the settings promise, root mean square.");
+    MEASURED = SettingRow::other("measured error", "Relative error of random pixels of this picture against the direct sum in f64.  [E]");
+    FPS = SettingRow::setting("frame rate", "--fps", "Frames a second to keep while something moves, by leaving work out. continuous: draw all the time.  [space]");
 }
 
 /// The rows of the inspector.
 pub mod inspected {
-    use super::Row;
+    use super::SettingRow;
 
-    pub const TO_LIGHT: Row =
-        Row::other("to the light", "θ from the surface's normal, φ from its tangent toward its bitangent.");
-    pub const TO_VIEWER: Row =
-        Row::other("to the viewer", "θ from the surface's normal, φ from its tangent toward its bitangent.");
-    pub const UVW: Row = Row::other("u, v, w", "(u, v, w) = −ω_i − ω_r, without unit.");
-    pub const FOOTPRINT: Row = Row::other(
+    pub const TO_LIGHT: SettingRow = SettingRow::other(
+        "to the light",
+        "θ from the surface's normal, φ from its tangent toward its bitangent.",
+    );
+    pub const TO_VIEWER: SettingRow = SettingRow::other(
+        "to the viewer",
+        "θ from the surface's normal, φ from its tangent toward its bitangent.",
+    );
+    pub const UVW: SettingRow = SettingRow::other("u, v, w", "(u, v, w) = −ω_i − ω_r, without unit.");
+    pub const FOOTPRINT: SettingRow = SettingRow::other(
         "footprint",
         "Standard deviations of (u, v) that the pixel averages over, along its axes.",
     );
-    pub const PERIOD: Row = Row::other(
+    pub const PERIOD: SettingRow = SettingRow::other(
         "period",
         "Period of the surface whose first order of 450, 550 and 650 nm goes from this light to this viewer: λ/|(u, v)|. \
          Order n comes from n times the period.",
     );
-    pub const AZIMUTH: Row = Row::other(
+    pub const AZIMUTH: SettingRow = SettingRow::other(
         "azimuth",
         "Direction along which that period repeats, from the tangent toward the bitangent.",
     );
-    pub const BRDF: Row = Row::other(
+    pub const BRDF: SettingRow = SettingRow::other(
         "BRDF",
         "X, Y and Z [1/sr] for these directions by the f64 reference, not averaged over the footprint.",
     );
-    pub const RADIANCE: Row =
-        Row::other("radiance", "Linear sRGB of the pixel, all lights and the pigment together.");
-    pub const REFERENCE: Row =
-        Row::other("reference", "The radiance by the f64 reference, averaged over the same footprint.");
-    pub const ERROR: Row = Row::other("error", "Relative difference of radiance and reference.");
-    pub const SPECTRUM: Row = Row::other(
+    pub const RADIANCE: SettingRow =
+        SettingRow::other("radiance", "Linear sRGB of the pixel, all lights and the pigment together.");
+    pub const REFERENCE: SettingRow = SettingRow::other(
+        "reference",
+        "The radiance by the f64 reference, averaged over the same footprint.",
+    );
+    pub const ERROR: SettingRow =
+        SettingRow::other("error", "Relative difference of radiance and reference.");
+    pub const SPECTRUM: SettingRow = SettingRow::other(
         "f [1/sr]",
         "The BRDF over the wavelength by the f64 reference, not averaged over the footprint.",
     );
-    pub const COPY: Row = Row::other(
+    pub const COPY: SettingRow = SettingRow::other(
         "Copy for eval",
         "Copies the directions as CSV. `diffract eval --queries` answers them with the BRDF that is shown here.",
     );
@@ -161,22 +168,25 @@ pub mod inspected {
 
 /// The parts of the surface pane.
 pub mod surface_pane {
-    use super::Row;
+    use super::SettingRow;
 
-    pub const SHOWN: Row = Row::other(
+    pub const SHOWN: SettingRow = SettingRow::other(
         "heights",
         "heights: in false colour, over the range of almost all of them. relief: as if lit from the upper left, exaggerated.",
     );
-    pub const HEIGHTS: Row =
-        Row::other("surface", "Drag to draw the line of the profile. Double-click: the middle row.");
-    pub const PROFILE: Row = Row::other("profile", "The heights along the line, in nanometres.");
-    pub const HISTOGRAM: Row =
-        Row::other("distribution", "How often each height occurs: probability density over nanometres.");
-    pub const WAVELENGTH: Row = Row::other(
+    pub const HEIGHTS: SettingRow =
+        SettingRow::other("surface", "Drag to draw the line of the profile. Double-click: the middle row.");
+    pub const PROFILE: SettingRow =
+        SettingRow::other("profile", "The heights along the line, in nanometres.");
+    pub const HISTOGRAM: SettingRow = SettingRow::other(
+        "distribution",
+        "How often each height occurs: probability density over nanometres.",
+    );
+    pub const WAVELENGTH: SettingRow = SettingRow::other(
         "orders of",
         "Wavelength of the light whose first orders are shown in the power spectrum, in nanometres.",
     );
-    pub const POWER: Row = Row::other(
+    pub const POWER: SettingRow = SettingRow::other(
         "power spectrum",
         "Power over spatial frequency, seven decades from black to yellow. What lies within the circle is sent to some viewer by the light that the hemisphere shows. \
          Orange: periods that stand out. White: the inspected pixel.",
@@ -222,12 +232,12 @@ fn resets(ui: &Ui) -> Resets {
 }
 
 /// Shows `row` with what `add` adds behind its label.
-pub fn show(ui: &mut Ui, row: &Row, add: impl FnOnce(&mut Ui)) {
+pub fn show(ui: &mut Ui, row: &SettingRow, add: impl FnOnce(&mut Ui)) {
     numbered(ui, row, row.label, add);
 }
 
 /// As [`show`], under another label.
-pub fn numbered(ui: &mut Ui, row: &Row, label: &str, add: impl FnOnce(&mut Ui)) {
+pub fn numbered(ui: &mut Ui, row: &SettingRow, label: &str, add: impl FnOnce(&mut Ui)) {
     let height = ui.spacing().interact_size.y;
     let copy = row.copy.filter(|_| resets(ui).offered.contains(&row.label));
     let shown = ui.horizontal_top(|ui| {
@@ -260,7 +270,7 @@ fn name(ui: &mut Ui, label: &str, copy: Option<Copy>) {
 }
 
 /// Shows `row` with a text.
-pub fn value(ui: &mut Ui, row: &Row, text: impl Into<String>) {
+pub fn value(ui: &mut Ui, row: &SettingRow, text: impl Into<String>) {
     show(ui, row, |ui| {
         ui.label(text.into());
     });

@@ -130,7 +130,8 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
             let shape = Shape::Sphere { diameter: round(0.3 * radius) };
             Light::Lamp(Lamp { shape, middle, strength: Strength::Suited })
         };
-        let new: [(&rows::Row, &dyn Fn() -> Light); 2] = [(&rows::ADD_LIGHT, &far), (&rows::ADD_LAMP, &lamp)];
+        let new: [(&rows::SettingRow, &dyn Fn() -> Light); 2] =
+            [(&rows::ADD_LIGHT, &far), (&rows::ADD_LAMP, &lamp)];
         let mut added = None;
         ui.horizontal(|ui| {
             for (row, make) in new {

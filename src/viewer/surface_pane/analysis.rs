@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::optics::spectrum::SHORTEST;
 use crate::surface::HeightField;
 use crate::surface::statistics::periods::{Period, dominant_periods};
-use crate::surface::statistics::picture::{Grid, histogram, side_of_power};
+use crate::surface::statistics::picture::{PlotGrid, histogram, side_of_power};
 use crate::surface::statistics::spectrum::{Spectrum, analysed_part};
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ pub struct Analysis {
     /// The height field.
     pub field: Arc<HeightField>,
     /// Heights \[nm\].
-    pub heights: Grid,
+    pub heights: PlotGrid,
     /// Range of almost all heights \[nm\].
     pub range: [f64; 2],
     /// Brightness of a relief, 0 to 1, in the grid of the heights.
@@ -32,7 +32,7 @@ pub struct Analysis {
     /// Distribution of heights: x \[nm\], 0, density \[1/nm\], as the outline of a band.
     pub histogram: Vec<[f64; 3]>,
     /// Power density \[nm² µm²\].
-    pub power: Grid,
+    pub power: PlotGrid,
     /// Largest frequency of `power` along each axis \[1/µm\].
     pub side: f64,
     /// The periods that stand out.
@@ -45,7 +45,7 @@ impl Analysis {
     /// # Errors
     /// Where the memory does not hold the spectrum.
     pub fn of(field: &Arc<HeightField>) -> Result<Self> {
-        let heights = Grid::of_heights(field, MOST_PIXELS);
+        let heights = PlotGrid::of_heights(field, MOST_PIXELS);
         let spacing = [0, 1].map(|axis| field.patch_size()[axis] / heights.size[axis] as f64);
         let (relief, exaggeration) = relief(&heights, spacing);
         let (low, high) = field.range();
@@ -63,7 +63,7 @@ impl Analysis {
             exaggeration,
             rms,
             histogram: histogram(values, [low, high], (high - low) / BINS as f64, BINS),
-            power: Grid::of_power(&spectrum, side, MOST_PIXELS),
+            power: PlotGrid::of_power(&spectrum, side, MOST_PIXELS),
             side,
             periods: dominant_periods(field, &spectrum)?,
             heights,
@@ -73,7 +73,7 @@ impl Analysis {
 
 /// Brightness of `heights` \[nm\] on a grid of this `spacing` \[µm\] that are lit from the upper left, 45° above the plane, by Lambert's law; and the factor by
 /// which the heights are exaggerated.
-fn relief(heights: &Grid, spacing: [f64; 2]) -> (Vec<f64>, f64) {
+fn relief(heights: &PlotGrid, spacing: [f64; 2]) -> (Vec<f64>, f64) {
     let [columns, rows] = heights.size;
     let at = |column: usize, row: usize| heights.values[row * columns + column] * 1e-3;
     // Differences across a sample, or to it at the edges.

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// How heights are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Shown {
+pub enum ShownPane {
     /// In false colour.
     #[default]
     Heights,
@@ -39,7 +39,7 @@ pub struct SurfacePane {
     /// What is shown of it, once it is computed.
     pub analysis: Option<Arc<Analysis>>,
     /// How heights are shown.
-    pub shown: Shown,
+    pub shown: ShownPane,
     /// Ends of the line of the profile \[µm\]; across the middle unless one is drawn.
     pub line: Option<[[f64; 2]; 2]>,
     /// Wavelength of the light whose orders are shown \[µm\].
@@ -55,7 +55,7 @@ pub struct Pictures {
     /// Of what.
     pub analysis: Arc<Analysis>,
     /// How heights are shown.
-    pub shown: Shown,
+    pub shown: ShownPane,
     /// The heights.
     pub heights: TextureHandle,
     /// The power spectrum.

@@ -6,7 +6,7 @@ use crate::output;
 use crate::render::sequence::{Motion, Sequence};
 use crate::viewer::frame::FrameRequest;
 use crate::viewer::job_queue::Job;
-use crate::viewer::model::{Concern, Progress};
+use crate::viewer::model::{Concern, TaskProgress};
 use crate::viewer::save;
 use crate::viewer::start::Output;
 use std::path::{Path, PathBuf};
@@ -44,7 +44,7 @@ impl ViewerWindow {
         let output = Output { size: frame.size, file: &name, turntable: Some(count) };
         let command = self.command_line(&output);
         self.model.say(format!("recording into {}", folder.display()));
-        self.model.recording = Some(Progress { done: 0, of: count as usize });
+        self.model.recording = Some(TaskProgress { done: 0, of: count as usize });
         self.recording = Some(Recording { sequence, file, command, first: None, done: 0 });
         let own = self.model.settings.clone();
         if own.windows(&own.optics) == Windows::All {
@@ -82,7 +82,7 @@ impl ViewerWindow {
         let Some(recording) = &mut self.recording else { return };
         recording.done += 1;
         let (done, count) = (recording.done, recording.sequence.count);
-        self.model.recording = Some(Progress { done: done as usize, of: count as usize });
+        self.model.recording = Some(TaskProgress { done: done as usize, of: count as usize });
         if done == count {
             self.stop_recording();
         } else {

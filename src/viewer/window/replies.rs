@@ -5,13 +5,13 @@ use crate::error::{Error, Result};
 use crate::picture_file::{self, Format, Notes};
 use crate::render::picture::Picture;
 use crate::viewer::controls::in_controls;
-use crate::viewer::error_probe::{ErrorProbe, Probe};
+use crate::viewer::error_probe::{ErrorProbe, ProbeTask};
 use crate::viewer::event::{Event, OpenedScene};
 use crate::viewer::frame::RenderedFrame;
 use crate::viewer::inspector::reading::Reading;
-use crate::viewer::inspector::reference::Reference;
+use crate::viewer::inspector::reference::DirectionReference;
 use crate::viewer::job_queue::RenderReply;
-use crate::viewer::model::{Concern, Preview, Progress};
+use crate::viewer::model::{Concern, Preview, TaskProgress};
 use crate::viewer::prepared::{Prepared, Role};
 use crate::viewer::settings::ViewSettings;
 use crate::viewer::worker::WorkerReply;
@@ -51,7 +51,7 @@ impl ViewerWindow {
         let model = &mut self.model;
         match reply {
             WorkerReply::Progress { role, done, of } => {
-                model.sources.progress[role as usize] = Some(Progress { done, of });
+                model.sources.progress[role as usize] = Some(TaskProgress { done, of });
             }
             WorkerReply::Field(field) => model.surface_pane.take_field(field),
             WorkerReply::Ready(role, prepared, note) => {
@@ -243,7 +243,7 @@ impl ViewerWindow {
                 Some(reference) => reference,
                 None => {
                     let send = self.proxy.clone();
-                    Reference::new(move |number, answer| {
+                    DirectionReference::new(move |number, answer| {
                         drop(send.send_event(Event::Inspector(number, answer)));
                     })?
                 }
@@ -255,7 +255,7 @@ impl ViewerWindow {
     }
 
     /// Starts measuring the error of `probe`.
-    fn measure(&mut self, probe: Probe) -> Result<()> {
+    fn measure(&mut self, probe: ProbeTask) -> Result<()> {
         if probe.samples.radiance.is_empty() {
             self.model.say("the mesh covers no pixel: there is nothing to measure");
             return Ok(());

@@ -8,7 +8,7 @@ use crate::viewer::compare::{self, Compare};
 use crate::viewer::event::Event;
 use crate::viewer::frame::FrameRequest;
 use crate::viewer::job_queue::PixelRequest;
-use crate::viewer::model::{Progress, Stage};
+use crate::viewer::model::{Stage, TaskProgress};
 use crate::viewer::prepared::Role;
 use crate::viewer::quality::Quality;
 use crate::viewer::settings::{Needs, ViewSettings};
@@ -129,7 +129,7 @@ impl ViewerWindow {
                 }
                 let request = Request { role, number, surface, settings, picture };
                 self.threads.worker.request(request);
-                self.model.sources.progress[role as usize] = Some(Progress { done: 0, of: 1 });
+                self.model.sources.progress[role as usize] = Some(TaskProgress { done: 0, of: 1 });
                 self.window.request_redraw();
             }
             Err(e) => self.refuse(role, number, &e),
