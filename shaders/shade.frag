@@ -4,7 +4,12 @@
 #include "frame.glsl"
 #include "brdf.glsl"
 #include "part.glsl"
-layout(push_constant) uniform Shade { Part part; };
+layout(push_constant) uniform Shade {
+    Part part;
+    uint lights;    // that have the illuminant of the source, one bit each
+    float coverage; // 1, or 0 where the pass adds to what was drawn
+    vec3 white;     // of the illuminant, linear sRGB
+};
 #include "reads.glsl"
 #include "source.glsl"
 #include "color.glsl"
@@ -33,6 +38,9 @@ void main() {
     vec3 sum = vec3(0.0);
     vec4 falloff = LAMPS ? texelFetch(falloffs, pixel, 0) : vec4(1.0);
     for (int i = 0; i < LIGHTS; ++i) {
+        if ((lights & (1u << i)) == 0u) {
+            continue;
+        }
         vec3 to_light = light_direction(stored, i, pixel);
         Pair pair = pair_of(to_light, to_view, source.normal_reflectance);
         Footprint footprint = POINT;
@@ -45,14 +53,14 @@ void main() {
         }
         diffracted = LINEAR_SRGB_FROM_XYZ * diffracted;
         float kept = OWN_REFLECTANCE ? schlick(NORMAL_OF_PIGMENT, pair.cos_half) : pair.reflectance;
-        vec3 pigmented = part.first == 0 ? albedo * ((1.0 - kept) * to_light.z / PI) : vec3(0.0);
+        vec3 pigmented = part.first == 0 ? albedo * white * ((1.0 - kept) * to_light.z / PI) : vec3(0.0);
         // Below the horizon there is neither.
         sum += pair.factor > 0.0 ? (diffracted + pigmented) * (frame.irradiances[i].rgb * (PI * falloff[i])) : vec3(0.0);
     }
-    if (MIRRORED && to_view.z > HORIZON) {
+    if (MIRRORED && (lights & (1u << (LIGHTS - 1))) != 0u && to_view.z > HORIZON) {
         // Of the light from all around, the specular order sends on what comes from the mirrored direction.
         Pair pair = pair_of(vec3(-to_view.xy, to_view.z), to_view, source.normal_reflectance);
         sum += LINEAR_SRGB_FROM_XYZ * source_mirrored(pair) * mirrored_of(LIGHTS, pixel) / to_view.z;
     }
-    radiance = vec4(sum, part.first == 0 ? 1.0 : 0.0);
+    radiance = vec4(sum, coverage);
 }

@@ -3,7 +3,7 @@
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, light_by, real,
 };
-use super::prepare;
+use super::{prepare, say};
 use crate::error::{Error, Result};
 use crate::measure::budget::ErrorBudget;
 use crate::measure::error::{self, PixelErrors};
@@ -13,7 +13,7 @@ use crate::optics::coherence::Windows;
 use crate::render::footprints;
 use crate::render::frame::{Shown, View};
 use crate::render::grooves::GrooveDirections;
-use crate::render::object::ObjectData;
+use crate::render::object::{ObjectData, ObjectSources};
 use crate::render::picture::{Directions, Painter, Picture};
 use crate::render::pigment::Pigment;
 use crate::render::reference_picture::{covered, displayed, reference_pixels};
@@ -160,6 +160,12 @@ impl BenchmarkScene {
         options.optics.for_pictures(&options.colour)?;
         let mut scene = prepare::scene(&options.scene)?;
         light_by(&options.light, &mut scene)?;
+        for light in scene.lights.iter_mut().filter(|light| light.spectrum.is_some()) {
+            say(&format_args!(
+                "the light {light} counts as light of the illuminant, as all lights that are measured do"
+            ));
+            light.spectrum = None;
+        }
         // A sample of surroundings is one light more, which one sample alone says little of.
         if !scene.lights.is_empty() {
             scene.environment = None;
@@ -218,7 +224,8 @@ impl BenchmarkScene {
         let lights = self.view.light_count();
         let (mesh, grooves) = (&self.scene.mesh, &GrooveDirections::of(&self.scene.grooves)?);
         let (pigment, base_color, casts_shadows) = (&Pigment::white(), None, true);
-        let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, source, shading };
+        let sources = &ObjectSources::new(source.clone(), shading.clone());
+        let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, sources };
         let mut painter = Painter::of_objects(&self.device, &[object], self.size, lights)?;
         if self.scene.shadows {
             painter.cast_shadows()?;

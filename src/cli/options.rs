@@ -230,7 +230,7 @@ pub struct ColourOptions {
     /// Wavelengths of a colour, instead of what the tolerance asks for
     #[arg(long, value_name = "N", value_parser = wavelengths, allow_hyphen_values = true)]
     pub wavelengths: Option<usize>,
-    /// The light's spectrum: d65, a, e, or a CSV file of wavelength in nm and power
+    /// The light's spectrum: d65, a, e, led, or a CSV file of wavelength in nm and power
     #[arg(long, value_name = "NAME|FILE", default_value = "d65")]
     pub illuminant: OsString,
 }

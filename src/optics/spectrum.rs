@@ -127,6 +127,9 @@ pub fn observer(wavelength: f64) -> DVec3 {
     DVec3::from_array(table.at(wavelength))
 }
 
+/// Names of the illuminants that are part of the program.
+pub const BUILT_IN: [&str; 4] = ["d65", "a", "e", "led"];
+
 /// The spectral power of the light, up to a factor.
 #[derive(Clone, Debug, PartialEq, Default, Serialize)]
 pub enum Illuminant {
@@ -137,12 +140,14 @@ pub enum Illuminant {
     A,
     /// Equal energy.
     E,
+    /// CIE LED-B3, a blue LED with a phosphor, neutral white: tabulated (CIE 15:2018).
+    Led,
     /// A user's table.
     Table(Table<1>),
 }
 
 impl Illuminant {
-    /// `d65`, `a`, `e`, or a CSV file of wavelength \[nm\] and power.
+    /// `d65`, `a`, `e`, `led`, or a CSV file of wavelength \[nm\] and power.
     ///
     /// # Errors
     /// A file that cannot be read or parsed, or that holds no light in 380–780 nm.
@@ -151,17 +156,16 @@ impl Illuminant {
         Self::built_in(name).map_or_else(|| Self::from_file(Path::new(name)), Ok)
     }
 
-    fn built_in(name: &OsStr) -> Option<Self> {
-        let known = [("d65", Self::D65), ("a", Self::A), ("e", Self::E)];
-        known
-            .into_iter()
-            .find(|(known, _)| name.eq_ignore_ascii_case(known))
-            .map(|(_, illuminant)| illuminant)
+    /// One of [`BUILT_IN`], by its name.
+    pub fn built_in(name: impl AsRef<OsStr>) -> Option<Self> {
+        let name = name.as_ref();
+        let known = [Self::D65, Self::A, Self::E, Self::Led];
+        BUILT_IN.into_iter().zip(known).find(|(own, _)| name.eq_ignore_ascii_case(own)).map(|(_, own)| own)
     }
 
     /// Whether [`Self::from_name_or_file`] takes `name` for one of its own.
     pub fn is_built_in(name: impl AsRef<OsStr>) -> bool {
-        Self::built_in(name.as_ref()).is_some()
+        Self::built_in(name).is_some()
     }
 
     /// First and last wavelength \[nm\] of a user's table that leaves out a part of what is visible.
@@ -172,7 +176,10 @@ impl Illuminant {
     }
 
     fn from_file(path: &Path) -> Result<Self> {
-        let text = crate::input::read_text(path, "d65, a, e or a CSV file of wavelength in nm and power")?;
+        let text = crate::input::read_text(
+            path,
+            &format!("{} or a CSV file of wavelength in nm and power", BUILT_IN.join(", ")),
+        )?;
         Self::from_text(&text).map_err(|e| e.at(path.display()))
     }
 
@@ -212,6 +219,11 @@ impl Illuminant {
                 100.0 * planck(wavelength) / planck(560.0)
             }
             Self::E => 100.0,
+            Self::Led => {
+                static TABLE: OnceLock<Table<1>> = OnceLock::new();
+                let table = TABLE.get_or_init(|| built_in(include_str!("../../assets/spectra/led-b3.csv")));
+                table.at(wavelength)[0]
+            }
             Self::Table(table) => table.at(wavelength)[0],
         }
     }
@@ -226,16 +238,18 @@ impl Illuminant {
     pub fn weight(&self, wavelength: f64, luminance: f64) -> DVec3 {
         observer(wavelength) * (self.power(wavelength) / luminance)
     }
+
+    /// XYZ of a white diffuse surface in this light, whose Y is 1.
+    pub fn white(&self) -> DVec3 {
+        let luminance = self.luminance();
+        // At the wavelengths of the luminance.
+        (0..800).map(|i| 380.25 + 0.5 * f64::from(i)).map(|x| 0.5 * self.weight(x, luminance)).sum()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn white_of(illuminant: &Illuminant) -> DVec3 {
-        let luminance = illuminant.luminance();
-        (0..=400).map(|i| illuminant.weight(380.0 + f64::from(i), luminance)).sum()
-    }
 
     #[test]
     fn the_built_in_tables_are_whole() {
@@ -257,13 +271,14 @@ mod tests {
 
     #[test]
     fn the_illuminants_have_their_published_white_points() {
-        // CIE 15:2004, 2° observer: D65 (0.3127, 0.3290), A (0.4476, 0.4074), E (1/3, 1/3).
+        // CIE 15:2018, 2° observer.
         for (light, x, y) in [
             (Illuminant::D65, 0.3127, 0.3290),
             (Illuminant::A, 0.4476, 0.4074),
             (Illuminant::E, 1.0 / 3.0, 1.0 / 3.0),
+            (Illuminant::Led, 0.3756, 0.3723),
         ] {
-            let white = white_of(&light);
+            let white = light.white();
             let sum = white.element_sum();
             assert!((white.x / sum - x).abs() < 2e-4, "{light:?}: x {}", white.x / sum);
             assert!((white.y / sum - y).abs() < 2e-4, "{light:?}: y {}", white.y / sum);

@@ -12,6 +12,7 @@ use super::target::{self, Geometry, GeometrySettings, Target};
 use crate::error::Result;
 use crate::optics::coherence::Coherence;
 use crate::optics::color::{self, Tone};
+use crate::optics::spectrum::Illuminant;
 use crate::scene::environment::Placement;
 use crate::scene::light::most_lights;
 use crate::scene::{
@@ -59,7 +60,7 @@ impl View {
     /// `scene` under `lights` of this coherence, which holds a part of their extent already, in its surroundings, without its pigment texture.
     pub fn under(scene: &Scene, lights: &[Light], coherence: &Coherence) -> Self {
         let room = Self::of(scene, Vec::new()).room();
-        let lights = lights.iter().map(|light| light.beyond(coherence, &room)).collect();
+        let lights = lights.iter().map(|light| light.map(|own| own.beyond(coherence, &room))).collect();
         Self {
             environment: scene.environment.clone(),
             shows_surroundings: scene.background == Background::Surroundings,
@@ -104,6 +105,11 @@ impl View {
         (self.lights.len() + usize::from(self.environment.is_some())).min(most_lights(&self.lights))
     }
 
+    /// The illuminant of direction of light number `light`, where it has one of its own.
+    pub fn illuminant(&self, light: usize) -> Option<&Illuminant> {
+        self.lights.get(light).and_then(Light::illuminant)
+    }
+
     /// Whether lamps are among the lights.
     pub fn has_lamps(&self) -> bool {
         self.lights.iter().any(Light::is_lamp)
@@ -114,8 +120,8 @@ impl View {
     pub fn incidents(&self, sample: &Sample) -> Vec<Incident> {
         let point = |number: usize| sample.pair(1 + number as u32);
         let room = self.room();
-        let lights =
-            self.lights.iter().enumerate().map(|(i, light)| light.incident(point(i), sample.count, &room));
+        let lights = self.lights.iter().enumerate();
+        let lights = lights.map(|(i, light)| light.emitter.incident(point(i), sample.count, &room));
         let around = self.environment.iter().map(|e| e.incident(point(MAX_LIGHTS), sample.count));
         lights.chain(around).take(self.light_count()).collect()
     }
@@ -263,7 +269,8 @@ pub struct PixelPass {
 }
 
 impl PixelPass {
-    /// The pass that shades what the geometry pass found by its `settings`, from `source`, over the layout of `frame`.
+    /// The pass that shades what the geometry pass found by its `settings`, from `source`, over the layout of `frame`. Where it `adds`, it adds to
+    /// what another has drawn of its object.
     ///
     /// # Errors
     /// Where the device refuses.
@@ -272,14 +279,15 @@ impl PixelPass {
         frame: &Descriptors,
         source: &BoundSource,
         settings: GeometrySettings,
+        adds: bool,
     ) -> Result<Self> {
         let constants = source.shade_constants(settings);
         let (code, sets) = (source.shade().with(&constants), [frame, &source.descriptors]);
-        let push_bytes = size_of::<Part>() as u32;
+        let push_bytes = size_of::<ShadeBlock>() as u32;
         let stencil = settings.several.then_some(Stencil::Match);
         let depth = Some(Depth { stencil, ..covered(settings.depth_format()) });
         let parts = source.parts(settings);
-        let adding = (parts > 1)
+        let adding = (adds || parts > 1)
             .then(|| {
                 let (vertex, drawing) = (shader!("display.vert"), Self::drawing(depth));
                 Pipeline::adding(device, vertex, code, &drawing, &sets, push_bytes)
@@ -320,16 +328,20 @@ impl PixelPass {
         Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth }
     }
 
-    /// Shades what the geometry pass found of object `number` by these `parts` of its sum. `sets`: the frame and the source.
-    fn draw(&self, draw: &Recorder<'_>, number: usize, sets: [&Descriptors; 2], parts: &Range<u32>) {
+    /// Shades what the geometry pass found of an object by these `parts` of its sum.
+    fn draw(&self, draw: &Recorder<'_>, shaded: &ShadedObject<'_>, parts: &Range<u32>) {
+        let ShadedObject { number, object, source, lights, white, adds, .. } = *shaded;
         for part in Part::each(self.parts).filter(|part| parts.contains(&part.first)) {
-            let pipeline = if part.first == 0 { Some(&self.pipeline) } else { self.adding.as_ref() };
+            let is_first = part.first == 0 && !adds;
+            let pipeline = if is_first { Some(&self.pipeline) } else { self.adding.as_ref() };
             let Some(pipeline) = pipeline else { break };
-            draw.bind(pipeline, &sets);
+            draw.bind(pipeline, &[&object.frame.descriptors, &source.descriptors]);
             if self.of_object {
                 draw.stencil(stencil_of(number));
             }
-            draw.push(pipeline, bytemuck::bytes_of(&part));
+            let coverage = if is_first { 1.0 } else { 0.0 };
+            let block = ShadeBlock { part, lights, coverage, white: white.extend(0.0).to_array() };
+            draw.push(pipeline, bytemuck::bytes_of(&block));
             draw.draw(3);
         }
     }
@@ -351,15 +363,33 @@ impl PixelPass {
     }
 }
 
-/// An object as it is shaded.
+/// An object as it is shaded by the lights of one illuminant.
 #[derive(Clone, Copy)]
 pub struct ShadedObject<'a> {
+    /// Its number, from 0.
+    pub number: usize,
     /// The object, with its frame.
     pub object: &'a DeviceObject,
     /// What it is shaded from.
     pub source: &'a BoundSource,
     /// What shades it.
     pub pass: &'a PixelPass,
+    /// The lights that count, one bit each, from the lowest.
+    pub lights: u32,
+    /// A white diffuse surface under the illuminant, linear sRGB.
+    pub white: Vec3,
+    /// Whether this adds to what the object's first one has drawn.
+    pub adds: bool,
+}
+
+/// Push constants of `shade.frag`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct ShadeBlock {
+    part: Part,
+    lights: u32,
+    coverage: f32,
+    white: [f32; 4],
 }
 
 /// Records what makes `target.radiance` ready for [`record_shading`] of what `geometry` found.
@@ -372,16 +402,14 @@ pub fn begin_shading(record: &Recorder<'_>, (geometry, target): (&Geometry, &Tar
 
 /// Records the shading of `objects` where `geometry` found them by these `parts` of their sums, from 0 or from where the last ended, into
 /// `target.radiance`, which it leaves as a colour attachment. What is not covered holds anything: who reads radiance asks the depth.
-pub fn record_shading<'a>(
+pub fn record_shading(
     record: &Recorder<'_>,
     (geometry, target): (&Geometry, &Target),
-    objects: impl Iterator<Item = ShadedObject<'a>>,
+    objects: &[ShadedObject<'_>],
     parts: Range<u32>,
 ) {
     let shade = |draw: &Recorder<'_>| {
-        for (number, ShadedObject { object, source, pass }) in objects.enumerate() {
-            pass.draw(draw, number, [&object.frame.descriptors, &source.descriptors], &parts);
-        }
+        objects.iter().for_each(|shaded| shaded.pass.draw(draw, shaded, &parts));
     };
     if parts.start == 0 {
         record.render_over(&[(&target.radiance, None)], &geometry.depth, shade);

@@ -1,4 +1,4 @@
-//! An object of a scene on the device: its mesh, and what the frame is for it.
+//! An object of a scene: what it is shaded from, and on the device its mesh and what the frame is for it.
 
 use super::device_mesh::DeviceMesh;
 use super::frame_set::{FrameBlock, FrameSet};
@@ -28,9 +28,46 @@ pub struct ObjectData<'a> {
     /// Whether it casts shadows, where lights do.
     pub casts_shadows: bool,
     /// What it is shaded from.
-    pub source: &'a Source,
+    pub sources: &'a ObjectSources,
+}
+
+/// What an object is shaded from under one illuminant, that of `shading`.
+#[derive(Clone)]
+pub struct ObjectSource {
+    /// What it is shaded from.
+    pub source: Source,
     /// How it is shaded.
-    pub shading: &'a Shading,
+    pub shading: Shading,
+}
+
+/// What an object is shaded from under all lights.
+#[derive(Clone)]
+pub struct ObjectSources {
+    /// Under the lights without a spectrum of their own and the surroundings.
+    pub own: ObjectSource,
+    /// Under the lights with a spectrum of their own, one for each other illuminant. Lights whose illuminant is not there count as without.
+    pub under: Vec<ObjectSource>,
+}
+
+impl ObjectSources {
+    /// `source` shaded by `shading`, under all lights.
+    pub fn new(source: Source, shading: Shading) -> Self {
+        Self { own: ObjectSource { source, shading }, under: Vec::new() }
+    }
+
+    /// All of them, the own first.
+    pub fn all(&self) -> impl Iterator<Item = &ObjectSource> {
+        std::iter::once(&self.own).chain(&self.under)
+    }
+
+    /// Whether this could take over what a device holds for `other`: everything that takes long to upload or compile is the same.
+    pub fn shares_data_with(&self, other: &Self) -> bool {
+        let same = |(own, other): (&ObjectSource, &ObjectSource)| {
+            own.source.shares_data_with(&other.source)
+                && own.shading.reflectance.shares_stages_with(&other.shading.reflectance)
+        };
+        self.under.len() == other.under.len() && self.all().zip(other.all()).all(same)
+    }
 }
 
 /// What is read for an object beside its mesh and its surface.
@@ -62,16 +99,15 @@ impl ObjectTextures {
 pub fn objects<'a>(
     scene: &'a Scene,
     textures: &'a [ObjectTextures],
-    shaded: impl IntoIterator<Item = (&'a Source, &'a Shading)>,
+    sources: impl IntoIterator<Item = &'a ObjectSources>,
 ) -> Vec<ObjectData<'a>> {
     let others = scene.objects.iter().map(|o| (&o.mesh, Some(o.base_color), !o.is_ground));
     let meshes = std::iter::once((&scene.mesh, None, true)).chain(others);
-    let object =
-        |(((mesh, base_color, casts_shadows), own), (source, shading)): ((_, &'a ObjectTextures), _)| {
-            let ObjectTextures { pigment, grooves } = own;
-            ObjectData { mesh, pigment, grooves, base_color, casts_shadows, source, shading }
-        };
-    meshes.zip(textures).zip(shaded).map(object).collect()
+    let object = |(((mesh, base_color, casts_shadows), own), sources): ((_, &'a ObjectTextures), _)| {
+        let ObjectTextures { pigment, grooves } = own;
+        ObjectData { mesh, pigment, grooves, base_color, casts_shadows, sources }
+    };
+    meshes.zip(textures).zip(sources).map(object).collect()
 }
 
 /// An object on the device.

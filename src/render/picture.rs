@@ -7,19 +7,21 @@ use super::frame::{
     DisplayPass, GeometryPass, PixelPass, Probe, ShadedObject, Shown, View, begin_shading, record_shading,
 };
 use super::grooves::GrooveDirections;
-use super::object::{DeviceObject, ObjectData};
+use super::object::{DeviceObject, ObjectData, ObjectSource, ObjectSources};
 use super::pigment::Pigment;
 use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
 use super::source::{BoundSource, Source};
 use super::target::{self, Geometry, GeometrySettings, Target};
 use crate::error::{Error, Result};
+use crate::optics::color;
+use crate::optics::spectrum::Illuminant;
 use crate::scene::{MAX_LIGHTS, Mesh};
 use crate::vk::access::Access;
 use crate::vk::commands::{Commands, Recorder};
 use crate::vk::device::Device;
 use crate::vk::queries::Timestamps;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 mod directions;
@@ -37,8 +39,9 @@ use tiles::{Piece, Tiles};
 pub struct Painter {
     commands: Commands,
     find: GeometryPass,
-    // At least one, with what each is shaded by.
+    // At least one.
     objects: Vec<DeviceObject>,
+    // What shades them, object by object: one or more for each.
     shadings: Vec<ObjectShading>,
     geometry: Geometry,
     display: DisplayPass,
@@ -61,8 +64,15 @@ pub struct Painter {
     device: Arc<Device>,
 }
 
-/// What an object is shaded by.
+/// What an object is shaded by under the lights of one illuminant.
 struct ObjectShading {
+    /// Number of the object.
+    object: usize,
+    // Whether it adds to what the one before has drawn of the same object.
+    adds: bool,
+    illuminant: Illuminant,
+    // Of its illuminant, linear sRGB.
+    white: Vec3,
     source: BoundSource,
     pass: PixelPass,
     // Of the specular order, where surroundings are read in the mirrored direction.
@@ -70,10 +80,46 @@ struct ObjectShading {
 }
 
 impl ObjectShading {
-    /// `object` as it is shaded.
-    fn of<'a>(&'a self, object: &'a DeviceObject) -> ShadedObject<'a> {
-        ShadedObject { object, source: &self.source, pass: &self.pass }
+    /// The object as it is shaded, which is one of `objects`.
+    fn of<'a>(&'a self, objects: &'a [DeviceObject], lights: u32) -> ShadedObject<'a> {
+        let Self { object: number, adds, white, source, pass, .. } = self;
+        ShadedObject {
+            number: *number,
+            object: &objects[*number],
+            source,
+            pass,
+            lights,
+            white: *white,
+            adds: *adds,
+        }
     }
+}
+
+/// What shades `object` from `sources`, its geometry found by `settings`.
+fn object_shadings(
+    device: &Arc<Device>,
+    (number, object): (usize, &DeviceObject),
+    sources: Vec<(BoundSource, &Illuminant)>,
+    settings: GeometrySettings,
+) -> Result<Vec<ObjectShading>> {
+    let shading = |(place, (source, illuminant)): (usize, (BoundSource, &Illuminant))| {
+        let adds = place > 0;
+        Ok(ObjectShading {
+            object: number,
+            adds,
+            illuminant: illuminant.clone(),
+            white: white_of(illuminant),
+            pass: PixelPass::shading(device, &object.frame.descriptors, &source, settings, adds)?,
+            specular_spread: source.specular_spread,
+            source,
+        })
+    };
+    sources.into_iter().enumerate().map(shading).collect()
+}
+
+/// A white diffuse surface under `illuminant`, linear sRGB.
+fn white_of(illuminant: &Illuminant) -> Vec3 {
+    color::xyz_to_linear_srgb(illuminant.white()).as_vec3()
 }
 
 /// What is asked of the geometry pass.
@@ -134,7 +180,8 @@ impl Painter {
     ) -> Result<Self> {
         let grooves = &GrooveDirections::along();
         let (base_color, casts_shadows) = (None, true);
-        let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, source, shading };
+        let sources = &ObjectSources::new(source.clone(), shading.clone());
+        let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, sources };
         Self::of_objects(device, &[object], size, lights)
     }
 
@@ -151,13 +198,16 @@ impl Painter {
         if objects.is_empty() {
             return Err(Error::failed("there is no object", "report this as a bug of diffract"));
         }
-        let bind = |object: &ObjectData<'_>| object.source.bind(device, object.shading);
-        let sources = objects.iter().map(bind).collect::<Result<Vec<_>>>()?;
+        let bind = |of: &'_ ObjectSource| of.source.bind(device, &of.shading);
+        let mut sources = Vec::with_capacity(objects.len());
+        for object in objects {
+            sources.push(object.sources.all().map(bind).collect::<Result<Vec<_>>>()?);
+        }
         let settings = GeometrySettings {
             lights: lights.min(MAX_LIGHTS),
             textured: objects.iter().any(|object| object.pigment.is_textured()),
-            marked: sources.iter().any(|source| source.asks_what_is_covered),
-            footprints: sources.iter().any(|source| source.reads_footprints),
+            marked: sources.iter().flatten().any(|source| source.asks_what_is_covered),
+            footprints: sources.iter().flatten().any(|source| source.reads_footprints),
             several: objects.len() > 1,
             ..GeometrySettings::default()
         };
@@ -166,15 +216,18 @@ impl Painter {
         let display = DisplayPass::new(device, target::DISPLAY, settings.depth_format())?;
         display.read_from(&target.radiance);
         let upload = |object: &ObjectData<'_>| DeviceObject::new(device, object, &geometry);
-        let objects = objects.iter().map(upload).collect::<Result<Vec<_>>>()?;
-        let shading = |(source, object): (BoundSource, &DeviceObject)| {
-            let pass = PixelPass::shading(device, &object.frame.descriptors, &source, settings)?;
-            Ok(ObjectShading { specular_spread: source.specular_spread, source, pass })
-        };
+        let data = objects;
+        let objects = data.iter().map(upload).collect::<Result<Vec<_>>>()?;
+        let mut shadings = Vec::new();
+        for (number, (own, bound)) in data.iter().zip(sources).enumerate() {
+            let illuminants = own.sources.all().map(|of| &of.shading.illuminant);
+            let bound = bound.into_iter().zip(illuminants).collect();
+            shadings.extend(object_shadings(device, (number, &objects[number]), bound, settings)?);
+        }
         Ok(Self {
             commands: Commands::new(device, "frame")?,
             find: GeometryPass::new(device, &objects, &geometry)?,
-            shadings: sources.into_iter().zip(&objects).map(shading).collect::<Result<_>>()?,
+            shadings,
             objects,
             geometry,
             display,
@@ -220,12 +273,12 @@ impl Painter {
         let geometry = Geometry::new(&self.device, size, settings)?;
         let of_shading = |s: GeometrySettings| (s.lights, s.mirrored, s.lamps);
         let same = of_shading(settings) == of_shading(self.geometry.settings);
-        let shade = |(object, shading): (&DeviceObject, &ObjectShading)| {
-            PixelPass::shading(&self.device, &object.frame.descriptors, &shading.source, settings)
+        let shade = |own: &ObjectShading| {
+            let frame = &self.objects[own.object].frame.descriptors;
+            PixelPass::shading(&self.device, frame, &own.source, settings, own.adds)
         };
-        let changed: Vec<_> =
-            if same { Vec::new() } else { self.objects.iter().zip(&self.shadings).collect() };
-        let passes = changed.into_iter().map(shade).collect::<Result<Vec<_>>>()?;
+        let changed = if same { &[] } else { self.shadings.as_slice() };
+        let passes = changed.iter().map(shade).collect::<Result<Vec<_>>>()?;
         self.find = GeometryPass::new(&self.device, &self.objects, &geometry)?;
         self.shadings.iter_mut().zip(passes).for_each(|(shading, pass)| shading.pass = pass);
         self.objects.iter().for_each(|object| object.frame.read_from(&geometry));
@@ -317,28 +370,50 @@ impl Painter {
         self.found = None;
     }
 
-    /// Shades the first object by `shading` from now on, from `source`, as [`Self::shade_object_by`].
+    /// Shades the first object by `shading` from now on, from `source`, as [`Self::shade_objects_by`].
     ///
     /// # Errors
     /// Where the device has no room.
     pub fn shade_by(&mut self, source: &Source, shading: &Shading) -> Result<()> {
-        self.shade_object_by(0, source, shading)
+        self.shade_objects_by([&ObjectSources::new(source.clone(), shading.clone())])
     }
 
-    /// Shades object `number`, from 0, by `shading` from now on, from `source`, whose data the painter has: what depends on the index, the
-    /// illuminant or the number of copies is uploaded, and the rest stays.
+    /// Shades the objects from `sources` from now on, the data of which the painter has: what depends on the index, the illuminant or the number of
+    /// copies is uploaded, and the rest stays.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn shade_object_by(&mut self, number: usize, source: &Source, shading: &Shading) -> Result<()> {
+    pub fn shade_objects_by<'a>(
+        &mut self,
+        sources: impl IntoIterator<Item = &'a ObjectSources>,
+    ) -> Result<()> {
         self.forget();
-        let (object, own) = (&self.objects[number], &mut self.shadings[number]);
-        source.rebind(&self.device, &mut own.source, shading)?;
         let settings = self.geometry.settings;
-        if own.source.parts(settings) != own.pass.parts {
-            own.pass = PixelPass::shading(&self.device, &object.frame.descriptors, &own.source, settings)?;
+        let sources = sources.into_iter().flat_map(ObjectSources::all);
+        for (own, ObjectSource { source, shading }) in self.shadings.iter_mut().zip(sources) {
+            source.rebind(&self.device, &mut own.source, shading)?;
+            if own.illuminant != shading.illuminant {
+                own.illuminant.clone_from(&shading.illuminant);
+                own.white = white_of(&shading.illuminant);
+            }
+            if own.source.parts(settings) != own.pass.parts {
+                let frame = &self.objects[own.object].frame.descriptors;
+                own.pass = PixelPass::shading(&self.device, frame, &own.source, settings, own.adds)?;
+            }
         }
         Ok(())
+    }
+
+    /// The lights of `view` by which `own` shades, one bit each: those of its illuminant; also those whose illuminant no shading of the object has,
+    /// where it is the object's first.
+    fn lights_of(&self, own: &ObjectShading, view: &View) -> u32 {
+        let of_object = self.shadings.iter().filter(|other| other.object == own.object);
+        let has = |illuminant: &Illuminant| of_object.clone().any(|other| other.illuminant == *illuminant);
+        let is_lit = |light: usize| match view.illuminant(light) {
+            Some(illuminant) if has(illuminant) => *illuminant == own.illuminant,
+            _ => !own.adds,
+        };
+        (0..view.light_count()).filter(|&light| is_lit(light)).map(|light| 1 << light).sum()
     }
 
     /// Draws one sample of `view` at the centres of pixels, displays it without a tone and leaves the result on the device; milliseconds that the
@@ -448,11 +523,11 @@ impl Painter {
         let (geometry, target) = (&self.geometry, &self.target);
         let accumulation = &self.accumulation;
         let objects = &self.objects;
-        let shadings = &self.shadings;
         let frame = &self.objects[0].frame.descriptors;
         let (around, written) = (self.around.as_ref(), self.written.as_ref());
+        let lights = |own| written.map_or(0, |written| self.lights_of(own, &written.view));
+        let shaded: Vec<_> = self.shadings.iter().map(|own| own.of(objects, lights(own))).collect();
         let display = Display::new((geometry, target), &self.display, around, frame, written);
-        let shaded = || objects.iter().zip(shadings).map(|(object, own)| own.of(object));
         if self.shows == Content::Sample {
             self.shows = Content::Nothing;
         }
@@ -467,7 +542,7 @@ impl Painter {
                 self.find.record(&all, geometry, objects);
                 begin_shading(&some, (geometry, target));
             }
-            record_shading(&some, (geometry, target), shaded(), parts);
+            record_shading(&some, (geometry, target), &shaded, parts);
             record.timestamp(&self.timestamps, 1);
             match (finish, accumulation) {
                 (Finish::Add(before), Some(accumulation)) if last => {
@@ -585,7 +660,8 @@ impl Painter {
         let unit = self.surround(view)?;
         let mut block = view.block(size, sample);
         block.surroundings[2] *= unit;
-        for (object, shading) in self.objects.iter_mut().zip(&self.shadings) {
+        let first = self.shadings.iter().filter(|shading| !shading.adds);
+        for (object, shading) in self.objects.iter_mut().zip(first) {
             let own = object.block(block, shading.specular_spread.unwrap_or_default());
             object.frame.write(&own)?;
         }

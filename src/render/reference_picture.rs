@@ -13,7 +13,7 @@ use crate::optics::footprint::Covariance;
 use crate::optics::geometry::Pair;
 use crate::optics::nufft::{self, Progress};
 use crate::optics::reference::Reference;
-use crate::optics::spectrum::SHORTEST;
+use crate::optics::spectrum::{Illuminant, SHORTEST};
 use crate::scene::camera::pixel_in_clip;
 use crate::surface::HeightField;
 use glam::{DVec3, DVec4, Vec3};
@@ -108,11 +108,14 @@ impl<'a> PixelReference<'a> {
         let mut colors = vec![DVec3::ZERO; pixels.len()];
         let lights = directions.len();
         for (number, seen) in directions.iter().enumerate() {
+            let illuminant = view.illuminant(number).unwrap_or(&self.shading.illuminant);
             let pair = |i: usize| Pair::new(unit(seen.light[i]), unit(seen.view[i]));
             let asked: Vec<(Pair, Covariance)> =
                 pixels.iter().map(|&i| (pair(i), seen.covariance(i))).collect();
-            let diffracted =
-                self.diffracted(seen, &asked, &|done, of| progress(number * of + done, lights * of))?;
+            let diffracted = self.diffracted(seen, &asked, illuminant, &|done, of| {
+                progress(number * of + done, lights * of)
+            })?;
+            let white = xyz_to_linear_srgb(illuminant.white());
             for ((color, &i), ((pair, _), xyz)) in
                 colors.iter_mut().zip(pixels).zip(asked.iter().zip(diffracted))
             {
@@ -120,7 +123,8 @@ impl<'a> PixelReference<'a> {
                     continue;
                 }
                 let reflectance = self.shading.reflectance.kept_from_pigment(pair.cos_half_angle());
-                let pigmented = view.base_color.as_dvec3() * ((1.0 - reflectance) * pair.light.z / PI);
+                let pigmented =
+                    white * view.base_color.as_dvec3() * ((1.0 - reflectance) * pair.light.z / PI);
                 *color += (xyz_to_linear_srgb(xyz) + pigmented) * seen.irradiance(i) * PI;
             }
             self.add_mirrored(seen, pixels, &mut colors);
@@ -141,12 +145,12 @@ impl<'a> PixelReference<'a> {
         wavelengths.iter().map(at).collect()
     }
 
-    /// XYZ of f \[sr⁻¹\] of `pair`, not averaged over a footprint; 0 below the horizon.
+    /// XYZ of f \[sr⁻¹\] of `pair` in a light of this `illuminant`, or in that of the shading; not averaged over a footprint; 0 below the horizon.
     ///
     /// # Errors
     /// Where the colour takes too many wavelengths.
-    pub fn xyz(&self, pair: &Pair) -> Result<DVec3> {
-        let illuminant = &self.shading.illuminant;
+    pub fn xyz(&self, pair: &Pair, illuminant: Option<&Illuminant>) -> Result<DVec3> {
+        let illuminant = illuminant.unwrap_or(&self.shading.illuminant);
         let weighted = match &self.by {
             By::Mean(mean) => {
                 let asked = [(*pair, Covariance::default())];
@@ -163,9 +167,9 @@ impl<'a> PixelReference<'a> {
         &self,
         seen: &Directions,
         asked: &[(Pair, Covariance)],
+        illuminant: &Illuminant,
         progress: Progress<'_>,
     ) -> Result<Vec<DVec3>> {
-        let illuminant = &self.shading.illuminant;
         match &self.by {
             By::Mean(mean) => {
                 let orders = if seen.mirrored.is_empty() { Orders::All } else { Orders::Scattered };

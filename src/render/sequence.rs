@@ -57,7 +57,8 @@ impl Sequence {
             }
             Motion::LightSweep => {
                 let room = first.room();
-                view.lights = first.lights.iter().map(|light| light.turned(degrees, &room)).collect();
+                view.lights =
+                    first.lights.iter().map(|light| light.map(|own| own.turned(degrees, &room))).collect();
                 if let Some(environment) = &mut view.environment {
                     environment.placement.rotation += degrees;
                 }
@@ -101,7 +102,7 @@ mod tests {
 
     fn plate() -> View {
         let scene = Scene::open("plate").unwrap();
-        View::of(&scene, vec![Light::point(40.0, 180.0, 2.0), scene.lights[0]])
+        View::of(&scene, vec![Light::point(40.0, 180.0, 2.0), scene.lights[0].clone()])
     }
 
     #[test]
@@ -123,7 +124,7 @@ mod tests {
         assert_eq!(sweep.view(&first, 0), first);
         let last = sweep.view(&first, 3);
         for (from, to) in first.lights.iter().zip(&last.lights) {
-            let [from, to] = [from, to].map(|light| light.from_afar(&first.room()));
+            let [from, to] = [from, to].map(|light| light.emitter.from_afar(&first.room()));
             assert_eq!((to.theta, to.intensity), (from.theta, from.intensity));
             let (from, to) = (from.direction(), to.direction());
             assert!((to.x - from.y).abs() < 1e-6 && (to.y + from.x).abs() < 1e-6);

@@ -1,15 +1,35 @@
-//! Lights: points and discs of the sky, and lamps.
+//! Lights: what emits, a point or disc of the sky or a lamp, and the spectrum that it emits.
 
 use super::far_light::FarLight;
 use super::incident::Incident;
 use super::lamp::{Lamp, Room};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
+use crate::optics::spectrum::Illuminant;
 use std::fmt;
+use std::path::{Path, PathBuf};
 
 /// A light of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// What emits.
+    pub emitter: Emitter,
+    /// Its spectrum; `None`: that of the scene's illuminant.
+    pub spectrum: Option<Spectrum>,
+}
+
+/// The spectrum of a light, and where it is from.
+#[derive(Clone, PartialEq)]
+pub struct Spectrum {
+    /// Name of an illuminant that is built in, or a file.
+    name: String,
+    /// The illuminant.
+    pub illuminant: Illuminant,
+}
+
+/// What emits the light of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Light {
+pub enum Emitter {
     /// So far away that all of the scene sees it in the same direction.
     Far(FarLight),
     /// In the scene.
@@ -28,6 +48,113 @@ pub fn most_lights(lights: &[Light]) -> usize {
 }
 
 impl Light {
+    /// What emits as [`Emitter::parse`] reads it, and behind an `@` the spectrum, as [`Illuminant::from_name_or_file`] reads it.
+    ///
+    /// # Errors
+    /// As both of them.
+    pub fn parse(text: &str) -> Result<Self> {
+        Self::parse_in(text, Path::new(""))
+    }
+
+    /// The same in a scene file; the name of a file starts from `folder`.
+    ///
+    /// # Errors
+    /// As [`Self::parse`].
+    pub fn parse_in(text: &str, folder: &Path) -> Result<Self> {
+        let (emitter, spectrum) = match text.split_once('@') {
+            Some((emitter, name)) => (emitter, Some(Spectrum::named(name.trim(), folder, text)?)),
+            None => (text, None),
+        };
+        Ok(Self { emitter: Emitter::parse(emitter)?, spectrum })
+    }
+
+    /// A point of the sky, as [`FarLight`] has it.
+    pub fn point(theta: f64, phi: f64, intensity: f64) -> Self {
+        FarLight { theta, phi, intensity, size: 0.0 }.into()
+    }
+
+    /// Whether it stands in the scene.
+    pub fn is_lamp(&self) -> bool {
+        matches!(self.emitter, Emitter::Lamp(_))
+    }
+
+    /// The illuminant of its own, where it has one.
+    pub fn illuminant(&self) -> Option<&Illuminant> {
+        self.spectrum.as_ref().map(|spectrum| &spectrum.illuminant)
+    }
+
+    /// The light, without its spectrum where none of `others` has the same illuminant.
+    #[must_use]
+    pub fn known_to(&self, others: &[Self]) -> Self {
+        let is_known =
+            |own: &&Spectrum| others.iter().any(|other| other.illuminant() == Some(&own.illuminant));
+        Self { emitter: self.emitter, spectrum: self.spectrum.as_ref().filter(is_known).cloned() }
+    }
+
+    /// The light with what `change` makes of what emits.
+    #[must_use]
+    pub fn map(&self, change: impl FnOnce(Emitter) -> Emitter) -> Self {
+        Self { emitter: change(self.emitter), spectrum: self.spectrum.clone() }
+    }
+
+    /// The same as a scene file or an option says it, where `name` says the name of a spectrum's file.
+    ///
+    /// # Errors
+    /// What `name` returns.
+    pub fn to_text(&self, name: impl FnOnce(&Path) -> Result<String>) -> Result<String> {
+        let name = match &self.spectrum {
+            None => return Ok(self.emitter.to_string()),
+            Some(spectrum) => spectrum.file().map_or(Ok(spectrum.name.clone()), |file| name(&file))?,
+        };
+        Ok(format!("{}@{name}", self.emitter))
+    }
+}
+
+impl Spectrum {
+    /// The illuminant of that name, or the file of that name in `folder`. The error names the `light`.
+    fn named(name: &str, folder: &Path, light: &str) -> Result<Self> {
+        if name.is_empty() {
+            return Err(Error::usage(
+                format!("the light '{light}' names no spectrum"),
+                "write the name of an illuminant or of a CSV file behind @, as in sun:30,90@a",
+            ));
+        }
+        if let Some(spectrum) = Self::built_in(name) {
+            return Ok(spectrum);
+        }
+        let file = folder.join(name);
+        let illuminant = Illuminant::from_name_or_file(&file)?;
+        let name = file.to_str().map(str::to_owned).ok_or_else(|| {
+            Error::failed(format!("the name {} is not UTF-8", file.display()), "rename the file")
+        })?;
+        Ok(Self { name, illuminant })
+    }
+
+    /// The illuminant of that name that is part of the program.
+    pub fn built_in(name: &str) -> Option<Self> {
+        let illuminant = Illuminant::built_in(name)?;
+        Some(Self { name: name.to_ascii_lowercase(), illuminant })
+    }
+
+    /// Its name, or its file's.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Its file, where it has one.
+    pub fn file(&self) -> Option<PathBuf> {
+        (!Illuminant::is_built_in(&self.name)).then(|| self.name.clone().into())
+    }
+}
+
+impl fmt::Debug for Spectrum {
+    /// What it is, wherever it is from.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.illuminant.fmt(f)
+    }
+}
+
+impl Emitter {
     /// A lamp, or `THETA,PHI[,INTENSITY]`, a point of the sky, `sun:…` or `disc:SIZE:…`.
     ///
     /// # Errors
@@ -40,17 +167,7 @@ impl Light {
         }
     }
 
-    /// A point of the sky, as [`FarLight`] has it.
-    pub fn point(theta: f64, phi: f64, intensity: f64) -> Self {
-        Self::Far(FarLight { theta, phi, intensity, size: 0.0 })
-    }
-
-    /// Whether it stands in the scene.
-    pub fn is_lamp(&self) -> bool {
-        matches!(self, Self::Lamp(_))
-    }
-
-    /// The light without the extent that `coherence` holds already.
+    /// What emits without the extent that `coherence` holds already.
     #[must_use]
     pub fn beyond(self, coherence: &Coherence, room: &Room) -> Self {
         match self {
@@ -59,7 +176,7 @@ impl Light {
         }
     }
 
-    /// The light turned by `degrees` about the vertical through the middle of `room`.
+    /// The same turned by `degrees` about the vertical through the middle of `room`.
     #[must_use]
     pub fn turned(self, degrees: f64, room: &Room) -> Self {
         match self {
@@ -68,7 +185,7 @@ impl Light {
         }
     }
 
-    /// The light as the middle of `room` sees it: a point of the sky. What is below the horizon is moved up to it.
+    /// The same as the middle of `room` sees it: a point of the sky. What is below the horizon is moved up to it.
     pub fn from_afar(&self, room: &Room) -> FarLight {
         let lamp = match self {
             Self::Far(light) => return *light,
@@ -88,17 +205,75 @@ impl Light {
     }
 }
 
-impl From<FarLight> for Light {
+impl<T: Into<Emitter>> From<T> for Light {
+    fn from(emitter: T) -> Self {
+        Self { emitter: emitter.into(), spectrum: None }
+    }
+}
+
+impl From<FarLight> for Emitter {
     fn from(light: FarLight) -> Self {
         Self::Far(light)
     }
 }
 
+impl From<Lamp> for Emitter {
+    fn from(lamp: Lamp) -> Self {
+        Self::Lamp(lamp)
+    }
+}
+
 impl fmt::Display for Light {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.emitter.fmt(f)?;
+        self.spectrum.as_ref().map_or(Ok(()), |spectrum| write!(f, "@{}", spectrum.name))
+    }
+}
+
+impl fmt::Display for Emitter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Far(light) => light.fmt(f),
             Self::Lamp(lamp) => lamp.fmt(f),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lights_with_a_spectrum_are_read_as_they_are_written() {
+        for text in ["30,90,1@a", "sun:30,90,2@led", "sphere:0.1:0.2,0,1,60W@e", "rectangle:1x2:0,-1,1@d65"] {
+            let light = Light::parse(text).unwrap();
+            assert_eq!(light.to_string(), text);
+            assert_eq!(light.emitter, Light::parse(text.split('@').next().unwrap()).unwrap().emitter);
+        }
+        assert_eq!(Light::parse("30,90@A").unwrap().illuminant(), Some(&Illuminant::A));
+        assert_eq!(Light::parse("30,90").unwrap().illuminant(), None);
+    }
+
+    #[test]
+    fn the_spectrum_of_a_scenes_light_lies_beside_the_scene() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("lamp@home.csv"), "400,1\n700,2\n").unwrap();
+        let light = Light::parse_in("30,90,1@lamp@home.csv", folder.path()).unwrap();
+        let spectrum = light.spectrum.as_ref().unwrap();
+        assert_eq!(spectrum.illuminant, Illuminant::from_text("400,1\n700,2\n").unwrap());
+        assert_eq!(spectrum.file(), Some(folder.path().join("lamp@home.csv")));
+        assert_eq!(Light::parse(&light.to_string()).unwrap(), light);
+        let named = |path: &Path| Ok(path.file_name().unwrap().to_str().unwrap().to_owned());
+        assert_eq!(light.to_text(named).unwrap(), "30,90,1@lamp@home.csv");
+    }
+
+    #[test]
+    fn a_spectrum_that_is_none_is_refused_with_a_remedy() {
+        for (text, said) in
+            [("30,90@", "names no spectrum"), ("30,90@nothing.csv", "nothing.csv"), ("@a", "not a light")]
+        {
+            let error = Light::parse(text).unwrap_err().to_string();
+            assert!(error.contains(said), "{text}: {error}");
         }
     }
 }

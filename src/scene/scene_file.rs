@@ -258,7 +258,7 @@ impl Scene {
         if !(-40.0..=40.0).contains(&file.exposure) {
             return Err(Error::failed("the exposure is not within -40 to 40 stops", "0 is a good start"));
         }
-        let lights = file.lights.iter().map(|l| Light::parse(l)).collect::<Result<Vec<_>>>()?;
+        let lights = file.lights.iter().map(|l| Light::parse_in(l, folder)).collect::<Result<Vec<_>>>()?;
         if lights.len() > most_lights(&lights) {
             return Err(Error::failed(
                 format!("there are {} lights", lights.len()),
@@ -279,6 +279,7 @@ impl Scene {
         let environment_file = environment_file.map(|e| folder.join(&e.name));
         let reflectance = reflectance(file.material.as_deref(), file.film.as_deref(), folder)?;
         let material_file = reflectance.as_ref().and_then(Reflectance::file);
+        let spectra = lights.iter().filter_map(|light| light.spectrum.as_ref()?.file());
         let own_files = [
             mesh_source.file(),
             surface_file,
@@ -288,7 +289,12 @@ impl Scene {
             grooves.file().cloned(),
         ];
         Ok(Self {
-            files: own_files.into_iter().flatten().chain(objects.iter().flat_map(Object::files)).collect(),
+            files: own_files
+                .into_iter()
+                .flatten()
+                .chain(spectra)
+                .chain(objects.iter().flat_map(Object::files))
+                .collect(),
             mesh_source,
             mesh,
             grooves,

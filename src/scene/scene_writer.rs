@@ -184,7 +184,7 @@ impl Scene {
                 Background::Color(color) => color.to_array().to_vec().into(),
             },
             shadows: self.shadows,
-            lights: self.lights.iter().map(ToString::to_string).collect(),
+            lights: self.lights.iter().map(|light| light.to_text(path)).collect::<Result<_>>()?,
             environment: self
                 .environment
                 .as_ref()
@@ -315,8 +315,9 @@ mod tests {
         scene.prepare = ["level rows", "crop 40um", "invert"].map(|step| Step::parse(step).unwrap()).to_vec();
         (scene.base_color, scene.exposure, scene.tone) = (Vec3::new(0.1, 0.7, 0.3), -1.5, Tone::Neutral);
         scene.background = Background::Color(glam::DVec3::new(0.25, 0.5, 1.0));
-        scene.lights =
-            ["sun:30,-40,2.5", "sphere:0.1:0.2,0.3,1,60W"].map(|l| Light::parse(l).unwrap()).to_vec();
+        scene.lights = ["sun:30,-40,2.5@led", "sphere:0.1:0.2,0.3,1,60W@lamp.csv"]
+            .map(|light| Light::parse_in(light, folder.path()).unwrap())
+            .to_vec();
         scene.environment =
             Some(Environment::open("studio").unwrap().placed(Placement { rotation: 40.5, exposure: -2.0 }));
         scene.shadows = false;

@@ -6,12 +6,12 @@ use crate::optics::coherence::Beyond;
 use crate::render::exposure;
 use crate::render::footprints;
 use crate::render::frame::{Shown, View};
-use crate::render::object::{ObjectTextures, objects};
+use crate::render::object::{ObjectSource, ObjectSources, ObjectTextures, objects};
 use crate::render::picture::{Directions, Painter, Picture};
 use crate::render::sampling::{Sample, Sampling};
 use crate::render::shading::Shading;
 use crate::render::source::Source;
-use crate::scene::{Mesh, Object, Scene};
+use crate::scene::{Light, Mesh, Object, Scene};
 use crate::surface::{HeightField, Source as Surface};
 use crate::vk::device::Device;
 use std::slice;
@@ -95,6 +95,27 @@ impl ObjectSurface {
         }
         Ok(own)
     }
+
+    /// What the object is shaded from in `views`: from what `make` returns under the scene's illuminant, and under each other that lights have of
+    /// their own.
+    ///
+    /// # Errors
+    /// What `make` returns.
+    pub fn sources(
+        &self,
+        views: &[View],
+        make: &mut dyn FnMut(&Self) -> Result<Source>,
+    ) -> Result<ObjectSources> {
+        let mut sources = ObjectSources::new(make(self)?, self.optics.shading.clone());
+        for illuminant in views.iter().flat_map(|view| view.lights.iter()).filter_map(Light::illuminant) {
+            if sources.all().all(|known| known.shading.illuminant != *illuminant) {
+                let mut under = self.clone();
+                under.optics.shading.illuminant = illuminant.clone();
+                sources.under.push(ObjectSource { source: make(&under)?, shading: under.optics.shading });
+            }
+        }
+        Ok(sources)
+    }
 }
 
 /// A scene on a device, ready to be drawn from several views: meshes, pigments and sources are there once.
@@ -120,18 +141,18 @@ impl<'a> PreparedScene<'a> {
     ) -> Result<Self> {
         let textures = ObjectTextures::of(scene)?;
         let PictureSettings { size, sampling, .. } = *settings;
-        let mut shaded = Vec::with_capacity(surfaces.len());
+        let mut sources = Vec::with_capacity(surfaces.len());
         for (mesh, surface) in scene.meshes().zip(surfaces) {
             let seen = surface.seen(device, mesh, views, size, &sampling)?;
-            shaded.push((make(&seen)?, seen.optics.shading));
+            sources.push(seen.sources(views, &mut make)?);
         }
-        let objects = objects(scene, &textures, shaded.iter().map(|(source, shading)| (source, shading)));
+        let objects = objects(scene, &textures, &sources);
         let lights = views.iter().map(|view| view.light_count()).max().unwrap_or(0);
         let mut painter = Painter::of_objects(device, &objects, size, lights)?;
         if scene.shadows {
             painter.cast_shadows()?;
         }
-        let source = shaded.swap_remove(0).0;
+        let source = sources.swap_remove(0).own.source;
         Ok(Self { settings, shown: Shown::of(scene), source, painter })
     }
 

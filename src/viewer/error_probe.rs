@@ -120,7 +120,7 @@ impl ErrorProbe {
 
 impl ProbeTask {
     fn errors(&self, progress: &dyn Fn(usize, usize) -> Result<()>) -> Result<PixelErrors> {
-        let Prepared { field, shading, .. } = &*self.prepared;
+        let (field, shading) = (&self.prepared.field, self.prepared.shading());
         let ProbeSamples { radiance, directions } = &self.samples;
         let pixels: Vec<usize> = (0..radiance.len()).collect();
         let exact = reference_pixels(field, shading, &self.view, directions, &pixels, progress)?;

@@ -4,7 +4,7 @@ use super::inset::Inset;
 use super::model::Model;
 use super::style;
 use super::surface_pane::directions::direction;
-use crate::scene::{FarLight, Light};
+use crate::scene::{Emitter, FarLight};
 use egui::{Align2, Color32, CursorIcon, FontId, Mesh, Painter, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
 use glam::Vec2;
 
@@ -125,7 +125,8 @@ fn light(ui: &Ui, painter: &Painter, disc: Disc, inset: &Inset, model: &mut Mode
     painter.circle_stroke(specular, 4.0, Stroke::new(1.0, Color32::from_gray(200)));
     // The light of an inspected pixel stands in the pixel's own frame.
     let is_inspected = model.inspector.light().is_some();
-    let Some(Light::Far(first)) = model.settings.lights.first_mut().filter(|_| !is_inspected) else { return };
+    let first = model.settings.lights.first_mut().filter(|_| !is_inspected);
+    let Some(Emitter::Far(first)) = first.map(|light| &mut light.emitter) else { return };
     let around = Rect::from_center_size(at, vec2(2.0 * REACH, 2.0 * REACH));
     let handle = ui.interact(around, ui.id().with("light of the hemisphere"), Sense::drag());
     if handle.hovered() || handle.dragged() {
@@ -182,7 +183,7 @@ mod tests {
         let disc = Disc { centre: pos2(12.0 + 8.0 + 66.0, 12.0 + 8.0 + 66.0), radius: 66.0 };
         let to = unit(60.0, 0.0).truncate().as_vec2();
         hand.drag(disc.place(light.direction().truncate()), disc.place(to));
-        let Light::Far(moved) = hand.model.settings.lights[0] else { panic!("a lamp") };
+        let Emitter::Far(moved) = hand.model.settings.lights[0].emitter else { panic!("a lamp") };
         assert!((moved.theta - 60.0).abs() < 1.0 && moved.phi.abs() < 1.0, "{moved:?}");
         hand.point(disc.place(Vec2::new(0.5, 0.0)));
         assert!(hand.says("toward θ 30.0° φ 0.0°"));

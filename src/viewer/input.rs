@@ -75,7 +75,8 @@ pub fn pointer(ui: &mut Ui, touched: Rect, rect: Rect, model: &mut Model) {
             let settings = &mut model.settings;
             match (drag, settings.lights.first_mut()) {
                 (Drag::Light, Some(light)) => {
-                    *light = orbit::light_dragged(*light, settings.camera, delta, rect.height());
+                    light.emitter =
+                        orbit::light_dragged(light.emitter, settings.camera, delta, rect.height());
                 }
                 (Drag::Surroundings, _) => {
                     settings.surroundings =

@@ -3,7 +3,7 @@
 use super::model::Model;
 use super::{orbit, style};
 use crate::scene::lamp::Shape;
-use crate::scene::{Camera, FarLight, Lamp, Light, Room};
+use crate::scene::{Camera, Emitter, FarLight, Lamp, Room};
 use egui::{Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -36,27 +36,27 @@ pub fn show(ui: &mut Ui, touched: Rect, picture: Rect, model: &mut Model) {
     let room = Room { centre: bounds.centre.as_dvec3(), unit: model.loaded.scene.unit };
     let painter = ui.painter_at(picture);
     for (number, light) in model.settings.lights.iter_mut().enumerate() {
-        let Some(at) = frame.place(light).filter(|at| touched.contains(*at)) else { continue };
+        let Some(at) = frame.place(&light.emitter).filter(|at| touched.contains(*at)) else { continue };
         let around = Rect::from_center_size(at, vec2(2.0 * REACH, 2.0 * REACH));
         let handle = ui.interact(around, ui.id().with(("light handle", number)), Sense::drag());
         let is_held = handle.dragged();
         if handle.hovered() || is_held {
             ui.ctx().set_cursor_icon(if is_held { CursorIcon::Grabbing } else { CursorIcon::Grab });
-            frame.name(&painter, at, number, light);
+            frame.name(&painter, at, number, &light.emitter);
         }
         if let Some(to) = handle.interact_pointer_pos().filter(|to| is_held && *to != at) {
-            *light = frame.moved(*light, to);
+            light.emitter = frame.moved(light.emitter, to);
         }
-        frame.draw(&painter, at, light, &room);
+        frame.draw(&painter, at, &light.emitter, &room);
     }
 }
 
 impl Frame {
     /// Where `light` stands in the picture.
-    fn place(&self, light: &Light) -> Option<Pos2> {
+    fn place(&self, light: &Emitter) -> Option<Pos2> {
         let point = match light {
-            Light::Far(light) => self.camera.target + light.direction() * self.sphere(),
-            Light::Lamp(lamp) => lamp.middle.as_vec3(),
+            Emitter::Far(light) => self.camera.target + light.direction() * self.sphere(),
+            Emitter::Lamp(lamp) => lamp.middle.as_vec3(),
         };
         self.point(point)
     }
@@ -83,10 +83,10 @@ impl Frame {
         light.direction().dot(self.camera.eye() - self.camera.target) >= 0.0
     }
 
-    fn moved(&self, light: Light, to: Pos2) -> Light {
+    fn moved(&self, light: Emitter, to: Pos2) -> Emitter {
         match light {
-            Light::Far(light) => self.far_light_moved(light, to).into(),
-            Light::Lamp(lamp) => Light::Lamp(self.lamp_moved(lamp, to)),
+            Emitter::Far(light) => self.far_light_moved(light, to).into(),
+            Emitter::Lamp(lamp) => self.lamp_moved(lamp, to).into(),
         }
     }
 
@@ -122,10 +122,10 @@ impl Frame {
     }
 
     /// Draws `light` at `at`: a disc, hollow where it shines from behind the scene, or the outline of a lamp.
-    fn draw(&self, painter: &Painter, at: Pos2, light: &Light, room: &Room) {
+    fn draw(&self, painter: &Painter, at: Pos2, light: &Emitter, room: &Room) {
         let is_hollow = match light {
-            Light::Far(light) => !self.is_in_front(light),
-            Light::Lamp(lamp) => {
+            Emitter::Far(light) => !self.is_in_front(light),
+            Emitter::Lamp(lamp) => {
                 let outline = self.outline(lamp, room);
                 painter.add(egui::Shape::closed_line(outline, Stroke::new(1.0, GLOW.gamma_multiply(0.6))));
                 false
@@ -160,12 +160,12 @@ impl Frame {
     }
 
     /// Names a light beside its handle, with where it stands.
-    fn name(&self, painter: &Painter, at: Pos2, number: usize, light: &Light) {
+    fn name(&self, painter: &Painter, at: Pos2, number: usize, light: &Emitter) {
         let place = match light {
-            Light::Far(FarLight { theta, phi, .. }) => format!("θ {theta:.1}°  φ {phi:.1}°"),
-            Light::Lamp(Lamp { middle, .. }) => format!("{}, {}, {}", middle.x, middle.y, middle.z),
+            Emitter::Far(FarLight { theta, phi, .. }) => format!("θ {theta:.1}°  φ {phi:.1}°"),
+            Emitter::Lamp(Lamp { middle, .. }) => format!("{}, {}, {}", middle.x, middle.y, middle.z),
         };
-        if matches!(light, Light::Far(_))
+        if matches!(light, Emitter::Far(_))
             && let Some(target) = self.point(self.camera.target)
         {
             painter.line_segment([target, at], Stroke::new(1.0, GLOW.gamma_multiply(0.5)));
@@ -184,6 +184,7 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Light;
     use crate::viewer::hand::Hand;
     use egui::Key;
 
@@ -196,10 +197,10 @@ mod tests {
     fn a_light_that_is_dragged_stands_below_the_pointer() {
         let frame = frame();
         // Above the horizon and on the viewer's side of the sphere.
-        let light: Light = Light::point(20.0, -60.0, 2.0);
+        let light = Light::point(20.0, -60.0, 2.0);
         let lamp = Light::parse("sphere:0.1:0.2,0.3,1").unwrap();
         for to in [pos2(330.0, 130.0), pos2(400.0, 200.0)] {
-            for light in [light, lamp] {
+            for light in [&light, &lamp].map(|light| light.emitter) {
                 let moved = frame.moved(light, to);
                 let at = frame.place(&moved).unwrap();
                 assert!((at - to).length() < 1.5, "{light}: {at} where {to} was meant");
@@ -236,14 +237,14 @@ mod tests {
         let before = hand.model.settings.clone();
         let size = [hand.picture.width(), hand.picture.height()].map(|n| n as u32);
         let camera = before.camera;
-        let at = Frame { camera, size, corner: Pos2::ZERO }.place(&before.lights[0]).unwrap();
+        let at = Frame { camera, size, corner: Pos2::ZERO }.place(&before.lights[0].emitter).unwrap();
         hand.point(at);
         assert!(hand.says("light 1  θ"));
         hand.drag(at, at + vec2(30.0, 12.0));
         assert!(hand.model.settings.lights != before.lights && hand.model.settings.camera == before.camera);
         hand.key(Key::L);
         let moved = hand.model.settings.clone();
-        let at = Frame { camera, size, corner: Pos2::ZERO }.place(&moved.lights[0]).unwrap();
+        let at = Frame { camera, size, corner: Pos2::ZERO }.place(&moved.lights[0].emitter).unwrap();
         hand.drag(at, at + vec2(30.0, 12.0));
         assert!(hand.model.settings.lights == moved.lights && hand.model.settings.camera != moved.camera);
     }

@@ -539,7 +539,7 @@ impl Model {
         let done = self.sources.preview.as_ref().map_or(&self.applied, |preview| &preview.settings);
         ViewSettings {
             scene: self.applied.scene.clone(),
-            lights: now.lights.clone(),
+            lights: now.lights.iter().map(|light| light.known_to(&done.lights)).collect(),
             surroundings: now.surroundings,
             exposure: now.exposure,
             tone: now.tone,
@@ -566,7 +566,7 @@ impl Model {
         });
         let first = || {
             let room = View::of(&self.loaded.scene, Vec::new()).room();
-            self.settings.lights.first().map(|light| light.from_afar(&room))
+            self.settings.lights.first().map(|light| light.emitter.from_afar(&room))
         };
         inspected.or_else(first)
     }

@@ -1,7 +1,7 @@
 //! Moves camera and light by drags of the pointer: geometry without a window.
 
 use crate::scene::environment::Placement;
-use crate::scene::{Camera, FarLight, Lamp, Light, Mesh};
+use crate::scene::{Camera, Emitter, FarLight, Lamp, Mesh};
 use glam::{Vec2, Vec3};
 
 /// What a drag moves.
@@ -45,12 +45,12 @@ pub fn dragged(camera: Camera, drag: Drag, pixels: Vec2, height: f32) -> Camera 
     }
 }
 
-/// `light` after a drag by `pixels` in a picture `height` pixels high, seen by `camera`. A drag to the right moves the light
+/// What emits a light, after a drag by `pixels` in a picture `height` pixels high, seen by `camera`. A drag to the right moves the light
 /// to the right, a drag upward moves it away from the viewer; a lamp keeps its height.
-pub fn light_dragged(light: Light, camera: Camera, pixels: Vec2, height: f32) -> Light {
+pub fn light_dragged(light: Emitter, camera: Camera, pixels: Vec2, height: f32) -> Emitter {
     match light {
-        Light::Far(light) => far_light_dragged(light, camera, pixels, height).into(),
-        Light::Lamp(lamp) => Light::Lamp(lamp_dragged(lamp, camera, pixels, height)),
+        Emitter::Far(light) => far_light_dragged(light, camera, pixels, height).into(),
+        Emitter::Lamp(lamp) => lamp_dragged(lamp, camera, pixels, height).into(),
     }
 }
 
@@ -184,8 +184,8 @@ mod tests {
         let light = FarLight { theta: 10.0, phi: 90.0, intensity: 2.0, size: 0.0 };
         // The camera looks toward +y, so away is +y: up moves the light from the far side farther away.
         let dragged = |light: FarLight, pixels| match light_dragged(light.into(), camera(), pixels, 400.0) {
-            Light::Far(light) => light,
-            Light::Lamp(_) => panic!("it became a lamp"),
+            Emitter::Far(light) => light,
+            Emitter::Lamp(_) => panic!("it became a lamp"),
         };
         let away = dragged(light, Vec2::new(0.0, -40.0));
         assert!(away.theta > light.theta && (away.phi - 90.0).abs() < 0.2, "{away:?}");
@@ -194,8 +194,8 @@ mod tests {
         let right = dragged(FarLight { theta: 0.0, ..light }, Vec2::new(80.0, 0.0));
         assert!(right.direction().x > 0.3 && right.intensity == 2.0, "{right:?}");
         assert_eq!(dragged(light, Vec2::new(1e5, 0.0)).theta, 89.0);
-        let lamp = Light::parse("sphere:0.1:0.2,0.3,1").unwrap();
-        let Light::Lamp(moved) = light_dragged(lamp, camera(), Vec2::new(40.0, -40.0), 400.0) else {
+        let lamp = Emitter::parse("sphere:0.1:0.2,0.3,1").unwrap();
+        let Emitter::Lamp(moved) = light_dragged(lamp, camera(), Vec2::new(40.0, -40.0), 400.0) else {
             panic!()
         };
         assert!(moved.middle.x > 0.2 && moved.middle.y > 0.3 && moved.middle.z == 1.0, "{moved:?}");

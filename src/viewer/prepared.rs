@@ -1,6 +1,7 @@
 //! Surfaces and settings that are ready to be drawn.
 
 use crate::error::Result;
+use crate::render::object::ObjectSources;
 use crate::render::shading::Shading;
 use crate::render::source::Source;
 use crate::setup;
@@ -36,8 +37,7 @@ impl Prepared {
         Ok(Self {
             number: 0,
             field: Arc::new(HeightField::new(1, 1, [1.0; 2], vec![0.0])?),
-            shaded_from: setup::pigment_alone(),
-            shading: Shading::default(),
+            sources: ObjectSources::new(setup::pigment_alone(), Shading::default()),
             others: Vec::new(),
         })
     }
@@ -50,20 +50,27 @@ pub struct Prepared {
     /// The height field.
     pub field: Arc<HeightField>,
     /// What it is shaded from.
-    pub shaded_from: Source,
-    /// The settings.
-    pub shading: Shading,
-    /// What the objects beside the first are shaded from, and how, as far as it is known.
-    pub others: Vec<(Source, Shading)>,
+    pub sources: ObjectSources,
+    /// What the objects beside the first are shaded from, as far as it is known.
+    pub others: Vec<ObjectSources>,
 }
 
 impl Prepared {
-    /// What the objects of a scene of so many are shaded from, and how. Where it is not known yet, the pigment is seen.
-    pub fn shaded(&self, objects: usize) -> impl Iterator<Item = (&Source, &Shading)> {
-        static UNKNOWN: LazyLock<(Source, Shading)> =
-            LazyLock::new(|| (setup::pigment_alone(), Shading::default()));
+    /// What the first object is shaded from under the illuminant of the settings.
+    pub fn source(&self) -> &Source {
+        &self.sources.own.source
+    }
+
+    /// The settings.
+    pub fn shading(&self) -> &Shading {
+        &self.sources.own.shading
+    }
+
+    /// What the objects of a scene of so many are shaded from. Where it is not known yet, the pigment is seen.
+    pub fn of_objects(&self, objects: usize) -> impl Iterator<Item = &ObjectSources> {
+        static UNKNOWN: LazyLock<ObjectSources> =
+            LazyLock::new(|| ObjectSources::new(setup::pigment_alone(), Shading::default()));
         let others = self.others.iter().chain(std::iter::repeat(&*UNKNOWN));
-        let others = others.map(|(source, shading)| (source, shading));
-        std::iter::once((&self.shaded_from, &self.shading)).chain(others).take(objects)
+        std::iter::once(&self.sources).chain(others).take(objects)
     }
 }

@@ -16,7 +16,6 @@ use crate::render::frame::{Shown, View};
 use crate::render::object::objects;
 use crate::render::picture::Painter;
 use crate::render::sampling::Sampling;
-use crate::render::shading::Shading;
 use crate::render::source::Source;
 use crate::render::target;
 use crate::render::upload;
@@ -47,19 +46,16 @@ impl Slot {
     /// Whether the textures of `prepared` and the scene of `request` are on the device already.
     fn serves(&self, prepared: &Prepared, request: &FrameRequest) -> bool {
         Arc::ptr_eq(&self.loaded, &request.loaded)
-            && self.shaded().zip(prepared.shaded(self.objects())).all(|(own, other)| {
-                own.0.shares_data_with(other.0) && own.1.reflectance.shares_stages_with(&other.1.reflectance)
-            })
+            && self
+                .prepared
+                .of_objects(self.objects())
+                .zip(prepared.of_objects(self.objects()))
+                .all(|(own, other)| own.shares_data_with(other))
     }
 
     /// Objects of the scene.
     fn objects(&self) -> usize {
         self.loaded.textures.len()
-    }
-
-    /// What they are shaded from, and how.
-    fn shaded(&self) -> impl Iterator<Item = (&Source, &Shading)> {
-        self.prepared.shaded(self.objects())
     }
 
     /// Whether it shows `request`, one sample or a mean of some, so that samples can be added.
@@ -92,9 +88,7 @@ impl Slot {
     fn take_over(&mut self, prepared: &Arc<Prepared>) -> Result<()> {
         if self.prepared.number != prepared.number {
             self.displayed = None;
-            for (number, (source, shading)) in prepared.shaded(self.objects()).enumerate() {
-                self.painter.shade_object_by(number, source, shading)?;
-            }
+            self.painter.shade_objects_by(prepared.of_objects(self.loaded.textures.len()))?;
             self.prepared = prepared.clone();
         }
         Ok(())
@@ -372,13 +366,13 @@ impl Renderer {
         let Some(slot) = &mut self.own else { return Ok(None) };
         let pixels = size[0] as usize * size[1] as usize;
         let directions = error_probe::directions(&mut slot.painter, &request.view)?;
-        let Prepared { shaded_from, shading, .. } = &*request.own;
-        let counted = match shaded_from {
+        let (source, shading) = (request.own.source(), request.own.shading());
+        let counted = match source {
             // The mip level of a table depends on the distance between neighbouring pixels, so it needs all of them.
             Source::Table(_) => directions,
             _ => error_probe::thinned(&directions, pixels),
         };
-        let cost = shaded_from.cost(shading, &counted);
+        let cost = source.cost(shading, &counted);
         let seen = counted.first().map_or(1, |d| d.view.len()).max(1);
         let cost = PictureCost {
             covered: cost.covered as f64 / seen as f64,
@@ -463,9 +457,9 @@ fn paint(
             return Ok(Some(FrameTime::default()));
         }
     }
-    if prepared.shaded_from.has_limits(&prepared.shading) {
+    if prepared.source().has_limits(prepared.shading()) {
         let directions = error_probe::directions(&mut slot.painter, view)?;
-        prepared.shaded_from.check(&prepared.shading, &directions)?;
+        prepared.source().check(prepared.shading(), &directions)?;
     }
     slot.displayed = None;
     let start = Instant::now();
@@ -510,7 +504,7 @@ fn serving<'a>(
         }
         None => {
             let LoadedScene { scene, textures } = &*request.loaded;
-            let objects = objects(scene, textures, prepared.shaded(textures.len()));
+            let objects = objects(scene, textures, prepared.of_objects(textures.len()));
             let mut painter = Painter::of_objects(device, &objects, request.size, lights)?;
             if scene.shadows {
                 painter.cast_shadows()?;

@@ -137,7 +137,8 @@ impl ViewSettings {
     /// What has to be renewed to go from `shown` to `self`.
     pub fn needs(&self, shown: &Self) -> Needs {
         let optics = |s: &Self| {
-            let light = (s.coherence, s.illuminant.clone());
+            let of_lights: Vec<_> = s.lights.iter().map(|light| light.illuminant().cloned()).collect();
+            let light = (s.coherence, s.illuminant.clone(), of_lights);
             // What shading averages over.
             let footprint = s.sampling().sample(0).footprint;
             (s.surface.clone(), s.optics.clone(), s.beyond, s.reflectance.clone(), light, footprint)
@@ -237,6 +238,7 @@ impl ViewSettings {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::scene::light::Spectrum;
 
     /// One window of the plate's own surface, and its scene.
     pub(crate) fn settings() -> (ViewSettings, Scene) {
@@ -288,6 +290,7 @@ pub(crate) mod tests {
         assert_eq!(needs(&|s| s.exposure += 1.0), Needs::Display);
         assert_eq!(needs(&|s| s.tone = Tone::Neutral), Needs::Display);
         assert_eq!(needs(&|s| s.lights[0] = Light::point(1.0, 2.0, 3.0)), Needs::Frame);
+        assert_eq!(needs(&|s| s.lights[0].spectrum = Spectrum::built_in("led")), Needs::Layers);
         assert_eq!(needs(&|s| s.camera.phi += 0.1), Needs::Frame);
         assert_eq!(needs(&|s| s.surroundings.rotation += 5.0), Needs::Frame);
         assert_eq!(needs(&|s| s.base_color.x = 0.1), Needs::Frame);

@@ -30,7 +30,7 @@ const NEAR: f32 = 8.0;
 
 /// What light and inspector say beside the surface.
 #[derive(Clone, Copy)]
-struct Light {
+struct LightOverSurface {
     /// Horizontal part of the direction to the light.
     toward: DVec2,
     /// (u, v) of the inspected pixel.
@@ -43,7 +43,7 @@ pub fn show(ui: &Ui, rect: Rect, model: &mut Model) {
         return;
     }
     let inspected = model.inspector.light().filter(|light| !light.is_dark());
-    let light = Light {
+    let light = LightOverSurface {
         toward: model.shown_light().map_or(DVec2::ZERO, |light| light.direction().truncate().as_dvec2()),
         inspected: inspected.map(|light| light.pair.uvw().truncate()),
     };
@@ -66,7 +66,7 @@ pub fn show(ui: &Ui, rect: Rect, model: &mut Model) {
     model.surface_pane.open = open;
 }
 
-fn contents(ui: &mut Ui, pane: &mut SurfacePane, light: Light, is_wide: bool) {
+fn contents(ui: &mut Ui, pane: &mut SurfacePane, light: LightOverSurface, is_wide: bool) {
     let is_new = pane.missing().is_some();
     let Some(analysis) = pane.analysis.clone().filter(|_| !is_new) else {
         ui.label(if pane.field.is_some() {
@@ -242,7 +242,7 @@ fn spectrum(
     ui: &mut Ui,
     pane: &mut SurfacePane,
     analysis: &Arc<Analysis>,
-    light: Light,
+    light: LightOverSurface,
     pointed: &mut Option<Pointed>,
 ) {
     ui.horizontal(|ui| {

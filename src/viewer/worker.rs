@@ -4,11 +4,11 @@ use super::frame::LoadedScene;
 use super::prepared::{Prepared, ROLES, Role};
 use crate::error::{Error, Result};
 use crate::render::frame::View;
+use crate::render::object::ObjectSources;
 use crate::render::sampling::Sampling;
-use crate::render::shading::Shading;
 use crate::render::source::Source;
 use crate::scene::Mesh;
-use crate::setup::{self, InUse, Made, ObjectSurface};
+use crate::setup::{self, InUse, ObjectSurface};
 use crate::surface::{HeightField, Source as Surface};
 use crate::vk::device::Device;
 use crate::vk::selection::Candidate;
@@ -220,30 +220,27 @@ impl Preparer {
             reply(WorkerReply::Field(field.clone()));
         }
         let own = ObjectSurface { field: Some(field.clone()), optics: request.settings.clone() };
-        let (made, others) = match &request.picture {
+        let mut note = None;
+        let (sources, others) = match &request.picture {
             Some(picture) => {
                 let scene = &picture.loaded.scene;
-                let made = self.object(&own, &scene.mesh, picture, progress)?;
-                (made, self.others(request, &field, picture, progress)?)
+                let sources = self.object(&own, &scene.mesh, picture, &mut note, progress)?;
+                (sources, self.others(request, &field, picture, progress)?)
             }
-            None => {
-                let made = setup::source(&field, &own.optics, &self.limits, &mut self.in_use, progress)?;
-                (made, Vec::new())
-            }
+            None => (own.sources(&[], &mut |own| self.source(own, &mut note, progress))?, Vec::new()),
         };
-        let (shaded_from, shading) = (made.source, request.settings.shading.clone());
-        let prepared = Prepared { number: request.number, field, shaded_from, shading, others };
-        Ok((Arc::new(prepared), made.note))
+        let prepared = Prepared { number: request.number, field, sources, others };
+        Ok((Arc::new(prepared), note))
     }
 
-    /// What the objects beside the first of a scene are shaded from, and how.
+    /// What the objects beside the first of a scene are shaded from.
     fn others(
         &mut self,
         request: &Request,
         field: &Arc<HeightField>,
         picture: &RequestedPicture,
         progress: &setup::Progress<'_>,
-    ) -> Result<Vec<(Source, Shading)>> {
+    ) -> Result<Vec<ObjectSources>> {
         let scene = &picture.loaded.scene;
         let mut known = std::mem::take(&mut self.of_objects);
         let mut load = |surface: &Surface| match known.iter().find(|(own, _)| own == surface) {
@@ -261,30 +258,38 @@ impl Preparer {
         self.of_objects = known;
         let others = surfaces?.into_iter().skip(1).zip(&scene.objects);
         others
-            .map(|(surface, object)| {
-                let made = self.object(&surface, &object.mesh, picture, progress)?;
-                Ok((made.source, surface.optics.shading))
-            })
+            .map(|(surface, object)| self.object(&surface, &object.mesh, picture, &mut None, progress))
             .collect()
     }
 
-    /// The source of an object with this `surface` and `mesh`.
+    /// What an object with this `surface` and `mesh` is shaded from. The last `note` for the user stays.
     fn object(
         &mut self,
         surface: &ObjectSurface,
         mesh: &Mesh,
         picture: &RequestedPicture,
+        note: &mut Option<Error>,
         progress: &setup::Progress<'_>,
-    ) -> Result<Made> {
+    ) -> Result<ObjectSources> {
         let RequestedPicture { views, size, sampling, .. } = picture;
         let surface = match &self.device {
             Some(device) => surface.seen(device, mesh, views, *size, sampling)?,
             None => surface.clone(),
         };
-        match &surface.field {
-            Some(field) => setup::source(field, &surface.optics, &self.limits, &mut self.in_use, progress),
-            None => Ok(Made { source: setup::pigment_alone(), note: None }),
-        }
+        surface.sources(views, &mut |own| self.source(own, note, progress))
+    }
+
+    /// The source of `surface` under one illuminant.
+    fn source(
+        &mut self,
+        surface: &ObjectSurface,
+        note: &mut Option<Error>,
+        progress: &setup::Progress<'_>,
+    ) -> Result<Source> {
+        let Some(field) = &surface.field else { return Ok(setup::pigment_alone()) };
+        let made = setup::source(field, &surface.optics, &self.limits, &mut self.in_use, progress)?;
+        *note = made.note.or(note.take());
+        Ok(made.source)
     }
 
     fn field(&mut self, surface: &Surface) -> Result<Arc<HeightField>> {
@@ -300,6 +305,7 @@ impl Preparer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::shading::Shading;
     use crate::surface::synth::Kind;
     use crate::vk::instance::API_VERSION;
     use ash::vk;

@@ -15,7 +15,7 @@ surface = "blaze"
 base_color = [0.1, 0.1, 0.3]
 ground = [0.5, 0.4, 0.3]
 exposure = -1.0
-lights = ["50,-60,2"]
+lights = ["50,-60,2@led"]
 
 [[objects]]
 mesh = "plate"

@@ -333,6 +333,51 @@ fn a_lamp_lights_what_is_near_it_and_surroundings_stand_behind_the_mesh() {
 }
 
 #[test]
+fn a_light_has_a_spectrum_of_its_own_by_name_or_in_a_file() {
+    let sandbox = Sandbox::with_small_surface();
+    let draw = |more: &[&str]| {
+        render(&sandbox, "sphere", "out.exr", more);
+        exr(&sandbox, "out.exr").2
+    };
+    // Alone it is what the illuminant of that name is.
+    let tungsten = draw(&["--light", "40,30,2@a"]);
+    assert!(tungsten == draw(&["--light", "40,30,2", "--illuminant", "a"]));
+    assert!(tungsten != draw(&["--light", "40,30,2"]));
+    // Red light has no blue.
+    sandbox.write("red lamp.csv", "600,0\n605,1\n700,1\n");
+    sandbox.write(
+        "lit.toml",
+        "mesh = \"sphere\"\nsurface = \"small.png\"\nheight = \"0.2um\"\npixel_size = \"0.1um\"\nlights = [\"40,30,2@red lamp.csv\"]\n\
+         base_color = [0.5, 0.5, 0.5]\n[camera]\neye = [0.0, -4.0, 2.0]\ntarget = [0.0, 0.0, 0.0]\nfield_of_view = \"35deg\"\n",
+    );
+    render(&sandbox, "lit.toml", "red.exr", &["--tolerance", "1e-1"]);
+    let mean = |c: usize| exr(&sandbox, "red.exr").2.iter().map(|p| p[c]).sum::<f32>();
+    let [red, green, blue] = [0, 1, 2].map(mean);
+    assert!(red > 0.0 && green < 0.1 * red && blue < 0.1 * red, "{red}, {green}, {blue}");
+    // Beside others it adds what it gives alone.
+    let [one, other, both] = [
+        draw(&["--light", "40,30@red lamp.csv"]),
+        draw(&["--light", "60,-90,2@led"]),
+        draw(&["--light", "40,30@red lamp.csv", "--light", "60,-90,2@led"]),
+    ];
+    let sum: Vec<[f32; 4]> =
+        one.iter().zip(&other).map(|(a, b)| [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3]]).collect();
+    let error = deviation(&both, &sum);
+    assert!(error < 1e-4, "{error}");
+    for (light, code, said) in [
+        ("40,30@", 2, "names no spectrum"),
+        ("40,30@nowhere.csv", 1, "nowhere.csv: there is no such file"),
+        ("40@a", 2, "is not a light"),
+    ] {
+        let line = sandbox.run(["render", "plate", "-o", "no.png", "--light", light]).refused(code);
+        assert!(line.contains(said), "{line}");
+    }
+    let over_input =
+        sandbox.run(["render", "plate", "-o", "red lamp.csv", "--light", "40,30@red lamp.csv"]).refused(2);
+    assert!(over_input.contains("red lamp.csv"), "{over_input}");
+}
+
+#[test]
 fn a_scene_prepares_its_surface_and_the_command_line_does_it_instead() {
     let sandbox = Sandbox::with_small_surface();
     let scene = |prepare: &str| {

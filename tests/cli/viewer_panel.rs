@@ -102,11 +102,21 @@ fn lights_and_exposure_and_level_act_on_the_picture() {
     viewer.press("mean");
     viewer.shows("--level mean");
     viewer.press("add a light");
-    viewer.says("remove");
+    viewer.says("✖");
     let lights = |command: &str| command.matches("--light ").count();
     let (two, command) = viewer.shows("--level mean");
     assert!(lights(&command) == 2 && two != first, "{command}");
-    viewer.press("remove");
+    // The first light gets a spectrum of its own.
+    viewer.press_in("light 1", "λ");
+    viewer.says("as the illuminant");
+    viewer.press("LED");
+    let (lit, command) = viewer.shows("--light 40,180,2@led");
+    assert!(lights(&command) == 2 && lit != two, "{command}");
+    viewer.press_in("light 1", "LED");
+    viewer.press("as the illuminant");
+    let (again, command) = viewer.shows("--level mean");
+    assert!(again == two && !command.contains('@'), "{command}");
+    viewer.press("✖");
     let (_, command) = viewer.shows("--level mean");
     assert_eq!(lights(&command), 1, "{command}");
     viewer.close();

@@ -255,10 +255,10 @@ fn footprints_are_the_differences_of_directions() {
 fn footprints_of_a_sphere_are_those_of_exact_normals() {
     let scene = Scene::open("sphere").unwrap();
     let light = Light::point(35.0, -50.0, 1.0);
-    let view = View::of(&scene, vec![light]);
+    let view = View::of(&scene, vec![light.clone()]);
     let clip = view.clip_from_world(SIZE).as_dmat4().inverse();
     let eye = view.camera.eye().as_dvec3();
-    let to_light = light.from_afar(&view.room()).direction().as_dvec3();
+    let to_light = light.emitter.from_afar(&view.room()).direction().as_dvec3();
     // (u, v) at a place of the picture, on the exact unit sphere; T points east.
     let uv = |x: f64, y: f64| {
         let ndc = DVec3::new(2.0 * x / f64::from(SIZE[0]) - 1.0, 2.0 * y / f64::from(SIZE[1]) - 1.0, 0.9);

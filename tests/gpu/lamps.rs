@@ -15,7 +15,7 @@ use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::environment::Placement;
-use diffract::scene::{Camera, Environment, Lamp, Light, Scene};
+use diffract::scene::{Camera, Emitter, Environment, Lamp, Light, Scene};
 use diffract::setup::Method;
 use diffract::surface::synth::Kind;
 use glam::{DVec3, Vec3};
@@ -91,7 +91,7 @@ fn a_white_floor_is_as_bright_as_closed_forms_say() {
     with_device(|device| {
         for text in ["sphere:0.6:0.9,0.3,1.1,30", "rectangle:0.8x0.4:0.6,0.2,0.9,20:1,0.1,0"] {
             let light = Light::parse(text).unwrap();
-            let Light::Lamp(lamp) = light else { panic!() };
+            let Emitter::Lamp(lamp) = light.emitter else { panic!() };
             let (mesh, view) = floor(vec![light]);
             let shading = Shading { reflectance: 1.0.into(), ..Shading::default() };
             let source = Source::ClassicalGrating(ClassicalGrating::default());

@@ -126,7 +126,7 @@ fn a_flat_mirror_shows_the_surroundings_in_the_mirrored_direction_from_one_sampl
         {
             let mut around = Environment::of(&slow);
             around.placement = Placement::new(rotation, exposure).unwrap();
-            let scene = plate(theta.to_radians() as f32, vec![lamp; lamps], Some(around));
+            let scene = plate(theta.to_radians() as f32, vec![lamp.clone(); lamps], Some(around));
             let found = radiance(device, &field, &shading, &scene, &[Sampling::ONE])[0];
             let (sin, cos) = theta.to_radians().sin_cos();
             // What stood at `direction` before the surroundings were turned.

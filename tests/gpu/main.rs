@@ -14,6 +14,7 @@ mod faults;
 mod hazards;
 mod interface;
 mod lamps;
+mod light_spectra;
 mod lights;
 mod long_run;
 mod mean;

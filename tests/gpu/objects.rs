@@ -7,7 +7,7 @@ use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::footprint::FootprintSizes;
 use diffract::render::frame::{Shown, View};
 use diffract::render::grooves::GrooveDirections;
-use diffract::render::object::{ObjectData, ObjectTextures, objects};
+use diffract::render::object::{ObjectData, ObjectSources, ObjectTextures, objects};
 use diffract::render::picture::{Directions, Painter};
 use diffract::render::pigment::Pigment;
 use diffract::render::sampling::Sampling;
@@ -75,13 +75,14 @@ fn each_object_of_a_scene_is_drawn_as_it_would_be_alone_where_nothing_stands_bef
         let shadings = [shading(1.5), shading(2.0), Shading::default()];
         let first = source(device, &patch(Kind::Elaphe, 12.0), &shadings[0], Method::Table, footprints);
         let second = source(device, &patch(Kind::Blaze, 12.0), &shadings[1], Method::Spectral, footprints);
-        let sources = [first, second, pigment_alone()];
-        let all = objects(&scene, &textures, sources.iter().zip(&shadings));
+        let sources = [first, second, pigment_alone()].into_iter().zip(shadings);
+        let sources: Vec<_> = sources.map(|(source, shading)| ObjectSources::new(source, shading)).collect();
+        let all = objects(&scene, &textures, &sources);
         let mut painter = Painter::of_objects(device, &all, SIZE, view.light_count()).unwrap();
         painter.draw_sample(&view, &sample, shown).unwrap();
         let together = painter.picture().unwrap();
         let seen = painter.directions_of(&view, 0, &sample).unwrap();
-        let without = objects(&scene, &textures, std::iter::repeat_n((&sources[2], &shadings[2]), 3));
+        let without = objects(&scene, &textures, std::iter::repeat_n(&sources[2], 3));
         let mut pigments = Painter::of_objects(device, &without, SIZE, view.light_count()).unwrap();
         pigments.draw_sample(&view, &sample, shown).unwrap();
         let pigments = pigments.picture().unwrap();
@@ -124,10 +125,9 @@ fn objects_cast_shadows_on_each_other_and_on_the_ground_which_casts_none() {
     scene.lights = vec![Light::point(60.0, -110.0, 2.0), Light::point(150.0, -80.0, 2.0)];
     let view = View::of(&scene, scene.lights.clone());
     let textures = ObjectTextures::of(&scene).unwrap();
-    let shadings = [(); 3].map(|()| Shading::default());
-    let sources = [pigment_alone(), pigment_alone(), pigment_alone()];
+    let sources = [(); 3].map(|()| ObjectSources::new(pigment_alone(), Shading::default()));
     with_device(|device| {
-        let all = objects(&scene, &textures, sources.iter().zip(&shadings));
+        let all = objects(&scene, &textures, &sources);
         let lit = |objects: &[ObjectData<'_>], light: usize| {
             let mut painter = Painter::of_objects(device, objects, SIZE, 2).unwrap();
             painter.cast_shadows().unwrap();
@@ -157,15 +157,14 @@ fn objects_cast_shadows_on_each_other_and_on_the_ground_which_casts_none() {
 fn directions(device: &Arc<Device>, view: &View, grooves: &GrooveDirections) -> Directions {
     let scene = Scene::open("plate").unwrap();
     let source = Source::ClassicalGrating(ClassicalGrating::default());
-    let (shading, pigment) = (Shading::default(), Pigment::white());
+    let (sources, pigment) = (ObjectSources::new(source, Shading::default()), Pigment::white());
     let object = ObjectData {
         mesh: &scene.mesh,
         pigment: &pigment,
         grooves,
         base_color: None,
         casts_shadows: true,
-        source: &source,
-        shading: &shading,
+        sources: &sources,
     };
     let mut painter = Painter::of_objects(device, &[object], SIZE, 1).unwrap();
     painter.ask_for_footprints().unwrap();

@@ -180,7 +180,7 @@ fn on_sphere(view: &View, pixel: usize) -> Option<DVec3> {
 fn interpolated_tangent_space_directions_are_close_to_those_of_exact_frames() {
     let scene = Scene::open("sphere").unwrap();
     let light = Light::point(45.0, -40.0, 1.0);
-    let view = View::of(&scene, vec![light]);
+    let view = View::of(&scene, vec![light.clone()]);
     with_device(|device| {
         let (_, directions) = paint(device, &patch(Kind::Flat, 4.0), &shading(4.0, 1e-1), &scene, &view);
         let mut angles: Vec<f64> = Vec::new();
@@ -189,7 +189,7 @@ fn interpolated_tangent_space_directions_are_close_to_those_of_exact_frames() {
         {
             let Some(normal) = on_sphere(&view, pixel).filter(|_| seen_light[3] == 1.0) else { continue };
             let to_view = (view.camera.eye().as_dvec3() - normal).normalize();
-            let to_light = light.from_afar(&view.room()).direction().as_dvec3();
+            let to_light = light.emitter.from_afar(&view.room()).direction().as_dvec3();
             // T points east, along growing longitude; B = N x T north.
             let east = DVec3::new(-normal.y, normal.x, 0.0).normalize();
             for (exact, seen) in [(to_light, seen_light), (to_view, seen_view)] {

@@ -40,7 +40,7 @@ fn errors<const N: usize>(case: &Case, methods: [Method; N]) -> [f64; N] {
     let &Case { kind, size, tolerance, wavelengths, .. } = case;
     let field = patch(kind, 10.0);
     let scene = Scene::open(case.scene).unwrap();
-    let lights = case.light.map_or(scene.lights.clone(), |light| vec![light]);
+    let lights = case.light.as_ref().map_or(scene.lights.clone(), |light| vec![light.clone()]);
     let view = View { base_color: Vec3::ZERO, ..View::of(&scene, lights) };
     let reflectance = case.material.map_or(Reflectance::default(), |name| Reflectance::Fresnel {
         material: Material::from_name_or_file(name).unwrap(),

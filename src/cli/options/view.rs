@@ -9,7 +9,8 @@ use crate::scene::{Background, Camera, Environment, Light, MAX_LIGHTS, Scene};
 use crate::units;
 use clap::Args;
 use glam::Vec3;
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsString;
+use std::path::PathBuf;
 
 /// How a scene is looked at, each instead of the scene's own.
 #[derive(Args, Clone, Debug, Default)]
@@ -26,8 +27,9 @@ pub struct ViewOptions {
     /// A light instead of the scene's lights and surroundings, in degrees from up and around it; up to four. A point, or sun:THETA,PHI (0.533
     /// degrees across), or disc:SIZE:THETA,PHI as in disc:5deg:40,90. Or a lamp in the scene, up to three lights then, in the scene's units:
     /// sphere:DIAMETER:X,Y,Z[,STRENGTH] or rectangle:WIDTHxHEIGHT:X,Y,Z[,STRENGTH][:X,Y,Z that it faces], as in rectangle:0.4x0.2:0,-1,1.
-    /// STRENGTH is a radiance, or a power as in 60W; without it the middle of the scene gets what a light of intensity 1 gives
-    #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY]", value_parser = Light::parse, allow_hyphen_values = true)]
+    /// STRENGTH is a radiance, or a power as in 60W; without it the middle of the scene gets what a light of intensity 1 gives.
+    /// @ and a name or file as for --illuminant behind it gives the light a spectrum of its own, as in sun:40,90@a
+    #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY][@SPECTRUM]", value_parser = Light::parse, allow_hyphen_values = true)]
     pub light: Vec<Light>,
     /// Surroundings that light the scene beside its lights, instead of the scene's: sky (overcast), studio, an equirectangular .exr or .hdr
     /// picture, or none
@@ -99,9 +101,12 @@ impl ViewOptions {
 }
 
 impl ViewOptions {
-    /// The file that the options name, if it is one and not built in.
-    pub fn files(&self) -> Option<&OsStr> {
-        self.environment.as_deref().filter(|name| *name != "none" && !environment::is_built_in(name))
+    /// The files that the options name, which are not built in.
+    pub fn files(&self) -> impl Iterator<Item = PathBuf> {
+        let environment = self.environment.as_deref();
+        let environment = environment.filter(|name| *name != "none" && !environment::is_built_in(name));
+        let spectra = self.light.iter().filter_map(|light| light.spectrum.as_ref()?.file());
+        environment.map(PathBuf::from).into_iter().chain(spectra)
     }
 
     /// Changes the surroundings and shadows of `scene`.

@@ -61,7 +61,8 @@ impl Painter {
         let parts = self.parts();
         let (target, stamps) = (&self.target, &watch.timestamps);
         let (find, objects, geometry) = (&self.find, &self.objects, &self.geometry);
-        let shaded = || objects.iter().zip(&self.shadings).map(|(object, own)| own.of(object));
+        let shaded: Vec<_> =
+            self.shadings.iter().map(|own| own.of(objects, self.lights_of(own, view))).collect();
         let mut times = PassTimes::default();
         self.commands.run(|record| {
             let begin = Instant::now();
@@ -70,7 +71,7 @@ impl Painter {
             find.record(record, geometry, objects);
             record.timestamp(stamps, 1);
             begin_shading(record, (geometry, target));
-            record_shading(record, (geometry, target), shaded(), 0..parts);
+            record_shading(record, (geometry, target), &shaded, 0..parts);
             record.timestamp(stamps, 2);
             super::record_display(record, target, |record| {
                 let shown = Shown::plain(exposure, background);

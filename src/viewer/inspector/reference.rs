@@ -106,7 +106,7 @@ impl Queue {
 /// Answers `first` and the readings after it of the same surface and settings; the first of others.
 fn answer(first: Reading, queue: &Queue, reply: &dyn Fn(u64, Result<Answer>)) -> Option<Reading> {
     let prepared = first.prepared.clone();
-    let Prepared { field, shading, number, .. } = &*prepared;
+    let Prepared { field, number, .. } = &*prepared;
     let progress = |done: usize, of: usize| {
         if queue.is_stopped() {
             return Err(Error::failed("the inspector was closed", "open it again"));
@@ -114,7 +114,7 @@ fn answer(first: Reading, queue: &Queue, reply: &dyn Fn(u64, Result<Answer>)) ->
         reply(first.number, Ok(Answer::Preparing(done as f32 / of.max(1) as f32)));
         Ok(())
     };
-    let reference = PixelReference::new(field, shading, &progress);
+    let reference = PixelReference::new(field, prepared.shading(), &progress);
     let mut reading = queue.newer(first.clone());
     while reading.prepared.number == *number && !queue.is_stopped() {
         match &reference {
@@ -129,12 +129,12 @@ fn answer(first: Reading, queue: &Queue, reply: &dyn Fn(u64, Result<Answer>)) ->
 fn of_pixel(reference: &PixelReference<'_>, reading: &Reading) -> Result<Answer> {
     let wavelengths: Vec<f64> = (0..WAVELENGTHS).map(wavelength).collect();
     let colors = reference.colors(&reading.view, &reading.directions, &[0], &|_, _| Ok(()))?;
-    let of_light = |light: &LightAt| {
+    let of_light = |(number, light): (usize, &LightAt)| {
         Ok(LightAnswer {
             spectrum: reference.spectrum(&light.pair, &wavelengths),
-            xyz: reference.xyz(&light.pair)?,
+            xyz: reference.xyz(&light.pair, reading.view.illuminant(number))?,
         })
     };
-    let lights = reading.lights.iter().map(of_light).collect::<Result<_>>()?;
+    let lights = reading.lights.iter().enumerate().map(of_light).collect::<Result<_>>()?;
     Ok(Answer::Done { radiance: colors.first().copied().unwrap_or_default(), lights })
 }

@@ -31,11 +31,11 @@ fn times_and_sizes(ui: &mut Ui, model: &Model) {
     });
     value(ui, &rows::FRAME, frame);
     if let Some(own) = &model.sources.own {
-        let Extent { layers, size: [width, height], bytes } = own.shaded_from.extent();
+        let Extent { layers, size: [width, height], bytes } = own.source().extent();
         value(ui, &rows::TEXTURE, format!("{layers} of {width} × {height} texels, {}", mib(bytes as f64)));
     }
     let cost = model.frame.as_ref().and_then(|e| e.cost);
-    let terms = model.sources.own.as_ref().and_then(|own| own.shaded_from.terms());
+    let terms = model.sources.own.as_ref().and_then(|own| own.source().terms());
     let counted = cost.map_or("not counted yet".to_owned(), |c| match terms {
         Some(terms) => format!("{:.0} a pixel, {terms} terms, {:.0} λ", c.samples, c.wavelengths),
         None => format!("{:.0} a pixel, of a colour table", c.samples),
@@ -46,7 +46,7 @@ fn times_and_sizes(ui: &mut Ui, model: &Model) {
 
 fn errors(ui: &mut Ui, model: &mut Model) {
     if let Some(own) = &model.sources.own {
-        let shading = &own.shading;
+        let shading = own.shading();
         value(ui, &rows::BOUND, bound(&shading.terms, &shading.wavelengths, shading.tolerance));
     }
     rows::show(ui, &rows::MEASURED, |ui| match model.probe {

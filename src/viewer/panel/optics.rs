@@ -4,6 +4,7 @@ use super::rows::{self, SettingRow, number};
 use super::section;
 use crate::expansion::Basis;
 use crate::optics::coherence::{Coherence, Windows};
+use crate::optics::spectrum;
 use crate::setup::Method;
 use crate::viewer::model::Model;
 use crate::viewer::settings::OpticsSettings;
@@ -15,7 +16,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     section(ui, "Optics", |ui| {
         setting(ui, "own", &mut model.settings.optics, model.settings.coherence);
         rows::show(ui, &rows::ILLUMINANT, |ui| {
-            for name in ["d65", "a", "e"] {
+            for name in spectrum::BUILT_IN {
                 let chosen = model.settings.illuminant == name;
                 if ui.selectable_label(chosen, name.to_uppercase()).clicked() {
                     model.settings.illuminant = name.to_owned();

@@ -78,7 +78,7 @@ rows! {
         .copied(|to, from| to.optics.terms = from.optics.terms);
     WAVELENGTHS = SettingRow::setting("wavelengths", "--wavelengths", "Number of wavelengths in the sum over the spectrum. automatic: as many as the tolerance needs.")
         .copied(|to, from| to.optics.wavelengths = from.optics.wavelengths);
-    ILLUMINANT = SettingRow::setting("illuminant", "--illuminant", "Spectrum of the light. D65: daylight. A: incandescent lamp. E: equal energy.")
+    ILLUMINANT = SettingRow::setting("illuminant", "--illuminant", "Spectrum of all lights that have none of their own. D65: daylight. A: incandescent lamp. E: equal energy. LED: neutral white, CIE LED-B3.")
         .copied(|to, from| to.illuminant.clone_from(&from.illuminant));
     COMPARE = SettingRow::other("show", "What lies right of the line. off: nothing. split: the same scene with the settings below. \
         In false colour, how far the picture is from it: error: relative, of radiance. ΔE: CIEDE2000 of what is displayed; 1 is just noticeable. FLIP: what is seen when flipping between them, 0 to 1.  [C, X]");
@@ -106,6 +106,7 @@ rows! {
         .copied(|to, from| to.lights.clone_from(&from.lights));
     SURROUNDINGS = SettingRow::setting("surroundings", "--rotate-environment, --environment-exposure", "How far the surroundings are turned about the vertical, in degrees, and how much brighter they are, in stops (EV). Shift + right drag on the picture turns them.")
         .copied(|to, from| to.surroundings = from.surroundings);
+    LIGHT_SPECTRUM = SettingRow::setting("spectrum of a light", "--light ...@a", "The spectrum of this light alone. Without one it has that of the illuminant. A colour table is made for each spectrum.");
     ADD_LIGHT = SettingRow::setting("add a light", "--light", "Four lights at most, three beside surroundings.");
     ADD_LAMP = SettingRow::setting("add a lamp", "--light sphere:", "A sphere that shines, above the scene. Three lights at most where one is a lamp, two beside surroundings.");
     DEVICE = SettingRow::setting("device", "--device, --present", "The device that draws, and how frames reach the display.");

@@ -3,15 +3,17 @@
 use super::rows::{self, DEGREES, STOPS, WATTS, number, quantity};
 use super::{optics, section, short, surface};
 use crate::optics::color::Tone;
+use crate::optics::spectrum::BUILT_IN as BUILT_IN_SPECTRA;
 use crate::scene::environment::Placement;
 use crate::scene::lamp::{Lamp, Shape, Strength};
-use crate::scene::light::most_lights;
+use crate::scene::light::{Spectrum, most_lights};
 use crate::scene::scene_file::BUILT_IN;
-use crate::scene::{FarLight, Light, Room};
+use crate::scene::{Emitter, FarLight, Light, Room};
 use crate::viewer::compare::Compare;
 use crate::viewer::model::Model;
 use crate::viewer::settings::ViewSettings;
 use egui::{ComboBox, Ui};
+use std::slice;
 
 /// Shows scene, exposure, tone mapping and pigment.
 pub fn show(ui: &mut Ui, model: &mut Model) {
@@ -98,11 +100,12 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
         for (index, light) in lights.iter_mut().enumerate() {
             rows::numbered(ui, &rows::LIGHT, &format!("light {}", index + 1), |ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
-                match light {
-                    Light::Far(light) => angles(ui, light),
-                    Light::Lamp(lamp) => place(ui, lamp, &room, bounds.radius.into()),
+                match &mut light.emitter {
+                    Emitter::Far(light) => angles(ui, light),
+                    Emitter::Lamp(lamp) => place(ui, lamp, &room, bounds.radius.into()),
                 }
-                if several && ui.small_button("remove").clicked() {
+                spectrum(ui, &mut light.spectrum);
+                if several && ui.small_button("✖").on_hover_text("Removes this light.").clicked() {
                     removed = Some(index);
                 }
             });
@@ -115,8 +118,8 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
         }
         let radius = f64::from(bounds.radius);
         let far = || {
-            let phi = match lights.last() {
-                Some(Light::Far(last)) => (last.phi + 90.0) % 360.0,
+            let phi = match lights.last().map(|light| light.emitter) {
+                Some(Emitter::Far(last)) => (last.phi + 90.0) % 360.0,
                 _ => 0.0,
             };
             Light::point(40.0, phi, 1.0)
@@ -128,7 +131,7 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
             let middle =
                 (room.centre + glam::DVec3::new(0.0, -1.0, 1.5) * radius).to_array().map(round).into();
             let shape = Shape::Sphere { diameter: round(0.3 * radius) };
-            Light::Lamp(Lamp { shape, middle, strength: Strength::Suited })
+            Lamp { shape, middle, strength: Strength::Suited }.into()
         };
         let new: [(&rows::SettingRow, &dyn Fn() -> Light); 2] =
             [(&rows::ADD_LIGHT, &far), (&rows::ADD_LAMP, &lamp)];
@@ -136,7 +139,7 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
         ui.horizontal(|ui| {
             for (row, make) in new {
                 let light = make();
-                let all = [lights.as_slice(), &[light]].concat();
+                let all = [lights.as_slice(), slice::from_ref(&light)].concat();
                 let fits = all.len() + around <= most_lights(&all);
                 if fits && ui.small_button(row.label).on_hover_text(row.help()).clicked() {
                     added = Some(light);
@@ -155,6 +158,35 @@ fn surroundings(ui: &mut Ui, placement: &mut Placement) {
         let exposure = quantity(&mut placement.exposure, &STOPS).speed(0.05).range(-20.0..=20.0);
         ui.add(exposure.fixed_decimals(1));
     });
+}
+
+/// Shows the spectrum of a light, and lets another be chosen.
+fn spectrum(ui: &mut Ui, spectrum: &mut Option<Spectrum>) {
+    let is_built_in = |own: &Spectrum| own.file().is_none();
+    let name = match spectrum {
+        None => "λ".to_owned(),
+        Some(own) if is_built_in(own) => own.name().to_uppercase(),
+        Some(own) => short(own.name()).to_owned(),
+    };
+    let mut chosen = None;
+    let list = ui.menu_button(name, |ui| {
+        let button =
+            |ui: &mut Ui, is_chosen: bool, name: String| ui.selectable_label(is_chosen, name).clicked();
+        if button(ui, spectrum.is_none(), "as the illuminant".to_owned()) {
+            chosen = Some(None);
+        }
+        for name in BUILT_IN_SPECTRA {
+            let own = Spectrum::built_in(name);
+            if button(ui, own.is_some() && own == *spectrum, name.to_uppercase()) {
+                chosen = Some(own);
+            }
+        }
+        if chosen.is_some() {
+            ui.close();
+        }
+    });
+    list.response.on_hover_text(rows::LIGHT_SPECTRUM.help());
+    *spectrum = chosen.unwrap_or_else(|| spectrum.take());
 }
 
 fn place(ui: &mut Ui, lamp: &mut Lamp, room: &Room, radius: f64) {

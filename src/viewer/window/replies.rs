@@ -163,7 +163,7 @@ impl ViewerWindow {
     fn take_as_seen(&mut self, prepared: Arc<Prepared>) {
         self.requested.preparations[Role::AsSeen as usize] = None;
         let own = self.model.sources.own.as_mut();
-        if let Some(own) = own.filter(|own| !own.shaded_from.shares_data_with(&prepared.shaded_from)) {
+        if let Some(own) = own.filter(|own| !own.sources.shares_data_with(&prepared.sources)) {
             let number = prepared.number;
             *own = prepared;
             self.drop_lighter();

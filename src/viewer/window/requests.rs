@@ -3,6 +3,7 @@
 use super::{PreparationRequest, Seen, ViewerWindow};
 use crate::optics::coherence::Windows;
 use crate::render::frame::{Shown, View};
+use crate::scene::Light;
 use crate::setup::{self, Method};
 use crate::viewer::compare::{self, Compare};
 use crate::viewer::event::Event;
@@ -69,7 +70,7 @@ impl ViewerWindow {
     /// Requests the source of `own` that is fine enough for `views`.
     pub(super) fn request_for_views(&mut self, own: &ViewSettings, views: Vec<View>) {
         let Some(ready) = self.model.sources.own.clone() else { return };
-        let Some(picture) = self.requested_picture() else { return };
+        let Some(picture) = self.requested_picture(&own.lights) else { return };
         self.requested.seen = Some(Seen { view: self.view(), size: self.model.size });
         self.requested.number += 1;
         let (role, number) = (Role::AsSeen, self.requested.number);
@@ -79,7 +80,7 @@ impl ViewerWindow {
             role,
             number,
             surface: own.surface.clone(),
-            settings: setup::Settings::new(own.method(&own.optics), ready.shading.clone()),
+            settings: setup::Settings::new(own.method(&own.optics), ready.shading().clone()),
             picture: Some(RequestedPicture { views, ..picture }),
         });
     }
@@ -119,12 +120,13 @@ impl ViewerWindow {
                     shading.looser_colours = compare::looser_colours(&settings.optics).unwrap_or(1.0);
                     shading.wavelengths = None;
                 }
-                let surface = settings.surface.clone();
+                let (surface, lights) = (settings.surface.clone(), settings.lights.clone());
                 let method = settings.method(&settings.optics);
                 let settings = setup::Settings::new(method, shading);
-                let picture = self.requested_picture();
+                let picture = self.requested_picture(&lights);
                 if role == Role::Own {
-                    self.requested.seen = Some(Seen { view: self.view(), size: self.model.size });
+                    let view = self.view_under(&lights);
+                    self.requested.seen = Some(Seen { view, size: self.model.size });
                     self.requested.preparations[Role::AsSeen as usize] = None;
                 }
                 let request = Request { role, number, surface, settings, picture };
@@ -144,25 +146,30 @@ impl ViewerWindow {
         }
     }
 
-    /// The picture as it should look now.
-    fn requested_picture(&self) -> Option<RequestedPicture> {
+    /// The picture as it should look now under `lights`.
+    fn requested_picture(&self, lights: &[Light]) -> Option<RequestedPicture> {
         let model = &self.model;
         (!model.size.contains(&0)).then(|| RequestedPicture {
             loaded: model.loaded.clone(),
-            views: vec![self.view()],
+            views: vec![self.view_under(lights)],
             size: model.size,
             sampling: model.settings.sampling(),
         })
     }
 
     pub(super) fn view(&self) -> View {
+        self.view_under(&self.model.shown().lights)
+    }
+
+    /// What is seen now, under `lights`.
+    fn view_under(&self, lights: &[Light]) -> View {
         let (shown, scene) = (self.model.shown(), &self.model.loaded.scene);
         View {
             environment: scene.environment.as_ref().map(|e| e.placed(shown.surroundings)),
             camera: shown.shown_camera(scene),
             base_color: shown.base_color,
             pigment: scene.pigment.is_some(),
-            ..View::under(scene, &shown.lights, &shown.coherence)
+            ..View::under(scene, lights, &shown.coherence)
         }
     }
 
