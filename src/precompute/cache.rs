@@ -2,8 +2,9 @@
 
 use super::coefficients::Coefficients;
 use super::kernel::{Interpolation, Kernel};
-use super::layers::{Errors, Layers, Settings};
+use super::layers::{Errors, Layers};
 use super::pairs::PairRule;
+use super::settings::LayerSettings;
 use super::texels::Texels;
 use crate::cache::{Format, Kept, Key, Payload, count, positive};
 use crate::error::Result;
@@ -17,17 +18,17 @@ const LARGEST_COEFFICIENTS: u64 = 64 << 20;
 ///
 /// # Errors
 /// As [`Key::new`].
-pub fn key(field: &HeightField, settings: &Settings, shift: [f64; 2]) -> Result<Key> {
+pub fn key(field: &HeightField, settings: &LayerSettings, shift: [f64; 2]) -> Result<Key> {
     #[derive(Serialize)]
     struct Depends<'a> {
-        settings: &'a Settings,
+        settings: &'a LayerSettings,
         shift: [f64; 2],
     }
     Key::new(&Layers::FORMAT, &Depends { settings, shift }, field)
 }
 
 /// Most bytes of kept layers of `settings`.
-pub fn memory_limit(settings: &Settings) -> u64 {
+pub fn memory_limit(settings: &LayerSettings) -> u64 {
     (settings.memory_limit as u64).saturating_add(LARGEST_COEFFICIENTS)
 }
 
@@ -147,10 +148,10 @@ mod tests {
     use crate::precompute::{Budget, compute};
     use serde_json::{Value, json};
 
-    fn sample() -> (HeightField, Settings, Layers) {
+    fn sample() -> (HeightField, LayerSettings, Layers) {
         let heights = (0..256).map(|i| 0.05 * f64::from(i * 7 % 13) / 13.0).collect();
         let field = HeightField::new(16, 16, [0.1, 0.1], heights).unwrap();
-        let settings = Settings {
+        let settings = LayerSettings {
             sigma: 1.0,
             shortest_wavelength: 0.38,
             budget: Budget { interpolation: 7e-2, expansion: 3.5e-2 },
@@ -167,7 +168,7 @@ mod tests {
         store.load_kept(key, 1 << 28)
     }
 
-    fn centred(field: &HeightField, settings: &Settings) -> Key {
+    fn centred(field: &HeightField, settings: &LayerSettings) -> Key {
         key(field, settings, [0.0; 2]).unwrap()
     }
 
@@ -256,7 +257,7 @@ mod tests {
         let (field, settings, _) = sample();
         let first = centred(&field, &settings);
         // A setting that is added has to be varied below.
-        let Settings {
+        let LayerSettings {
             sigma,
             shortest_wavelength,
             budget: Budget { interpolation, expansion },
@@ -266,15 +267,15 @@ mod tests {
             side_limit,
         } = settings;
         let others = [
-            Settings { sigma: sigma * 1.1, ..settings },
-            Settings { sigma: f64::INFINITY, ..settings },
-            Settings { shortest_wavelength: shortest_wavelength + 0.02, ..settings },
-            Settings { budget: Budget { interpolation: interpolation + 1e-2, expansion }, ..settings },
-            Settings { budget: Budget { interpolation, expansion: expansion + 1e-9 }, ..settings },
-            Settings { basis: crate::expansion::Basis::Optimal, ..settings },
-            Settings { terms: Some(4), ..settings },
-            Settings { terms: Some(5), ..settings },
-            Settings { side_limit: side_limit / 2, ..settings },
+            LayerSettings { sigma: sigma * 1.1, ..settings },
+            LayerSettings { sigma: f64::INFINITY, ..settings },
+            LayerSettings { shortest_wavelength: shortest_wavelength + 0.02, ..settings },
+            LayerSettings { budget: Budget { interpolation: interpolation + 1e-2, expansion }, ..settings },
+            LayerSettings { budget: Budget { interpolation, expansion: expansion + 1e-9 }, ..settings },
+            LayerSettings { basis: crate::expansion::Basis::Optimal, ..settings },
+            LayerSettings { terms: Some(4), ..settings },
+            LayerSettings { terms: Some(5), ..settings },
+            LayerSettings { side_limit: side_limit / 2, ..settings },
         ];
         let mut keys: Vec<Key> = others.iter().map(|other| centred(&field, other)).collect();
         keys.extend([[0.1, 0.0], [0.0, 0.1]].map(|shift| key(&field, &settings, shift).unwrap()));
@@ -282,6 +283,6 @@ mod tests {
         let different: std::collections::HashSet<Key> = keys.iter().copied().collect();
         assert_eq!(different.len(), keys.len());
         // It decides whether there are layers, not which.
-        assert_eq!(centred(&field, &Settings { memory_limit: memory_limit / 2, ..settings }), first);
+        assert_eq!(centred(&field, &LayerSettings { memory_limit: memory_limit / 2, ..settings }), first);
     }
 }

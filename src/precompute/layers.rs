@@ -6,6 +6,7 @@ use super::coefficients::Coefficients;
 use super::kernel::Interpolation;
 use super::pairs::PairRule;
 use super::plan::{Plan, bands_of, too_large};
+use super::settings::LayerSettings;
 use super::texels::Texels;
 use super::transform::{TermPair, Transformer};
 use crate::error::{Error, Remedy, Result};
@@ -17,36 +18,6 @@ use crate::surface::HeightField;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
-
-/// What the layers are made for.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Settings {
-    /// Standard deviation of the Gaussian window over the endless surface \[µm\]; infinite: one period alone, without a
-    /// window.
-    pub sigma: f64,
-    /// Shortest wavelength that will be asked for \[µm\].
-    pub shortest_wavelength: f64,
-    /// Relative intensity errors that are allowed.
-    pub budget: Budget,
-    /// Which expansion.
-    pub basis: Basis,
-    /// Number of terms, where the user names it.
-    pub terms: Option<usize>,
-    /// Most bytes that the layers may take. Not part of their key: it decides whether they are made.
-    #[serde(skip)]
-    pub memory_limit: usize,
-    /// Most texels along a side of a layer.
-    pub side_limit: usize,
-}
-
-/// The relative intensity errors that layers may bring, RMS over single directions and wavelengths.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Budget {
-    /// Reading between texels.
-    pub interpolation: f64,
-    /// Truncation and rounding of the expansion, together.
-    pub expansion: f64,
-}
 
 /// The largest |z| = k|w| that wavelengths from `shortest` \[µm\] allow \[rad/µm\]: |w| ≤ 2.
 pub fn largest_z(shortest: f64) -> f64 {
@@ -123,7 +94,7 @@ impl Layers {
 /// says so.
 pub fn compute(
     field: &HeightField,
-    settings: &Settings,
+    settings: &LayerSettings,
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<Layers> {
     compute_at(field, settings, [0.0; 2], progress)
@@ -135,7 +106,7 @@ pub fn compute(
 /// As [`compute`].
 pub fn compute_at(
     field: &HeightField,
-    settings: &Settings,
+    settings: &LayerSettings,
     shift: [f64; 2],
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<Layers> {
@@ -187,7 +158,7 @@ pub fn compute_at(
 
 /// What layers are made from.
 struct Work<'a> {
-    settings: &'a Settings,
+    settings: &'a LayerSettings,
     interpolation: Interpolation,
     interpolation_error: f64,
     z_max: f64,
@@ -212,7 +183,7 @@ struct Made {
 }
 
 impl<'a> Work<'a> {
-    fn new(field: &'a HeightField, settings: &'a Settings, shift: [f64; 2]) -> Result<Self> {
+    fn new(field: &'a HeightField, settings: &'a LayerSettings, shift: [f64; 2]) -> Result<Self> {
         let scale = HeightScale::of(field);
         let z_max = largest_z(settings.shortest_wavelength);
         let (interpolation, interpolation_error) = interpolation(settings)?;
@@ -292,7 +263,7 @@ impl<'a> Work<'a> {
 }
 
 /// How to read between texels within the budget of `settings`, and the error of that.
-fn interpolation(settings: &Settings) -> Result<(Interpolation, f64)> {
+fn interpolation(settings: &LayerSettings) -> Result<(Interpolation, f64)> {
     let budget = settings.budget.interpolation;
     let (interpolation, error) = if settings.sigma.is_finite() {
         let gaussian = Interpolation::for_tolerance(budget);
@@ -311,7 +282,7 @@ fn interpolation(settings: &Settings) -> Result<(Interpolation, f64)> {
     Ok((interpolation, error))
 }
 
-fn beyond_32_bits(settings: &Settings, error: f64) -> Error {
+fn beyond_32_bits(settings: &LayerSettings, error: f64) -> Error {
     Error::failed(
         format!(
             "the {} expansion in 32-bit floats leaves a relative error of {error:.1e} on this surface, more than its share {:.1e} of the \
@@ -333,7 +304,7 @@ fn family(field: &HeightField, basis: Basis, z_max: f64) -> Box<dyn Expansion> {
 }
 
 /// Where the audit may stop looking for the number of terms.
-fn most_terms(family: &dyn Expansion, settings: &Settings, z_max: f64) -> usize {
+fn most_terms(family: &dyn Expansion, settings: &LayerSettings, z_max: f64) -> usize {
     let most = family.most_terms();
     // No judged texel is fainter than FAINT, so a sup error of its square root times the tolerance is more than enough.
     let enough = settings.budget.expansion * FAINT.sqrt() * 0.1;
@@ -376,8 +347,8 @@ mod tests {
         HeightField::new(64, 48, [0.09, 0.09], heights).unwrap()
     }
 
-    fn settings(tolerance: f64) -> Settings {
-        Settings {
+    fn settings(tolerance: f64) -> LayerSettings {
+        LayerSettings {
             sigma: 2.0,
             shortest_wavelength: 0.38,
             budget: Budget { interpolation: 0.7 * tolerance, expansion: 0.35 * tolerance },
@@ -404,7 +375,7 @@ mod tests {
     #[test]
     fn too_few_terms_are_seen_by_the_audit() {
         let field = bumpy(0.3);
-        let few = Settings { terms: Some(3), ..settings(1e-2) };
+        let few = LayerSettings { terms: Some(3), ..settings(1e-2) };
         assert!(compute(&field, &few, &|_, _| Ok(())).unwrap().errors.expansion > 0.1);
     }
 
@@ -412,7 +383,7 @@ mod tests {
     fn heights_beyond_32_bit_floats_and_windows_beyond_memory_are_refused() {
         let high = compute(&bumpy(1.2), &settings(1e-2), &|_, _| Ok(())).unwrap_err().to_string();
         assert!(high.contains("32-bit"), "{high}");
-        let wide = Settings { sigma: 2500.0, ..settings(1e-2) };
+        let wide = LayerSettings { sigma: 2500.0, ..settings(1e-2) };
         let message = compute(&bumpy(0.1), &wide, &|_, _| Ok(())).unwrap_err().to_string();
         assert!(message.contains("GiB"), "{message}");
     }

@@ -7,8 +7,10 @@ pub mod kernel;
 pub mod layers;
 pub mod pairs;
 mod plan;
+mod settings;
 pub mod texels;
 pub mod thesis;
 mod transform;
 
-pub use layers::{Budget, Layers, Settings, compute, compute_at};
+pub use layers::{Layers, compute, compute_at};
+pub use settings::{Budget, LayerSettings};

@@ -1,7 +1,7 @@
 //! Which frequencies are transformed, how finely, and whether there is room for it.
 
 use super::kernel::Interpolation;
-use super::layers::Settings;
+use super::settings::LayerSettings;
 use super::transform::{PaddedAxis, Samples, Transformer};
 use crate::error::{Error, Remedy, Result};
 use crate::memory;
@@ -17,7 +17,7 @@ impl Plan {
     /// The axes for spectra that are read by `interpolation`, checked against the memory limit of `settings` before any of it is taken.
     pub fn new(
         field: &HeightField,
-        settings: &Settings,
+        settings: &LayerSettings,
         interpolation: Interpolation,
         shift: [f64; 2],
     ) -> Result<Self> {
@@ -52,7 +52,7 @@ impl Plan {
 
     /// Fails where the host has no room for the transforms of `settings`, whose rooms are kept from one to the next. The layers
     /// ask for theirs as they are made.
-    fn checked(&self, own: &[Samples; 2], settings: &Settings) -> Result<()> {
+    fn checked(&self, own: &[Samples; 2], settings: &LayerSettings) -> Result<()> {
         // Real functions share a spectrum.
         let spectra = if settings.basis.is_real() { 1 } else { 2 };
         let [x, y] = &self.plane;
@@ -63,7 +63,7 @@ impl Plan {
     }
 }
 
-pub(super) fn too_large(bytes: f64, settings: &Settings) -> Error {
+pub(super) fn too_large(bytes: f64, settings: &LayerSettings) -> Error {
     Error::failed(
         format!(
             "the spectra would take {:.1} GiB or more, the limit is {:.1} GiB",

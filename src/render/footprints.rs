@@ -1,8 +1,9 @@
 //! How much a pixel covers: of (u, v), which decides how fine a table has to be, and of the surface, which decides whether the mean over
 //! coherence areas is what is seen.
 
+use super::directions::Directions;
 use super::frame::View;
-use super::picture::{Directions, Painter};
+use super::picture::Painter;
 use super::pigment::Pigment;
 use super::sampling::Sample;
 use super::shading::Shading;

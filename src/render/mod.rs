@@ -5,6 +5,7 @@ pub mod accumulate;
 mod around;
 pub mod device_brdf;
 pub mod device_mesh;
+pub mod directions;
 pub mod evaluator;
 pub mod exposure;
 pub mod footprints;

@@ -24,15 +24,14 @@ use crate::vk::queries::Timestamps;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-mod directions;
 mod display;
+mod read_back;
 pub mod samples;
 mod tiles;
 pub mod timing;
 
-use directions::PictureArea;
-pub use directions::{Directions, Pixel};
 use display::Display;
+use read_back::PictureArea;
 use tiles::{Piece, Tiles};
 
 /// Draws pictures of one object or of several.

@@ -1,7 +1,7 @@
 //! The picture that f64 optics give for the very directions that a frame shaded: only shading differs.
 
+use super::directions::Directions;
 use super::frame::{Shown, View};
-use super::picture::Directions;
 use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
 use crate::brdf::mean::{Mean, Orders, TabulatedMean};

@@ -8,7 +8,7 @@ use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::{Illuminant, MIDDLE, SHORTEST};
 use crate::precompute::kernel::SPECKLE;
 use crate::precompute::layers::largest_z;
-use crate::precompute::{Budget, Settings};
+use crate::precompute::{Budget, LayerSettings};
 use crate::spectra::power::Blur;
 use crate::surface::HeightField;
 use crate::vk::selection::Candidate;
@@ -164,7 +164,7 @@ impl Shading {
     ///
     /// # Errors
     /// For settings that layers cannot do.
-    pub fn layer_settings(&self, shortest: f64, device: &Candidate) -> Result<Settings> {
+    pub fn layer_settings(&self, shortest: f64, device: &Candidate) -> Result<LayerSettings> {
         let Coherence::Gaussian { length } = self.coherence else {
             return Err(Error::usage(
                 "a window is Gaussian, and a finite grating has none",
@@ -178,14 +178,14 @@ impl Shading {
     ///
     /// # Errors
     /// For what layers cannot do.
-    pub fn windowed_settings(&self, sigma: f64, shortest: f64, device: &Candidate) -> Result<Settings> {
+    pub fn windowed_settings(&self, sigma: f64, shortest: f64, device: &Candidate) -> Result<LayerSettings> {
         if self.windows != Windows::ONE {
             return Err(Error::usage(
                 "spectra through a window are of one window",
                 [Remedy::AllWindows, Remedy::OneWindow, Remedy::ReferenceMethod],
             ));
         }
-        Ok(Settings {
+        Ok(LayerSettings {
             sigma,
             shortest_wavelength: shortest,
             budget: self.budget(),

@@ -3,11 +3,12 @@
 use super::{InUse, Method, Settings, averages_footprints, beyond_of, pigment_alone, source};
 use crate::error::Result;
 use crate::optics::coherence::Beyond;
+use crate::render::directions::Directions;
 use crate::render::exposure;
 use crate::render::footprints;
 use crate::render::frame::{Shown, View};
 use crate::render::object::{ObjectSource, ObjectSources, ObjectTextures, objects};
-use crate::render::picture::{Directions, Painter, Picture};
+use crate::render::picture::{Painter, Picture};
 use crate::render::sampling::{Sample, Sampling};
 use crate::render::shading::Shading;
 use crate::render::source::Source;

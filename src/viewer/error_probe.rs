@@ -3,8 +3,9 @@
 use super::prepared::Prepared;
 use crate::error::{Error, Result};
 use crate::measure::error::{PixelErrors, sample};
+use crate::render::directions::Directions;
 use crate::render::frame::View;
-use crate::render::picture::{Directions, Painter};
+use crate::render::picture::Painter;
 use crate::render::reference_picture::{covered, reference_pixels};
 use glam::DVec3;
 use std::sync::Arc;

@@ -7,7 +7,7 @@ use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::orders::Repeats;
 use diffract::optics::reference::Reference;
-use diffract::precompute::{Layers, Settings, compute};
+use diffract::precompute::{LayerSettings, Layers, compute};
 use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::shading::Shading;
@@ -76,7 +76,7 @@ pub fn grating(layers: &Layers, copies: [u32; 2], field: &HeightField) -> Source
 }
 
 pub fn layers(field: &HeightField, shading: &Shading) -> Layers {
-    let settings = Settings {
+    let settings = LayerSettings {
         sigma: shading.coherence.sigma().unwrap(),
         shortest_wavelength: 0.38,
         budget: shading.budget(),

@@ -13,7 +13,7 @@ use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::reference::Reference;
 use diffract::precompute::audit::FAINT;
 use diffract::precompute::texels::{HALF_UNIT, Texels};
-use diffract::precompute::{Layers, Settings, compute};
+use diffract::precompute::{LayerSettings, Layers, compute};
 use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::frame::{Shown, View};
@@ -47,7 +47,7 @@ const POLAR: [f64; 14] =
 const TURNS: [f64; 6] = [180.0, 180.0 - 1e-7, 0.0, 1e-7, 90.0, 37.0];
 
 fn layers_of(field: &HeightField, shading: &Shading) -> Result<Layers> {
-    let settings = Settings {
+    let settings = LayerSettings {
         sigma: shading.coherence.sigma().unwrap(),
         shortest_wavelength: 0.38,
         budget: shading.budget(),
@@ -306,7 +306,7 @@ fn repeats_from_one_to_a_thousand_give_the_reference_picture() {
                 ..Shading::default()
             };
             let shading = shading.for_pictures();
-            let settings = Settings {
+            let settings = LayerSettings {
                 sigma: f64::INFINITY,
                 shortest_wavelength: 0.38,
                 budget: shading.budget(),

@@ -7,7 +7,7 @@ use diffract::error::{Remedy, Result};
 use diffract::measure::profile;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::footprint::FootprintSizes;
-use diffract::precompute::{Settings, compute};
+use diffract::precompute::{LayerSettings, compute};
 use diffract::render::evaluator::Evaluator;
 use diffract::render::frame::{Shown, View};
 use diffract::render::picture::{Painter, Picture};
@@ -95,7 +95,7 @@ fn a_picture_through_repeats_fails_cleanly_at_each_of_its_allocations_and_succee
     let shading = Shading { coherence, windows: Windows::ONE, tolerance: 1e-1, ..Shading::default() };
     let shading = shading.for_pictures();
     let field = patch(Kind::Bumps, 2.0);
-    let settings = Settings {
+    let settings = LayerSettings {
         sigma: f64::INFINITY,
         shortest_wavelength: 0.38,
         budget: shading.budget(),

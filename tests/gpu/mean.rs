@@ -11,10 +11,11 @@ use diffract::optics::material::Material;
 use diffract::optics::reference::Reference;
 use diffract::optics::reflectance::{Film, Reflectance};
 use diffract::optics::spectrum::{Illuminant, SHORTEST};
+use diffract::render::directions::Directions;
 use diffract::render::evaluator::Evaluator;
 use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
-use diffract::render::picture::{Directions, Painter};
+use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{
     PixelReference, ReferenceObject, covered, reference_mean, reference_picture,

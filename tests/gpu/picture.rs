@@ -3,8 +3,9 @@
 use crate::device::with_device;
 use crate::evaluation::{layers, patch, shading, window};
 use crate::measure::channel;
+use diffract::render::directions::Directions;
 use diffract::render::frame::View;
-use diffract::render::picture::{Directions, Painter, Picture};
+use diffract::render::picture::{Painter, Picture};
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
 use diffract::render::shading::Shading;

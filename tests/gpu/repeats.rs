@@ -8,10 +8,11 @@ use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::nufft::cosine_weighted_xyz;
 use diffract::optics::reference::Reference;
 use diffract::optics::spectrum::Illuminant;
-use diffract::precompute::{Layers, Settings, compute};
+use diffract::precompute::{LayerSettings, Layers, compute};
+use diffract::render::directions::Directions;
 use diffract::render::evaluator::Query;
 use diffract::render::frame::View;
-use diffract::render::picture::{Directions, Painter, Picture};
+use diffract::render::picture::{Painter, Picture};
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
 use diffract::render::shading::Shading;
@@ -31,7 +32,7 @@ fn shading(copies: [u32; 2], tolerance: f64) -> Shading {
 
 /// The layers of one period.
 fn layers(field: &HeightField, shading: &Shading) -> Layers {
-    let settings = Settings {
+    let settings = LayerSettings {
         sigma: f64::INFINITY,
         shortest_wavelength: 0.38,
         budget: shading.budget(),

@@ -1,7 +1,7 @@
 //! What a frame does, counted in f64 over the directions that it shades.
 
 use crate::optics::geometry::Pair;
-use crate::render::picture::Directions;
+use crate::render::directions::Directions;
 use glam::DVec3;
 
 /// Work of a frame.

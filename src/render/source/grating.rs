@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::optics::geometry::Pair;
 use crate::optics::orders::{Colours, Repeats};
 use crate::precompute::Layers;
-use crate::render::picture::Directions;
+use crate::render::directions::Directions;
 use crate::render::shading::Shading;
 use crate::render::tables::Combs;
 use crate::vk::device::Device;

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::optics::footprint::{self, Levels, Polygon, Share, TapRule, Taps};
 use crate::optics::spectrum::{BLUE, MIDDLE};
 use crate::precompute::kernel::Kernel;
-use crate::render::picture::Directions;
+use crate::render::directions::Directions;
 use crate::render::shading::Shading;
 use crate::render::tables::Combs;
 use crate::render::upload;

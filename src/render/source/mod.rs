@@ -24,7 +24,7 @@ pub use table::Table;
 pub use thesis::Thesis;
 pub use window::Window;
 
-use super::picture::Directions;
+use super::directions::Directions;
 use super::shading::Shading;
 use crate::error::Result;
 use crate::expansion::Basis;

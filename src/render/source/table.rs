@@ -6,7 +6,7 @@ use super::cost::Cost;
 use super::{Extent, SourceSummary, stages, taps_constants};
 use crate::error::Result;
 use crate::optics::footprint::TapRule;
-use crate::render::picture::Directions;
+use crate::render::directions::Directions;
 use crate::render::shading::Shading;
 use crate::render::upload;
 use crate::table::{BANDS, ColorTable, Header, SPECULAR_SAMPLES, TableReader};

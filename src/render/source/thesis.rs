@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::expansion::Basis;
 use crate::precompute::Layers;
 use crate::precompute::thesis::{TAPS, WAVELENGTHS};
-use crate::render::picture::Directions;
+use crate::render::directions::Directions;
 use crate::render::shading::Shading;
 use crate::render::tables::Combs;
 use crate::render::upload;

@@ -6,7 +6,7 @@ use super::part::Iterations;
 use super::{SourceSummary, spectra, stages};
 use crate::error::Result;
 use crate::precompute::Layers;
-use crate::render::picture::Directions;
+use crate::render::directions::Directions;
 use crate::render::shading::Shading;
 use crate::render::tables::Combs;
 use crate::vk::buffer::Buffer;

@@ -2,8 +2,8 @@
 
 use crate::optics::footprint::Covariance;
 use crate::optics::geometry::Pair;
+use crate::render::directions::{Directions, Pixel};
 use crate::render::frame::View;
-use crate::render::picture::{Directions, Pixel};
 use crate::render::reference_picture::unit;
 use crate::viewer::prepared::Prepared;
 use glam::DVec3;
