@@ -49,7 +49,7 @@ struct Taps {
     float offset;  // by how many steps the taps of a row are moved
     float spacing; // of the taps, at most [standard deviations of what one averages over]
     float fewest;  // taps on either side, where there are any
-    int rows;      // 1, 3 or 4
+    int rows;      // 1 to 4
 };
 
 // Taps in a line.
@@ -74,6 +74,15 @@ vec2 between_levels(float s, float bend) {
     return vec2(s * s * (1.0 + bend - bend * s), s * (1.0 - bend * s) / (1.0 + s - bend * s * s));
 }
 
+// Of so many samples of a pixel or more, each reads both levels in the middle alone: `mixed_weight` of src/optics/footprint.rs.
+layout(constant_id = 29) const float MIXED_FROM = 1.0;
+layout(constant_id = 30) const float MIXED_BEND = 0.0;
+layout(constant_id = 31) const float MIXED_TURN = 0.0;
+
+float mixed_weight(float s, vec2 bends) {
+    return s * (1.0 + (bends.x - bends.y * s) * (1.0 - s));
+}
+
 // For a footprint of which the variance `own` is left to the shorter axis.
 Taps unshared_taps(Ellipse ellipse, float own, Levels levels) {
     Taps taps = Taps(levels, ellipse.axis, ellipse.longer, max(own - levels.read, 0.0), 0.0, 0.0, 0.0, TAP_SPACING, 0.0, 1);
@@ -95,6 +104,11 @@ Taps unshared_taps(Ellipse ellipse, float own, Levels levels) {
 Taps shared_taps(Footprint footprint, Ellipse ellipse, float own, Levels levels) {
     Taps taps = unshared_taps(ellipse, own, levels);
     taps.spacing *= min(footprint.samples, MOST_SHARED);
+    if (taps.coarser > 0.0 && footprint.samples >= MIXED_FROM) {
+        taps.coarser = mixed_weight(min(taps.rest / (levels.next - levels.read), 1.0), vec2(MIXED_BEND, MIXED_TURN));
+        taps.aside = 0.0;
+        taps.rows = 2;
+    }
     if (footprint.samples > 1.0) {
         taps.fewest = FEWEST_SIDES;
         taps.offset = footprint.tap_offset;
@@ -110,7 +124,7 @@ Row row_of(Taps taps, int row) {
     float left = taps.longer - read;
     float weight = taps.rows == 1 ? 1.0 : row == 0 ? 1.0 - 2.0 * WEIGHT_ASIDE : WEIGHT_ASIDE;
     if (mixed) {
-        float share = row == 3 ? MIDDLE_ROW : 0.5 * (1.0 - MIDDLE_ROW);
+        float share = taps.rows == 2 ? 1.0 : row == 3 ? MIDDLE_ROW : 0.5 * (1.0 - MIDDLE_ROW);
         weight = row == 0 ? taps.coarser : share * (1.0 - taps.coarser);
         // All rows together have the variance of the longer axis.
         float whole = (taps.longer - taps.coarser * max(taps.longer, taps.levels.next)) / max(1.0 - taps.coarser, 1e-3);
@@ -120,7 +134,7 @@ Row row_of(Taps taps, int row) {
     float tap = sqrt(read + taps.levels.blur);
     float sides = left > ROUND * tap ? max(min(ceil(TAP_REACH * left / (taps.spacing * tap)), MOST_SIDES), taps.fewest) : 0.0;
     // Rows beside each other stand half a step apart.
-    bool even = row == 0 || row == 3 || (mixed && taps.rows == 3 && row == 1);
+    bool even = row == 0 || row == 3 || (mixed && taps.rows <= 3 && row == 1);
     float moved = even ? 0.0 : OFFSET_ASIDE;
     float offset = sides > 1.0 ? fract(taps.offset + moved + 0.5) - 0.5 : 0.0;
     // Three taps are those of Gauss and Hermite, too.

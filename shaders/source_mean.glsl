@@ -12,6 +12,9 @@ layout(constant_id = 11) const int LAYERS = 3;    // four terms each
 layout(constant_id = 12) const int CORNERS = 4;
 layout(constant_id = 13) const float MIDDLE_SHARE = 0.0;
 layout(constant_id = 14) const float BEND = 0.5;
+layout(constant_id = 15) const float READS_MIXED_FROM = 1.0; // samples of a pixel
+layout(constant_id = 16) const float READS_BEND = 0.0;
+layout(constant_id = 17) const float READS_TURN = 0.0;
 
 layout(set = 1, binding = 0, std140) uniform Mean {
     vec2 texels;             // of the finest level
@@ -112,14 +115,17 @@ float mean_power(Pair pair, vec2 f, float q, float level) {
 }
 
 // The same averaged over a blur of `ratio` times the finest level's variance. Between two levels a polygon of reads around the frequency stands for
-// it: `Polygon` of src/optics/footprint.rs.
-float averaged_power(Pair pair, vec2 toward, float q, float ratio) {
+// it, `Polygon` of src/optics/footprint.rs; or, where it `mixes`, both levels in the middle.
+float averaged_power(Pair pair, vec2 toward, float q, float ratio, bool mixes) {
     vec2 f = toward * q;
     float level = min(level_of_ratio(ratio), source.last_level);
     // The place between the levels, by variance: 0 ... 1.
     float s = level < source.last_level ? (ratio * exp2(-2.0 * level) - 1.0) / 3.0 : 0.0;
     if (s <= 0.0) {
         return mean_power(pair, f, q, level);
+    }
+    if (mixes) {
+        return mix(mean_power(pair, f, q, level), mean_power(pair, f, q, level + 1.0), mixed_weight(s, vec2(READS_BEND, READS_TURN)));
     }
     vec2 parts = between_levels(s, BEND);
     // Along each axis, the variance of the corners is half the square of their distance.
@@ -150,14 +156,14 @@ float rays_of(float own) {
 }
 
 // The sum over wavelengths at one tap, which averages over the variance `own`.
-vec3 colour_at(Pair pair, vec2 toward, float rays, float own) {
+vec3 colour_at(Pair pair, vec2 toward, float rays, float own, bool mixes) {
     ivec2 comb = comb_of(length(toward) * rays);
     vec3 colour = vec3(0.0);
     for (int j = part.first; j < comb.y; j += part.step) {
         vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
         float q = node.w;
         float ratio = source.orders + q * q * own / source.finest;
-        colour += node.rgb * (reflectance_at(pair, q) * averaged_power(pair, toward, q, ratio));
+        colour += node.rgb * (reflectance_at(pair, q) * averaged_power(pair, toward, q, ratio, mixes));
     }
     return colour;
 }
@@ -174,6 +180,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     // Samples do not share taps: the wavelengths of several are not the same.
     Taps taps = unshared_taps(ellipse, own, Levels(read, 0.0, source.blur));
     float rays = rays_of(read);
+    bool mixes = footprint.samples >= READS_MIXED_FROM;
     vec3 average = vec3(0.0);
     for (int number = 0; number < taps.rows; ++number) {
         Row row = row_of(taps, number);
@@ -181,7 +188,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
         float norm = 0.0;
         for (float n = row.first; n < row.last; n += 1.0) {
             float weight = exp(-row.fall * n * n);
-            sum += weight * colour_at(pair, pair.toward + row.aside + n * row.step, rays, own);
+            sum += weight * colour_at(pair, pair.toward + row.aside + n * row.step, rays, own, mixes);
             norm += weight;
         }
         average += sum * (row.weight / norm);

@@ -95,6 +95,9 @@ impl Mean {
         const CORNERS: u32 = 12;
         const MIDDLE_SHARE: u32 = 13;
         const BEND: u32 = 14;
+        const READS_MIXED_FROM: u32 = 15;
+        const READS_BEND: u32 = 16;
+        const READS_TURN: u32 = 17;
         let header = &self.spectra.header;
         let layers = header.terms.div_ceil(4) as u32;
         let mut constants = taps_constants(self.rule(shading));
@@ -104,6 +107,10 @@ impl Mean {
         constants.push(Constant::new(CORNERS, polygon.corners as u32));
         constants.push(Constant::float(MIDDLE_SHARE, polygon.middle as f32));
         constants.push(Constant::float(BEND, polygon.bend as f32));
+        constants.push(Constant::float(READS_MIXED_FROM, polygon.mixed_from as f32));
+        let [bend, turn] = footprint::MIXED_IN_THE_PLANE;
+        constants.push(Constant::float(READS_BEND, bend as f32));
+        constants.push(Constant::float(READS_TURN, turn as f32));
         constants.push(reflectance::constant(shading));
         let of = &shading.reflectance;
         let mut bound = BoundSource::new(device, "mean set", &KINDS, stages!("mean"), constants, of)?;
@@ -224,11 +231,11 @@ impl Mean {
         let combs = self.combs(shading);
         let per_wavelength = header.terms.div_ceil(4) * header.grid.kernel.samples().pow(2) as usize;
         let mean = |v: [f64; 2]| 0.5 * (v[0] + v[1]);
-        let between = self.polygon(shading).reads();
         let rule = self.rule(shading);
         let (finest, orders) = (mean(header.grid.blur.variance), mean(header.orders_blur.variance));
         let mut cost = Cost::default();
         for (index, seen) in directions.iter().enumerate() {
+            let between = self.polygon(shading).reads(seen.share.count);
             for i in (0..seen.view.len()).filter(|&i| seen.view[i][3] != 0.0) {
                 cost.covered += usize::from(index == 0);
                 let around = seen.covariance(i);

@@ -65,6 +65,9 @@ fn taps_constants(rule: TapRule) -> Vec<Constant> {
         footprint::MOST_SHARED.into(),
         rule.middle,
         rule.bend,
+        rule.mixed_from.into(),
+        footprint::MIXED_ROWS[0],
+        footprint::MIXED_ROWS[1],
     ];
     (FIRST..).zip(values).map(|(id, value)| Constant::float(id, value as f32)).collect()
 }
