@@ -10,7 +10,7 @@ fn main() -> Result<()> {
     let scale = Wish { pixel_size: Some([0.1, 0.1]), height: Some(0.2), ..Wish::default() };
     let field = HeightField::read(file, &scale)?;
     // What a pixel sees in sunlight of a surface of refractive index 1.5, asked for light from 380 nm on.
-    let mut surface = MeanReference::new(Mean::in_sunlight(&field, 1.5), &Illuminant::D65, 0.38);
+    let mut surface = MeanReference::new(MeanBrdf::in_sunlight(&field, 1.5), &Illuminant::D65, 0.38);
     // Light 30° from the normal; the viewer on the other side, 13° from it.
     let pair = Pair::new(direction(30.0, 0.0), direction(13.0, 180.0));
     let brdf = surface.spectral(&[pair], 0.55)?;

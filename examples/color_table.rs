@@ -9,7 +9,7 @@ const TOLERANCE: f64 = 1e-2;
 
 fn main() -> Result<()> {
     // A sinusoidal grating, 2 µm from crest to crest and 0.2 µm high.
-    let field = synth::generate(&Spec::new(Kind::Sinusoid))?;
+    let field = synth::generate(&Spec::new(SurfaceKind::Sinusoid))?;
     // Light of a coherence length of 20 µm; the window's standard deviation is a quarter of it.
     // Spectra and table both err: half of the tolerance for the spectra leaves most of it to the table.
     let settings = PowerSettings::new(20.0 / 4.0, Beyond::Copies, 0.5 * TOLERANCE);

@@ -9,7 +9,7 @@ fn main() -> Result<()> {
     let device = Device::open(Arc::new(Instance::new(false)?), &DeviceChoice::Any)?;
     let scene = Scene::open("snake")?;
     // Scales of a snake of the genus Elaphe.
-    let field = synth::generate(&Spec { seed: 1, ..Spec::new(Kind::Elaphe) })?;
+    let field = synth::generate(&Spec { seed: 1, ..Spec::new(SurfaceKind::Elaphe) })?;
     let mut settings = PictureSettings::new([320, 240]);
     // The relative error that is accepted. A fifth of it takes five times as long, once: what is computed stays in the cache.
     settings.optics.shading.tolerance = 5e-2;

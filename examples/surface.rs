@@ -13,7 +13,7 @@ fn main() -> Result<()> {
     let spacing = PERIOD / 16.0;
     let wave = |x: f64| (TAU * x / PERIOD).cos();
     let field = HeightField::from_fn(192, 192, [spacing, spacing], |x, y| 0.1 * wave(x) * wave(y))?;
-    let mut surface = MeanReference::new(Mean::in_sunlight(&field, 1.5), &Illuminant::D65, 0.38);
+    let mut surface = MeanReference::new(MeanBrdf::in_sunlight(&field, 1.5), &Illuminant::D65, 0.38);
 
     // Light from the normal leaves along the diagonals. The brightest direction of each wavelength is its first order.
     let angles: Vec<f64> = (0..5000).map(|i| 10.0 + 0.01 * f64::from(i)).collect();

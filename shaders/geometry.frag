@@ -113,7 +113,7 @@ vec3 toward(int light) {
     return is_lamp(light) ? frame.lights[light].xyz - world : frame.lights[light].xyz;
 }
 
-// How bright a light is here, beside how bright it is at distance 1 straight before it: `Place::falloff` of src/scene/incident.rs.
+// How bright a light is here, beside how bright it is at distance 1 straight before it: `LampPoint::falloff` of src/scene/incident.rs.
 float falloff(int light) {
     vec3 from = -toward(light);
     vec4 emitter = frame.emitters[light];

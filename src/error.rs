@@ -5,7 +5,7 @@ use std::fmt;
 
 /// Whose turn it is to act; decides the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ErrorKind {
     /// The request itself cannot be meant (exit code 2).
     Usage,
     /// The request was sound, the work failed (exit code 1).
@@ -132,7 +132,7 @@ impl<const N: usize> From<[Remedy; N]> for Remedies {
 /// An error with a remedy. Displays as one line: `what; remedy`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Error {
-    kind: Kind,
+    kind: ErrorKind,
     what: String,
     remedies: Vec<Remedy>,
 }
@@ -143,12 +143,12 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 impl Error {
     /// Wrong use: an option, a value or a combination that cannot be meant.
     pub fn usage(what: impl Into<String>, remedies: impl Into<Remedies>) -> Self {
-        Self { kind: Kind::Usage, what: what.into(), remedies: remedies.into().0 }
+        Self { kind: ErrorKind::Usage, what: what.into(), remedies: remedies.into().0 }
     }
 
     /// Failed work: a file, a device or a computation that did not do what was asked.
     pub fn failed(what: impl Into<String>, remedies: impl Into<Remedies>) -> Self {
-        Self { kind: Kind::Failed, what: what.into(), remedies: remedies.into().0 }
+        Self { kind: ErrorKind::Failed, what: what.into(), remedies: remedies.into().0 }
     }
 
     /// The same error with `place` (a file, a line, an option) named in front.
@@ -166,7 +166,7 @@ impl Error {
     }
 
     /// Whose turn it is to act.
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> ErrorKind {
         self.kind
     }
 
@@ -178,8 +178,8 @@ impl Error {
     /// The process exit code that belongs to this error.
     pub fn exit_code(&self) -> u8 {
         match self.kind {
-            Kind::Failed => 1,
-            Kind::Usage => 2,
+            ErrorKind::Failed => 1,
+            ErrorKind::Usage => 2,
         }
     }
 

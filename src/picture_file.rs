@@ -12,14 +12,14 @@ use std::path::Path;
 
 /// A picture file's format, by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum PictureFormat {
     /// 8-bit sRGB, as displayed over the background; alpha is the coverage.
     Png,
     /// Linear radiance, signed 32-bit float RGBA, before exposure; alpha is the coverage, and colours are premultiplied by it.
     Exr,
 }
 
-impl Format {
+impl PictureFormat {
     /// The format that a file name asks for.
     ///
     /// # Errors
@@ -64,11 +64,11 @@ impl Notes {
 ///
 /// # Errors
 /// Where the file cannot be written.
-pub fn write(path: &Path, format: Format, picture: &Picture, notes: &Notes) -> Result<()> {
+pub fn write(path: &Path, format: PictureFormat, picture: &Picture, notes: &Notes) -> Result<()> {
     output::write_atomically(path, |file| {
         let encoded = match format {
-            Format::Png => png(file, picture, notes),
-            Format::Exr => exr(file, picture, notes),
+            PictureFormat::Png => png(file, picture, notes),
+            PictureFormat::Exr => exr(file, picture, notes),
         };
         // Encoders wrap what the system says in words about their format; what is still to be written meets it again.
         encoded.map_err(|e| match file.flush() {
@@ -81,20 +81,20 @@ pub fn write(path: &Path, format: Format, picture: &Picture, notes: &Notes) -> R
 /// Writes `picture` to `path` in the format that its name asks for, without notes.
 ///
 /// # Errors
-/// As [`Format::of`] and [`write()`].
+/// As [`PictureFormat::of`] and [`write()`].
 pub fn save(path: impl AsRef<Path>, picture: &Picture) -> Result<()> {
     let path = path.as_ref();
-    write(path, Format::of(path)?, picture, &Notes::default())
+    write(path, PictureFormat::of(path)?, picture, &Notes::default())
 }
 
 /// What the picture file `path` says under `name` among its [`Notes::more`]; `None` where it says nothing, or is no picture that can be read.
 pub fn note(path: &Path, name: &str) -> Option<String> {
-    match Format::of(path).ok()? {
-        Format::Png => {
+    match PictureFormat::of(path).ok()? {
+        PictureFormat::Png => {
             let reader = png::Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
             reader.info().utf8_text.iter().find(|text| text.keyword == name)?.get_text().ok()
         }
-        Format::Exr => {
+        PictureFormat::Exr => {
             let meta = exr::meta::MetaData::read_from_file(path, false).ok()?;
             let comments = meta.headers.first()?.own_attributes.comments.as_ref()?.to_string();
             let value = |line: &str| Some(line.strip_prefix(name)?.strip_prefix(": ")?.to_owned());
@@ -195,8 +195,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (as_png, as_exr) = (folder.path().join("a.png"), folder.path().join("a.exr"));
         let picture = picture([5, 3]);
-        write(&as_png, Format::of(&as_png).unwrap(), &picture, &notes()).unwrap();
-        write(&as_exr, Format::of(&as_exr).unwrap(), &picture, &notes()).unwrap();
+        write(&as_png, PictureFormat::of(&as_png).unwrap(), &picture, &notes()).unwrap();
+        write(&as_exr, PictureFormat::of(&as_exr).unwrap(), &picture, &notes()).unwrap();
         let image::DynamicImage::ImageRgba8(pixels) = image::open(&as_png).unwrap() else { panic!("RGBA") };
         assert!(pixels.pixels().zip(&picture.display).all(|(a, b)| a.0[..3] == b[..3]));
         // Alpha is the coverage.
@@ -232,7 +232,7 @@ mod tests {
         // 12 × 9 tiles, enough for threads to overtake each other.
         let picture = picture([740, 530]);
         let bytes = || {
-            write(&path, Format::Exr, &picture, &notes()).unwrap();
+            write(&path, PictureFormat::Exr, &picture, &notes()).unwrap();
             std::fs::read(&path).unwrap()
         };
         let first = bytes();
@@ -244,8 +244,8 @@ mod tests {
     #[test]
     fn other_names_are_refused() {
         for name in ["a", "a.jpg", "png", "a.png.gz"] {
-            assert_eq!(Format::of(Path::new(name)).unwrap_err().exit_code(), 2, "{name}");
+            assert_eq!(PictureFormat::of(Path::new(name)).unwrap_err().exit_code(), 2, "{name}");
         }
-        assert_eq!(Format::of(Path::new("A.PNG")).unwrap(), Format::Png);
+        assert_eq!(PictureFormat::of(Path::new("A.PNG")).unwrap(), PictureFormat::Png);
     }
 }

@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | a surface | [`HeightField`] from a function or a file (with [`Wish`] for what the file does not say), or [`synth::generate`] |
 //! | the light | [`Coherence`], [`Illuminant`], and [`Pair`]s of [`direction`]s |
-//! | the BRDF of a pixel | [`MeanReference`] of a [`Mean`], asked through [`Brdf`] |
+//! | the BRDF of a pixel | [`MeanReference`] of a [`MeanBrdf`], asked through [`Brdf`] |
 //! | the BRDF of one coherence window | [`DirectSum`] of a [`Reference`], asked through [`Brdf`] |
 //! | many colours fast | [`power_spectra`], then [`bake`] a [`ColorTable`], then a [`TableReader`] |
 #![cfg_attr(
@@ -12,7 +12,7 @@
     doc = "| a picture | [`Device::open`], a [`Scene`], [`setup::picture`], [`picture_file::save`] |"
 )]
 
-pub use crate::brdf::mean::Mean;
+pub use crate::brdf::mean::MeanBrdf;
 pub use crate::brdf::{Brdf, DirectSum, MeanReference};
 pub use crate::error::{Error, Result};
 pub use crate::optics::coherence::{Beyond, Coherence, Windows};
@@ -25,7 +25,7 @@ pub use crate::scene::Scene;
 pub use crate::spectra::power::{PowerSettings, PowerSpectra, power_spectra};
 pub use crate::surface::HeightField;
 pub use crate::surface::files::Wish;
-pub use crate::surface::synth::{self, Kind, Spec};
+pub use crate::surface::synth::{self, Spec, SurfaceKind};
 pub use crate::table::{ColorTable, TableReader, TableSettings, bake};
 
 #[cfg(feature = "vulkan")]

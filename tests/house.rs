@@ -371,3 +371,49 @@ fn literals_and_words_of_the_command_line_are_found() {
         assert!(!names_the_command_line(text), "{text}");
     }
 }
+
+/// The names of the types that `code` declares outside of comments and test modules.
+fn types(code: &str) -> Vec<String> {
+    // A test module that is a file of its own may be named in the middle.
+    let has_body = |line: &str| line.contains("mod ") && line.ends_with('{');
+    let is_inside = |(at, _): &(usize, &str)| code[*at..].lines().nth(1).is_some_and(has_body);
+    let end = code.match_indices("#[cfg(test)]").find(is_inside).map_or(code.len(), |(at, _)| at);
+    let declared = |line: &str| {
+        let is_visibility = |word: &&str| word.starts_with("pub") || word.ends_with(')');
+        let mut words = line.split_whitespace().skip_while(is_visibility);
+        let kind = words.next()?;
+        let name = words.next().filter(|_| ["struct", "enum", "trait"].contains(&kind))?;
+        Some(name.chars().take_while(|c| c.is_alphanumeric()).collect())
+    };
+    code[..end].lines().filter_map(declared).filter(|name: &String| !name.is_empty()).collect()
+}
+
+#[test]
+fn a_type_name_stands_for_one_type() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let is_test = |file: &Path| file.to_string_lossy().ends_with("tests.rs");
+    // What clap reads a command into, always used with the module of the command: `brdf::Arguments`.
+    let is_of_command =
+        |file: &Path, name: &str| file.starts_with("cli") && ["Arguments", "Command"].contains(&name);
+    let mut known: BTreeMap<String, PathBuf> = BTreeMap::new();
+    for file in sources().into_iter().filter(|file| !is_test(file)) {
+        for name in types(&std::fs::read_to_string(root.join(&file)).unwrap()) {
+            if is_of_command(&file, &name) {
+                continue;
+            }
+            if let Some(other) = known.insert(name.clone(), file.clone()) {
+                panic!(
+                    "`{name}` is a type of src/{} and another one of src/{}: name each by what it alone is",
+                    other.display(),
+                    file.display()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn types_are_found() {
+    let code = "pub struct A<'a> {\nstruct B(u8);\n    pub(super) enum C {\npub(in crate::render) trait D: E {\n// struct F\n/// enum G\nstruct $name;\nconst H: I = J;\n#[cfg(test)]\nmod k;\nstruct L;\n#[cfg(test)]\nmod tests {\nstruct M;";
+    assert_eq!(types(code), ["A", "B", "C", "D", "L"]);
+}

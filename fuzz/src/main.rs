@@ -1,11 +1,11 @@
 //! Fuzzes one of the program's readers: `READER=mesh cargo +nightly fuzz run read`.
 #![no_main]
 
-use diffract::cli::untrusted::{READERS, Reader};
+use diffract::cli::untrusted::{READERS, UntrustedReader};
 use std::sync::LazyLock;
 
 /// The reader that the environment variable `READER` names.
-static READER: LazyLock<Reader> = LazyLock::new(|| {
+static READER: LazyLock<UntrustedReader> = LazyLock::new(|| {
     let name = std::env::var("READER").unwrap_or_default();
     let names: Vec<_> = READERS.iter().map(|reader| reader.name).collect();
     *READERS

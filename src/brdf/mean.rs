@@ -1,7 +1,7 @@
 //! The mean over coherence areas in f64: a direct sum over the samples for a few directions, and Fourier transforms at
 //! Chebyshev nodes in z for many. See [`crate::spectra::power`] for the formula.
 
-use super::pyramid::{self, Level, Line};
+use super::pyramid::{self, GridLine, PyramidLevel};
 use super::spread::{CUT, Spread};
 use super::{Brdf, without_cosine};
 use crate::error::Result;
@@ -33,7 +33,7 @@ const ALIAS_LEVEL: f64 = 1e-9;
 
 /// A surface whose mean response is asked for.
 #[derive(Clone, Debug)]
-pub struct Mean<'a> {
+pub struct MeanBrdf<'a> {
     /// The height field.
     pub field: &'a HeightField,
     /// Standard deviation of the coherence window \[µm\], a quarter of the coherence length.
@@ -44,14 +44,14 @@ pub struct Mean<'a> {
     pub reflectance: Reflectance,
 }
 
-impl<'a> Mean<'a> {
+impl<'a> MeanBrdf<'a> {
     /// What a pixel sees of copies of `field`, which reflects by `reflectance` (a number is a refractive index), in sunlight.
     pub fn in_sunlight(field: &'a HeightField, reflectance: impl Into<Reflectance>) -> Self {
         Self { field, sigma: SUNLIGHT_LENGTH / 4.0, beyond: Beyond::Copies, reflectance: reflectance.into() }
     }
 }
 
-impl Mean<'_> {
+impl MeanBrdf<'_> {
     /// Whether the samples hold the frequency `f` \[µm⁻¹\]: beyond 1/(2dx) the response is 0.
     fn holds(&self, f: DVec2) -> bool {
         let [dx, dy] = self.field.pixel_size();
@@ -159,7 +159,7 @@ impl Mean<'_> {
 
 /// Which orders are summed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Orders {
+pub enum SummedOrders {
     /// All of them.
     All,
     /// All but the specular one.
@@ -168,7 +168,7 @@ pub enum Orders {
 
 /// The mean with every order's power as a Chebyshev series in z.
 pub struct TabulatedMean<'a> {
-    mean: Mean<'a>,
+    mean: MeanBrdf<'a>,
     grid: OrderGrid,
     z_max: f64,
     terms: usize,
@@ -177,7 +177,7 @@ pub struct TabulatedMean<'a> {
     // Coefficients of |c_0|².
     specular: Vec<f64>,
     // Made when an average over many orders is first asked for.
-    levels: OnceLock<Vec<Level>>,
+    levels: OnceLock<Vec<PyramidLevel>>,
 }
 
 impl<'a> TabulatedMean<'a> {
@@ -185,7 +185,7 @@ impl<'a> TabulatedMean<'a> {
     ///
     /// # Errors
     /// Where memory does not suffice; what `progress` returns.
-    pub fn new(mean: Mean<'a>, shortest: f64, progress: Progress<'_>) -> Result<Self> {
+    pub fn new(mean: MeanBrdf<'a>, shortest: f64, progress: Progress<'_>) -> Result<Self> {
         let z_max = 4.0 * PI / shortest;
         let (low, high) = mean.field.range();
         let terms = (0.5 * z_max * (high - low)).ceil() as usize + MORE_NODES;
@@ -222,7 +222,7 @@ impl<'a> TabulatedMean<'a> {
         Ok(Self { mean, grid, z_max, terms, orders, specular, levels: OnceLock::new() })
     }
 
-    /// ⟨|P|²⟩/A \[µm²\] as [`Mean::power`].
+    /// ⟨|P|²⟩/A \[µm²\] as [`MeanBrdf::power`].
     pub fn power(&self, uvw: DVec3, q: f64, around: &Covariance) -> f64 {
         let f = -uvw.truncate() * q;
         let lobe = Spread::new(Blur::of_coherence(self.mean.sigma), around, q);
@@ -306,11 +306,11 @@ impl<'a> TabulatedMean<'a> {
         Some(&self.orders[begin..begin + self.terms])
     }
 
-    fn make_levels(&self) -> Vec<Level> {
+    fn make_levels(&self) -> Vec<PyramidLevel> {
         let line = |axis: usize| {
             let (size, origin) = (self.grid.size[axis], self.grid.origin[axis] as i64);
             let wraps = self.grid.periodic[axis];
-            Line { first: if wraps { 0 } else { -origin }, size, wraps }
+            GridLine { first: if wraps { 0 } else { -origin }, size, wraps }
         };
         let grid = [line(0), line(1)];
         pyramid::levels(grid, self.terms, |x, y| self.order(x, y))
@@ -347,7 +347,7 @@ impl<'a> TabulatedMean<'a> {
         &self,
         illuminant: &Illuminant,
         pairs: &[(Pair, Covariance)],
-        orders: Orders,
+        orders: SummedOrders,
         progress: Progress<'_>,
     ) -> Result<Vec<DVec3>> {
         const AT_ONCE: usize = 1024;
@@ -361,8 +361,8 @@ impl<'a> TabulatedMean<'a> {
             colours.par_extend(pairs_now.par_iter().zip(counts_now).map(|((pair, around), count)| {
                 combs.get(count).map_or(DVec3::ZERO, |nodes| {
                     integral(nodes, |wavelength| match orders {
-                        Orders::All => self.cosine_weighted(pair, wavelength, around),
-                        Orders::Scattered => {
+                        SummedOrders::All => self.cosine_weighted(pair, wavelength, around),
+                        SummedOrders::Scattered => {
                             self.weighted(pair, wavelength, |uvw, q| self.scattered_power(uvw, q, around))
                         }
                     })
@@ -412,7 +412,7 @@ impl<'a> TabulatedMean<'a> {
 
 /// The mean as a [`Brdf`]: a direct sum for the first few single wavelengths, and the table of all orders once there are many, or for colours.
 pub struct MeanReference<'a> {
-    mean: Mean<'a>,
+    mean: MeanBrdf<'a>,
     illuminant: &'a Illuminant,
     shortest: f64,
     answered: usize,
@@ -425,7 +425,7 @@ const WORTH_A_TABLE: usize = 24;
 
 impl<'a> MeanReference<'a> {
     /// For wavelengths from `shortest` \[µm\], and colours under `illuminant`.
-    pub fn new(mean: Mean<'a>, illuminant: &'a Illuminant, shortest: f64) -> Self {
+    pub fn new(mean: MeanBrdf<'a>, illuminant: &'a Illuminant, shortest: f64) -> Self {
         Self { mean, illuminant, shortest, answered: 0, table: None, too_large: false }
     }
 
@@ -462,7 +462,7 @@ impl Brdf for MeanReference<'_> {
     fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>> {
         let illuminant = self.illuminant;
         let asked: Vec<_> = pairs.iter().map(|pair| (*pair, Covariance::default())).collect();
-        let weighted = self.table()?.xyz(illuminant, &asked, Orders::All, &|_, _| Ok(()))?;
+        let weighted = self.table()?.xyz(illuminant, &asked, SummedOrders::All, &|_, _| Ok(()))?;
         Ok(pairs.iter().zip(weighted).map(|(pair, f)| without_cosine(pair, f)).collect())
     }
 
@@ -496,7 +496,7 @@ mod tests {
     use crate::optics::coherence::Coherence;
     use crate::optics::geometry::direction;
     use crate::optics::reference::Reference;
-    use crate::surface::synth::{self, Kind, Spec};
+    use crate::surface::synth::{self, Spec, SurfaceKind};
 
     fn rough() -> HeightField {
         let heights = (0..24 * 20).map(|i| 0.15 * ((i * 37 % 101) as f64 * 0.7).sin()).collect();
@@ -517,8 +517,11 @@ mod tests {
     #[test]
     fn averages_over_many_orders_are_the_sum_over_all_of_them() {
         let elaphe = |spacing: f64| {
-            let spec =
-                Spec { patch: Some([12.0, 8.0]), pixel_size: Some([spacing; 2]), ..Spec::new(Kind::Elaphe) };
+            let spec = Spec {
+                patch: Some([12.0, 8.0]),
+                pixel_size: Some([spacing; 2]),
+                ..Spec::new(SurfaceKind::Elaphe)
+            };
             synth::generate(&spec).unwrap()
         };
         let rough = |width: usize, height: usize| {
@@ -528,7 +531,7 @@ mod tests {
         // Of samples 0.25 µm apart the orders wrap around, and may be odd in number.
         for field in [elaphe(0.1), elaphe(0.25), rough(48, 34), rough(49, 33)] {
             let name = (field.columns(), field.rows());
-            let mean = Mean::in_sunlight(&field, 1.5);
+            let mean = MeanBrdf::in_sunlight(&field, 1.5);
             let table = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
             for (uu, uv, vv) in [(0.02, 0.0, 0.02), (0.2, 0.05, 0.03), (0.3, -0.1, 0.3), (1e-3, 0.0, 0.2)] {
                 let around = Covariance { uu, uv, vv };
@@ -549,11 +552,12 @@ mod tests {
 
     #[test]
     fn the_transforms_give_the_direct_sum() {
-        for field in
-            [rough(), synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(Kind::Blaze) }).unwrap()]
-        {
+        for field in [
+            rough(),
+            synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(SurfaceKind::Blaze) }).unwrap(),
+        ] {
             for beyond in [Beyond::Copies, Beyond::Alike] {
-                let mean = Mean { field: &field, sigma: 2.0, beyond, reflectance: 1.5.into() };
+                let mean = MeanBrdf { field: &field, sigma: 2.0, beyond, reflectance: 1.5.into() };
                 let table = TabulatedMean::new(mean.clone(), 0.38, &|_, _| Ok(())).unwrap();
                 for around in [Covariance::default(), Covariance { uu: 4e-4, uv: 1e-4, vv: 1e-3 }] {
                     for directions in DIRECTIONS {
@@ -578,7 +582,7 @@ mod tests {
         let field = rough();
         let moved = field.moved(7, 3);
         let of = |field| {
-            let mean = Mean { field, sigma: 0.75, beyond: Beyond::Copies, reflectance: 1.5.into() };
+            let mean = MeanBrdf { field, sigma: 0.75, beyond: Beyond::Copies, reflectance: 1.5.into() };
             DIRECTIONS.map(|d| mean.brdf(&pair(d), 0.5))
         };
         for (a, b) in of(&field).into_iter().zip(of(&moved)) {
@@ -589,7 +593,7 @@ mod tests {
     #[test]
     fn a_footprint_is_the_average_over_its_directions() {
         let field = rough();
-        let mean = Mean { field: &field, sigma: 1.0, beyond: Beyond::Copies, reflectance: 1.5.into() };
+        let mean = MeanBrdf { field: &field, sigma: 1.0, beyond: Beyond::Copies, reflectance: 1.5.into() };
         let around = Covariance { uu: 9e-4, uv: 2e-4, vv: 4e-4 };
         let uvw = DVec3::new(0.3, -0.2, -1.6);
         // A grid of directions with the weights of the normal distribution.
@@ -611,7 +615,7 @@ mod tests {
     fn the_mean_over_all_windows_is_what_many_windows_tend_to() {
         let field = rough();
         let coherence = Coherence::Gaussian { length: 3.0 };
-        let mean = Mean { field: &field, sigma: 0.75, beyond: Beyond::Copies, reflectance: 1.5.into() };
+        let mean = MeanBrdf { field: &field, sigma: 0.75, beyond: Beyond::Copies, reflectance: 1.5.into() };
         for directions in DIRECTIONS {
             let pair = pair(directions);
             let exact = mean.brdf(&pair, 0.55);

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Series at points between the orders, blurred.
-pub(super) struct Level {
+pub(super) struct PyramidLevel {
     /// Orders from point to point along x and y.
     pub step: [f64; 2],
     /// Variance of the blur along x and y \[orders²\], at least the square of `step`.
@@ -21,7 +21,7 @@ pub(super) struct Level {
 
 /// Points along an axis, by number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Line {
+pub(super) struct GridLine {
     /// Number of the first; 0 where they wrap around.
     pub first: i64,
     /// How many there are.
@@ -31,9 +31,9 @@ pub(super) struct Line {
 }
 
 /// Points along x and y.
-pub(super) type Grid = [Line; 2];
+pub(super) type Grid = [GridLine; 2];
 
-impl Line {
+impl GridLine {
     fn place(&self, number: i64) -> Option<usize> {
         if self.wraps {
             return Some(number.rem_euclid(self.size as i64) as usize);
@@ -55,7 +55,7 @@ impl Line {
     }
 }
 
-impl Level {
+impl PyramidLevel {
     /// The series of point (x, y); `None` where nothing reaches.
     pub fn at(&self, x: i64, y: i64) -> Option<&[f32]> {
         let [columns, rows] = &self.grid;
@@ -72,11 +72,11 @@ pub(super) fn levels<'a>(
     grid: Grid,
     terms: usize,
     orders: impl Fn(i64, i64) -> Option<&'a [f32]> + Sync,
-) -> Vec<Level> {
+) -> Vec<PyramidLevel> {
     /// Points along the longer side of the last level.
     const FEWEST: usize = 32;
     let goes_on = |grid: &Grid| grid.iter().any(|line| line.size > FEWEST);
-    let mut levels: Vec<Level> = Vec::new();
+    let mut levels: Vec<PyramidLevel> = Vec::new();
     if goes_on(&grid) {
         levels.push(thinned(grid, NARROWEST[0].sqrt(), terms, &orders));
     }
@@ -99,7 +99,7 @@ struct Gathered {
 }
 
 /// What each point of `next`, `step` points of another line apart, gathers from that line by a Gaussian of standard deviation `blur` \[points\].
-fn gathered(next: &Line, step: f64, blur: f64) -> Vec<Gathered> {
+fn gathered(next: &GridLine, step: f64, blur: f64) -> Vec<Gathered> {
     let density = |x: f64| (-0.5 * (x / blur).powi(2)).exp() / ((2.0 * PI).sqrt() * blur);
     let at = |number: i64| {
         let centre = number as f64 * step;
@@ -116,7 +116,7 @@ fn thinned<'a>(
     blur: f64,
     terms: usize,
     at: &(impl Fn(i64, i64) -> Option<&'a [f32]> + Sync),
-) -> Level {
+) -> PyramidLevel {
     let lines = grid.map(|line| line.thinned(CUT * blur));
     let [gathered_x, gathered_y] = lines.map(|(line, step)| gathered(&line, step, blur));
     let (next, step) = (lines.map(|(line, _)| line), lines.map(|(_, step)| step));
@@ -140,5 +140,5 @@ fn thinned<'a>(
             add(out, line, weight);
         }
     });
-    Level { step, variance: [blur * blur; 2], grid: next, terms, series }
+    PyramidLevel { step, variance: [blur * blur; 2], grid: next, terms, series }
 }

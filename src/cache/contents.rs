@@ -36,7 +36,7 @@ pub struct Usage {
 }
 
 /// A kept result.
-struct Entry {
+struct CacheEntry {
     path: PathBuf,
     kind: String,
     bytes: u64,
@@ -55,7 +55,7 @@ fn kind_of(name: &str) -> Option<&str> {
 }
 
 /// All results in `folder`. Links and everything else that is no regular file are left alone.
-fn entries(folder: &Path) -> std::io::Result<Vec<Entry>> {
+fn entries(folder: &Path) -> std::io::Result<Vec<CacheEntry>> {
     let now = SystemTime::now();
     let entry = |file: fs::DirEntry| {
         let name = file.file_name();
@@ -65,12 +65,12 @@ fn entries(folder: &Path) -> std::io::Result<Vec<Entry>> {
         let used = metadata.accessed().unwrap_or(SystemTime::UNIX_EPOCH);
         // A time in the future says that a clock was wrong, not that the file was used last.
         let used = if used > now { SystemTime::UNIX_EPOCH } else { used };
-        Some(Entry { path: file.path(), kind, bytes: metadata.len(), used })
+        Some(CacheEntry { path: file.path(), kind, bytes: metadata.len(), used })
     };
     Ok(fs::read_dir(folder)?.flatten().filter_map(entry).collect())
 }
 
-fn summary(entries: &[Entry]) -> Contents {
+fn summary(entries: &[CacheEntry]) -> Contents {
     let mut kinds = BTreeMap::<String, Usage>::new();
     for entry in entries {
         let usage = kinds.entry(entry.kind.clone()).or_default();
@@ -100,7 +100,7 @@ pub(super) fn clear(folder: &Path) -> Result<Contents> {
     Ok(summary(&entries))
 }
 
-fn listed(folder: &Path) -> Result<Vec<Entry>> {
+fn listed(folder: &Path) -> Result<Vec<CacheEntry>> {
     if matches!(fs::symlink_metadata(folder), Err(e) if e.kind() == std::io::ErrorKind::NotFound) {
         return Ok(vec![]);
     }

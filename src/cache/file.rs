@@ -1,7 +1,7 @@
 //! The file of a kept result: magic, key, length of the header \[bytes, u64, little endian\], header (JSON), payload (raw
 //! numbers in this machine's byte order), BLAKE3 of everything before it.
 
-use super::key::{Format, Key};
+use super::key::{EntryFormat, Key};
 use crate::error::{Error, Result};
 use bytemuck::Pod;
 use half::f16;
@@ -45,7 +45,7 @@ pub(super) struct Head {
 impl Head {
     /// The head of a file of `key` with `header` and `payload`.
     pub(super) fn new(
-        format: &Format,
+        format: &EntryFormat,
         key: &Key,
         header: &impl Serialize,
         payload: &[&[u8]],
@@ -87,7 +87,7 @@ pub(super) fn write(file: &mut impl Write, head: &Head, payload: &[&[u8]]) -> io
 
 /// A file of `key` with `header` as its header, whatever that is, with `payload` and the check sum that belongs to them:
 /// what an attacker would leave in the folder who knows the format.
-pub fn seal(format: &Format, key: &Key, header: &serde_json::Value, payload: &[u8]) -> Vec<u8> {
+pub fn seal(format: &EntryFormat, key: &Key, header: &serde_json::Value, payload: &[u8]) -> Vec<u8> {
     let mut file = Vec::new();
     if let Ok(head) = Head::new(format, key, header, &[payload]) {
         // Writing to memory does not fail.
@@ -100,7 +100,7 @@ pub fn seal(format: &Format, key: &Key, header: &serde_json::Value, payload: &[u
 pub fn read<H: DeserializeOwned, T>(
     file: &mut impl Read,
     size: u64,
-    format: &Format,
+    format: &EntryFormat,
     key: &Key,
     memory_limit: u64,
     build: impl FnOnce(H, &mut Payload<'_>) -> Option<T>,

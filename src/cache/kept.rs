@@ -1,13 +1,13 @@
 //! Kinds of results, each with the form of its files.
 
-use super::{Format, Key, Payload, Store};
+use super::{EntryFormat, Key, Payload, Store};
 use crate::error::Result;
 use serde::{Serialize, de::DeserializeOwned};
 
 /// A kind of result that a [`Store`] keeps.
 pub trait Kept: Sized {
     /// Name and version of its files.
-    const FORMAT: Format;
+    const FORMAT: EntryFormat;
     /// Everything of a result but its long arrays of numbers.
     type Header: Serialize + DeserializeOwned;
 

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 /// A kind of kept result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Format {
+pub struct EntryFormat {
     /// Its name in the plural, which is the extension of its files: lower-case letters and `-`.
     pub name: &'static str,
     /// Changes whenever the result of the same settings would change.
@@ -26,9 +26,9 @@ impl Key {
     ///
     /// # Errors
     /// Settings that JSON cannot hold, such as maps whose keys are no text.
-    pub fn new(format: &Format, settings: &impl Serialize, field: &HeightField) -> Result<Self> {
+    pub fn new(format: &EntryFormat, settings: &impl Serialize, field: &HeightField) -> Result<Self> {
         let mut hasher = blake3::Hasher::new();
-        let Format { name, version } = format;
+        let EntryFormat { name, version } = format;
         let json = serde_json::to_vec(&(name, version, settings)).map_err(|e| {
             Error::failed(format!("the settings are no key ({e})"), "report this as a bug of diffract")
         })?;

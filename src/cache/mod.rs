@@ -1,6 +1,6 @@
 //! Results of long computations kept on disk, so that the next run need not repeat them.
 //!
-//! One folder, `$XDG_CACHE_HOME/diffract` or `~/.cache/diffract`, holds all of them. A [`Format`] names a kind of result
+//! One folder, `$XDG_CACHE_HOME/diffract` or `~/.cache/diffract`, holds all of them. A [`EntryFormat`] names a kind of result
 //! and its version, a [`Key`] is a hash of everything that a result depends on, and a [`Store`] loads and saves.
 //!
 //! - A file appears whole or not at all: it is written beside its place and renamed. A file that is damaged, foreign or
@@ -17,7 +17,7 @@ mod key;
 pub use contents::{Contents, Usage};
 pub use file::{Payload, read, seal};
 pub use kept::{Kept, count, positive};
-pub use key::{Format, Key};
+pub use key::{EntryFormat, Key};
 
 use crate::error::{Error, Remedy, Result};
 use crate::memory;
@@ -72,7 +72,7 @@ impl Store {
     }
 
     /// Where the result of `key` is kept.
-    pub fn path(&self, format: &Format, key: &Key) -> PathBuf {
+    pub fn path(&self, format: &EntryFormat, key: &Key) -> PathBuf {
         self.folder.join(format!("{}.{}", key.to_hex(), format.name))
     }
 
@@ -86,7 +86,7 @@ impl Store {
     /// `memory_limit` bytes or than the memory that is free.
     pub fn load<H: DeserializeOwned, T>(
         &self,
-        format: &Format,
+        format: &EntryFormat,
         key: &Key,
         memory_limit: u64,
         build: impl FnOnce(H, &mut Payload<'_>) -> Option<T>,
@@ -110,7 +110,13 @@ impl Store {
     /// # Errors
     /// Where the file is larger than the limit, where the folder is not the user's alone, where the file cannot be
     /// written. The result itself is still good.
-    pub fn save(&self, format: &Format, key: &Key, header: &impl Serialize, payload: &[&[u8]]) -> Result<()> {
+    pub fn save(
+        &self,
+        format: &EntryFormat,
+        key: &Key,
+        header: &impl Serialize,
+        payload: &[&[u8]],
+    ) -> Result<()> {
         let place = self.path(format, key);
         let head = file::Head::new(format, key, header, payload)?;
         let size = head.file_bytes();

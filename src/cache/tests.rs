@@ -4,7 +4,7 @@ use serde::Deserialize;
 use std::fs::{self, File};
 use std::time::{Duration, SystemTime};
 
-const FORMAT: Format = Format { name: "numbers", version: 3 };
+const FORMAT: EntryFormat = EntryFormat { name: "numbers", version: 3 };
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -71,9 +71,9 @@ fn what_is_saved_is_loaded_exactly_and_nothing_else_is() {
     assert_eq!(folder.load(&key), Some(saved));
     assert_eq!(folder.names(), 1);
     assert_eq!(folder.load(&Key::named("b")), None);
-    let newer = Format { version: 4, ..FORMAT };
+    let newer = EntryFormat { version: 4, ..FORMAT };
     assert_eq!(folder.store.load(&newer, &key, 1 << 20, build), None, "another version");
-    let others = Format { name: "others", ..FORMAT };
+    let others = EntryFormat { name: "others", ..FORMAT };
     fs::copy(folder.path(&key), folder.store.path(&others, &key)).unwrap();
     assert_eq!(folder.store.load(&others, &key, 1 << 20, build), None, "another kind");
     fs::copy(folder.path(&key), folder.path(&Key::named("b"))).unwrap();
@@ -171,8 +171,8 @@ fn every_setting_its_name_the_heights_and_the_format_change_the_key() {
         Key::new(&FORMAT, &settings, &field(heights.clone(), 4)).unwrap(),
         Key::new(&FORMAT, &settings, &field(heights.clone(), 1)).unwrap(),
         Key::new(&FORMAT, &Renamed { a: 0.1, c: None }, &field(heights.clone(), 2)).unwrap(),
-        Key::new(&Format { version: 4, ..FORMAT }, &settings, &field(heights.clone(), 2)).unwrap(),
-        Key::new(&Format { name: "others", ..FORMAT }, &settings, &field(heights.clone(), 2)).unwrap(),
+        Key::new(&EntryFormat { version: 4, ..FORMAT }, &settings, &field(heights.clone(), 2)).unwrap(),
+        Key::new(&EntryFormat { name: "others", ..FORMAT }, &settings, &field(heights.clone(), 2)).unwrap(),
     ];
     let wider = crate::surface::HeightField::new(2, 2, [0.1, 0.3], heights.clone()).unwrap();
     let wide = crate::surface::HeightField::new(2, 2, [0.3, 0.2], heights.clone()).unwrap();

@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .reads(arguments.optics.files())
         .writes(&arguments.output)
         .check()?;
-    let table = Table::read(&arguments.queries)?;
+    let table = QueryTable::read(&arguments.queries)?;
     if table.single_wavelengths {
         check_single_wavelengths(arguments.optics.method())?;
     }
@@ -87,14 +87,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// The file's columns as they were, and what they ask.
-pub(super) struct Table {
+pub(super) struct QueryTable {
     header: Vec<String>,
     rows: Vec<Vec<String>>,
     queries: Vec<Query>,
     single_wavelengths: bool,
 }
 
-impl Table {
+impl QueryTable {
     fn read(path: &Path) -> Result<Self> {
         let text = input::read_text(path, "a CSV file of directions")?;
         Self::parse(&text).map_err(|e| e.at(path.display()))
@@ -196,18 +196,19 @@ mod tests {
     #[test]
     fn queries_are_read_in_any_column_order_and_answered_beside_their_own_columns() {
         let table =
-            Table::parse("name,phi_r,theta_r,theta_i,phi_i,wavelength\n\"a,b\",90,30,10,0,550\n").unwrap();
+            QueryTable::parse("name,phi_r,theta_r,theta_i,phi_i,wavelength\n\"a,b\",90,30,10,0,550\n")
+                .unwrap();
         assert_eq!(table.queries[0].wavelength, Some(0.55));
         assert_eq!(table.queries[0].pair.view, direction(30.0, 90.0));
         let answer = table.answered(&[DVec3::splat(0.5)]).unwrap();
         assert_eq!(answer, "name,phi_r,theta_r,theta_i,phi_i,wavelength,brdf\n\"a,b\",90,30,10,0,550,5e-1\n");
-        let colour = Table::parse("theta_i,phi_i,theta_r,phi_r\n0,0,0,0\n").unwrap();
+        let colour = QueryTable::parse("theta_i,phi_i,theta_r,phi_r\n0,0,0,0\n").unwrap();
         assert!(colour.answered(&[DVec3::ONE]).unwrap().contains("phi_r,X,Y,Z\n0,0,0,0,1e0,1e0,1e0\n"));
     }
 
     #[test]
     fn bad_rows_are_refused_by_line() {
-        let error = |text: &str| Table::parse(text).err().unwrap().to_string();
+        let error = |text: &str| QueryTable::parse(text).err().unwrap().to_string();
         let header = "theta_i,phi_i,theta_r,phi_r,wavelength";
         assert!(error(&format!("{header}\n0,0,0,0,550\n0,0,x,0,550\n")).contains("line 3"));
         assert!(error(&format!("{header}\n0,0,0,0,-550\n")).contains("-550"));

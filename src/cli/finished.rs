@@ -1,6 +1,6 @@
 //! Which pictures of a sequence an earlier run finished: each says in its file what it was drawn from.
 
-use crate::cache::{Format, Key};
+use crate::cache::{EntryFormat, Key};
 use crate::error::{Error, Result};
 use crate::picture_file;
 use crate::render::frame::View;
@@ -11,16 +11,16 @@ use crate::setup::ObjectSurface;
 use std::fmt::Debug;
 use std::path::Path;
 
-/// The note of a picture file that [`Origin::note`] is the value of.
+/// The note of a picture file that [`SequenceOrigin::note`] is the value of.
 pub const NOTE: &str = "Drawn from";
 
 /// What the hash is of. Its version changes whenever the same settings lead to another picture.
-const SEQUENCES: Format = Format { name: "sequences", version: 1 };
+const SEQUENCES: EntryFormat = EntryFormat { name: "sequences", version: 1 };
 
 /// Everything that a sequence follows from.
-pub struct Origin(Key);
+pub struct SequenceOrigin(Key);
 
-impl Origin {
+impl SequenceOrigin {
     /// Of `sequence`, which begins with the view `first` of `scene`, whose objects have these `surfaces`, at an exposure that is `measured` or the
     /// scene's. What files hold counts, and not their names.
     ///

@@ -1,6 +1,6 @@
 //! `diffract render`: a scene into a file, or a sequence of pictures into numbered ones.
 
-use super::finished::{self, Origin};
+use super::finished::{self, SequenceOrigin};
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, Exposure, OpticsOptions, SurfaceOptions, ViewOptions,
     check_lights, sample_pixels,
@@ -14,7 +14,7 @@ use crate::measure::error;
 use crate::optics::coherence::Windows;
 use crate::optics::nufft;
 use crate::optics::spectrum::SHORTEST;
-use crate::picture_file::{self, Format, Notes};
+use crate::picture_file::{self, Notes, PictureFormat};
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::picture::Picture;
@@ -85,7 +85,7 @@ impl Arguments {
 /// Draws and writes.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
-    let format = Format::of(&arguments.output)?;
+    let format = PictureFormat::of(&arguments.output)?;
     let sequence = arguments.sequence.chosen()?;
     let outputs = match &sequence {
         Some(sequence) => sequence.files(&arguments.output),
@@ -121,8 +121,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let shaded = arguments.sample_pixels;
     let measured = arguments.view.exposure == Some(Exposure::Auto);
     let surfaces = ObjectSurface::of(&scene, &field, &settings.optics, &mut |s| s.load().map(Arc::new))?;
-    let work =
-        Work { scene: &scene, field: &field, surfaces: &surfaces, settings: &settings, shaded, measured };
+    let work = PictureWork {
+        scene: &scene,
+        field: &field,
+        surfaces: &surfaces,
+        settings: &settings,
+        shaded,
+        measured,
+    };
     let view = setup::own_view(&scene, &settings.optics.shading);
     let shots = shots(&arguments.output, sequence.as_ref(), &view, &work)?;
     let views = sequence.map_or_else(|| vec![view.clone()], |sequence| sequence.typical_views(&view));
@@ -130,7 +136,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// What all pictures of a run have in common.
-struct Work<'a> {
+struct PictureWork<'a> {
     scene: &'a Scene,
     field: &'a HeightField,
     /// Those of all objects.
@@ -150,14 +156,19 @@ struct Shot {
 }
 
 /// The one picture of `view`, or those of the `sequence` that begins with it and are not there yet.
-fn shots(output: &Path, sequence: Option<&Sequence>, view: &View, work: &Work<'_>) -> Result<Vec<Shot>> {
+fn shots(
+    output: &Path,
+    sequence: Option<&Sequence>,
+    view: &View,
+    work: &PictureWork<'_>,
+) -> Result<Vec<Shot>> {
     let notes = captions::notes(work.field);
     let Some(sequence) = sequence else {
         return Ok(vec![Shot { view: view.clone(), output: output.to_owned(), notes }]);
     };
     sequence.check(view)?;
     let settings = &(work.settings, work.shaded);
-    let origin = Origin::of(sequence, view, (work.scene, work.measured), work.surfaces, settings)?;
+    let origin = SequenceOrigin::of(sequence, view, (work.scene, work.measured), work.surfaces, settings)?;
     let mut shots = Vec::new();
     for frame in sequence.frames.clone() {
         let (output, note) = (sequence.file(output, frame), origin.note(frame));
@@ -176,13 +187,13 @@ fn shots(output: &Path, sequence: Option<&Sequence>, view: &View, work: &Work<'_
 /// Draws `shots` from one source, which is made for `views`, the first of which all exposures follow, and writes each as it is finished.
 fn draw(
     arguments: &Arguments,
-    format: Format,
-    work: &Work<'_>,
+    format: PictureFormat,
+    work: &PictureWork<'_>,
     views: &[View],
     shots: &[Shot],
 ) -> Result<()> {
     let Some(first) = shots.first() else { return Ok(()) };
-    let Work { scene, surfaces, settings, .. } = *work;
+    let PictureWork { scene, surfaces, settings, .. } = *work;
     let shading = &settings.optics.shading;
     let reference = settings.optics.method == Method::Reference;
     let textured = scene.pigment.is_some() || scene.objects.iter().any(|object| object.pigment.is_some());
@@ -261,13 +272,13 @@ impl Drop for Progress {
 }
 
 /// The exposure that suits `view`, measured in one sample a pixel, and told. Where nothing is lit it is the scene's.
-fn measured_exposure(prepared: &mut PreparedScene<'_>, view: &View, work: &Work<'_>) -> Result<f64> {
+fn measured_exposure(prepared: &mut PreparedScene<'_>, view: &View, work: &PictureWork<'_>) -> Result<f64> {
     /// Pixels whose mean is certain to about a tenth of a stop; each of the reference takes long.
     const PIXELS: usize = 2000;
     prepared.check(view)?;
     let measured = if work.settings.optics.method == Method::Reference {
         let settings = PictureSettings { sampling: Sampling::ONE, ..work.settings.clone() };
-        let one = Work { settings: &settings, shaded: Some(PIXELS), ..*work };
+        let one = PictureWork { settings: &settings, shaded: Some(PIXELS), ..*work };
         let shown = Shown::of(work.scene);
         let picture = reference_picture(prepared, view, &one, shown, &|_, _| Ok(()))?;
         exposure::automatic(&picture.radiance)
@@ -284,11 +295,11 @@ fn measured_exposure(prepared: &mut PreparedScene<'_>, view: &View, work: &Work<
 fn reference_picture(
     prepared: &mut PreparedScene<'_>,
     view: &View,
-    work: &Work<'_>,
+    work: &PictureWork<'_>,
     shown: Shown,
     progress: nufft::Progress<'_>,
 ) -> Result<Picture> {
-    let Work { field, surfaces, settings, shaded, .. } = *work;
+    let PictureWork { field, surfaces, settings, shaded, .. } = *work;
     prepare::warn_of_coarse_samples(field, SHORTEST);
     let sampling = &settings.sampling;
     let mut directions = |sample: &Sample| prepared.directions(view, sample);

@@ -77,7 +77,7 @@ pub const OF_SCENES: [&str; 14] = [
 
 #[cfg(test)]
 mod tests {
-    use super::super::usage::{Wanted, understand};
+    use super::super::usage::{Understood, understand};
     use super::*;
 
     #[test]
@@ -93,8 +93,8 @@ mod tests {
             let words = ["diffract", "-q", "render", "-o", "a.png"].map(OsString::from);
             let more = more.iter().map(OsString::from);
             understand(words.into_iter().chain(more).chain([scene.into()])).map(|wanted| match wanted {
-                Wanted::Work(arguments) => format!("{arguments:?}"),
-                Wanted::Words(_) => panic!("help"),
+                Understood::Work(arguments) => format!("{arguments:?}"),
+                Understood::Words(_) => panic!("help"),
             })
         };
         let saved = scene("tolerance = 0.05\nsamples = \"4\"\ncoherence = \"gaussian:40um\"\n");

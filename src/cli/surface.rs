@@ -14,10 +14,10 @@ use super::write;
 use crate::error::{Error, Result};
 use crate::figure;
 use crate::files::Files;
-use crate::surface::files::write::Format;
+use crate::surface::files::write::ScanFormat;
 use crate::surface::files::{Topography, image};
-use crate::surface::synth::{self, Kind, Spec};
-use crate::surface::{Source, Statistics};
+use crate::surface::synth::{self, Spec, SurfaceKind};
+use crate::surface::{Statistics, SurfaceSource};
 use crate::{output, units};
 use clap::{Args, Subcommand};
 use std::ffi::OsString;
@@ -58,7 +58,7 @@ pub struct Info {
 pub struct Synth {
     /// flat, sinusoid, blaze, bumps, elaphe, xenopeltis, cd, dvd, brushed or tulip
     #[arg(value_parser = kind)]
-    kind: Kind,
+    kind: SurfaceKind,
     /// Where it goes: .png or .tif, 16-bit grey; .gsf, 32-bit floats; .gwy, .npy, .txt or .x3p, every digit
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -79,9 +79,9 @@ pub struct Synth {
     height: Option<f64>,
 }
 
-fn kind(name: &str) -> Result<Kind> {
-    let known = Kind::ALL.map(Kind::name).join(", ");
-    Kind::from_name(name).ok_or_else(|| {
+fn kind(name: &str) -> Result<SurfaceKind> {
+    let known = SurfaceKind::ALL.map(SurfaceKind::name).join(", ");
+    SurfaceKind::from_name(name).ok_or_else(|| {
         Error::usage(format!("there is no generated surface `{name}`"), format!("give one of {known}"))
     })
 }
@@ -97,7 +97,7 @@ pub fn run(command: &Command) -> Result<()> {
 
 fn info(arguments: &Info) -> Result<()> {
     if let Some(path) = &arguments.plot {
-        figure::Format::of(path)?;
+        figure::FigureFormat::of(path)?;
     }
     let name = arguments.surface_name.as_deref();
     Files::new().reads(arguments.surface.files(name)).writes(&arguments.plot).check()?;
@@ -117,11 +117,11 @@ fn info(arguments: &Info) -> Result<()> {
 }
 
 /// Prints the report as JSON. Without a step it is about the heights as they are, with their gaps.
-fn report(arguments: &Info, source: &Source, scan: Topography) -> Result<()> {
+fn report(arguments: &Info, source: &SurfaceSource, scan: Topography) -> Result<()> {
     let (origin, invalid) = (scan.origin().cloned(), scan.missing());
     let scan =
         if source.prepare.is_empty() { scan } else { Topography::of(source.prepare(scan.into_field()?)?) };
-    let report = report::Report::of(&scan, origin.as_ref(), invalid);
+    let report = report::SurfaceReport::of(&scan, origin.as_ref(), invalid);
     let field = match scan.into_field() {
         Ok(field) => field,
         Err(e) if arguments.plot.is_none() => return write::stdout(&report.without_statistics(&e).json()?),
@@ -137,7 +137,7 @@ fn report(arguments: &Info, source: &Source, scan: Topography) -> Result<()> {
 fn synthesise(arguments: &Synth) -> Result<()> {
     let &Synth { kind, seed, patch, pixel_size, period, height, output: ref path } = arguments;
     output::check(path)?;
-    let format = if image::is_named(path) { None } else { Some(Format::of(path)?) };
+    let format = if image::is_named(path) { None } else { Some(ScanFormat::of(path)?) };
     let field = synth::generate(&Spec { kind, seed, patch, pixel_size, period, height })?;
     if let Some(format) = format {
         return convert::save(path, format, &Topography::of(field));

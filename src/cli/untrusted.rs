@@ -27,7 +27,7 @@ use std::path::Path;
 
 /// A reader of one kind of input.
 #[derive(Clone, Copy, Debug)]
-pub struct Reader {
+pub struct UntrustedReader {
     /// What it reads; the name of its folders in `fuzz/seeds` and `tests/regressions`.
     pub name: &'static str,
     /// Reads all of the bytes. Panics only where a reader let something through that it must not.
@@ -35,34 +35,37 @@ pub struct Reader {
 }
 
 /// All of them.
-pub const READERS: [Reader; 27] = [
-    Reader { name: "height_image", read: height_image },
-    Reader { name: "gsf", read: |bytes| scan(files::gsf::read(bytes)) },
-    Reader { name: "gwy", read: |bytes| scan(files::gwy::read(bytes)) },
-    Reader { name: "nanoscope", read: |bytes| scan(files::nanoscope::read(bytes)) },
-    Reader { name: "igor", read: |bytes| scan(files::igor::read(bytes)) },
-    Reader { name: "digital_surf", read: |bytes| scan(files::digital_surf::read(bytes)) },
-    Reader { name: "x3p", read: |bytes| scan(files::x3p::read(bytes)) },
-    Reader { name: "sdf_text", read: |bytes| scan(files::sdf::read_text(bytes)) },
-    Reader { name: "sdf_binary", read: |bytes| scan(files::sdf::read_binary(bytes)) },
-    Reader { name: "npy", read: |bytes| scan(files::npy::read(bytes)) },
-    Reader { name: "height_text", read: |bytes| scan(files::text::read(bytes)) },
-    Reader { name: "xyz", read: |bytes| scan(files::xyz::read(bytes)) },
-    Reader { name: "tiff", read: |bytes| scan(files::tiff::read(bytes)) },
-    Reader { name: "sidecar", read: |bytes| Sidecar::parse(text(bytes)?).map(drop) },
-    Reader { name: "pigment", read: |bytes| Pigment::from_bytes(bytes).map(drop) },
-    Reader { name: "environment", read: environment },
-    Reader { name: "material", read: |bytes| Material::from_text("material", text(bytes)?).map(drop) },
-    Reader { name: "mesh", read: |bytes| obj::from_bytes(bytes).map(drop) },
-    Reader { name: "scene", read: scene },
-    Reader { name: "queries", read: |bytes| eval::Table::parse(text(bytes)?).map(drop) },
-    Reader { name: "illuminant", read: |bytes| Illuminant::from_text(text(bytes)?).map(drop) },
-    Reader { name: "layers", read: layers },
-    Reader { name: "spectra", read: spectra },
-    Reader { name: "colours", read: colours },
-    Reader { name: "sweep", read: sweep },
-    Reader { name: "values", read: values },
-    Reader { name: "command_line", read: command_line },
+pub const READERS: [UntrustedReader; 27] = [
+    UntrustedReader { name: "height_image", read: height_image },
+    UntrustedReader { name: "gsf", read: |bytes| scan(files::gsf::read(bytes)) },
+    UntrustedReader { name: "gwy", read: |bytes| scan(files::gwy::read(bytes)) },
+    UntrustedReader { name: "nanoscope", read: |bytes| scan(files::nanoscope::read(bytes)) },
+    UntrustedReader { name: "igor", read: |bytes| scan(files::igor::read(bytes)) },
+    UntrustedReader { name: "digital_surf", read: |bytes| scan(files::digital_surf::read(bytes)) },
+    UntrustedReader { name: "x3p", read: |bytes| scan(files::x3p::read(bytes)) },
+    UntrustedReader { name: "sdf_text", read: |bytes| scan(files::sdf::read_text(bytes)) },
+    UntrustedReader { name: "sdf_binary", read: |bytes| scan(files::sdf::read_binary(bytes)) },
+    UntrustedReader { name: "npy", read: |bytes| scan(files::npy::read(bytes)) },
+    UntrustedReader { name: "height_text", read: |bytes| scan(files::text::read(bytes)) },
+    UntrustedReader { name: "xyz", read: |bytes| scan(files::xyz::read(bytes)) },
+    UntrustedReader { name: "tiff", read: |bytes| scan(files::tiff::read(bytes)) },
+    UntrustedReader { name: "sidecar", read: |bytes| Sidecar::parse(text(bytes)?).map(drop) },
+    UntrustedReader { name: "pigment", read: |bytes| Pigment::from_bytes(bytes).map(drop) },
+    UntrustedReader { name: "environment", read: environment },
+    UntrustedReader {
+        name: "material",
+        read: |bytes| Material::from_text("material", text(bytes)?).map(drop),
+    },
+    UntrustedReader { name: "mesh", read: |bytes| obj::from_bytes(bytes).map(drop) },
+    UntrustedReader { name: "scene", read: scene },
+    UntrustedReader { name: "queries", read: |bytes| eval::QueryTable::parse(text(bytes)?).map(drop) },
+    UntrustedReader { name: "illuminant", read: |bytes| Illuminant::from_text(text(bytes)?).map(drop) },
+    UntrustedReader { name: "layers", read: layers },
+    UntrustedReader { name: "spectra", read: spectra },
+    UntrustedReader { name: "colours", read: colours },
+    UntrustedReader { name: "sweep", read: sweep },
+    UntrustedReader { name: "values", read: values },
+    UntrustedReader { name: "command_line", read: command_line },
 ];
 
 /// Text, as [`crate::input::read_text`] has it.
@@ -155,7 +158,7 @@ fn spectra(bytes: &[u8]) -> Result<()> {
         let count = grid.size_of(level).into_iter().product::<usize>() * spectra.header.terms;
         assert!(count > 0 && texels.len() == count, "power spectra that do not fit their numbers");
     }
-    let reader = power::read::Reader::new(&spectra);
+    let reader = power::read::SpectraReader::new(&spectra);
     let mut coefficients = vec![Vec4::ZERO; spectra.header.terms / 4];
     for f in [DVec2::ZERO, DVec2::splat(1e3), DVec2::splat(-1e9)] {
         let level = reader.level(1.0) as usize;

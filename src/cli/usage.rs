@@ -15,8 +15,8 @@ use std::io::Write;
 /// Words that cannot be meant: names the option, the value and where the help is.
 pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Option<Arguments>> {
     match understand(words)? {
-        Wanted::Work(arguments) => Ok(Some(*arguments)),
-        Wanted::Words(help) => {
+        Understood::Work(arguments) => Ok(Some(*arguments)),
+        Understood::Words(help) => {
             write::printed(help.print().and_then(|()| std::io::stdout().flush()))?;
             Ok(None)
         }
@@ -24,7 +24,7 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Option<Argumen
 }
 
 /// What a command line asks for.
-pub enum Wanted {
+pub enum Understood {
     /// A command.
     Work(Box<Arguments>),
     /// Help or the version.
@@ -35,15 +35,15 @@ pub enum Wanted {
 ///
 /// # Errors
 /// As [`parse`].
-pub fn understand(words: impl IntoIterator<Item = OsString>) -> Result<Wanted> {
+pub fn understand(words: impl IntoIterator<Item = OsString>) -> Result<Understood> {
     let words: Vec<OsString> = words.into_iter().collect();
     match Arguments::try_parse_from(&words) {
         Ok(arguments) => {
             let expanded = scene_options::with_those_of_the_scene(&words, &arguments)?;
-            Ok(Wanted::Work(Box::new(expanded.unwrap_or(arguments))))
+            Ok(Understood::Work(Box::new(expanded.unwrap_or(arguments))))
         }
         Err(e) if matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
-            Ok(Wanted::Words(e))
+            Ok(Understood::Words(e))
         }
         Err(e) => Err(in_one_line(&e, &command(&words))),
     }

@@ -159,7 +159,7 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
 /// The arguments of `view` without a program and a command.
 #[derive(Parser)]
 #[command(no_binary_name = true)]
-struct Line {
+struct ViewLine {
     #[command(flatten)]
     arguments: Arguments,
 }
@@ -180,13 +180,13 @@ fn open(name: &str) -> Result<Start> {
 
 /// The arguments that `words` without a program and a command stand for, with the options of their scene; or what is wrong with those.
 fn understood(words: &[OsString]) -> std::result::Result<Result<Arguments>, clap::Error> {
-    let arguments = Line::try_parse_from(words)?.arguments;
+    let arguments = ViewLine::try_parse_from(words)?.arguments;
     Ok(match scene_options::of(&arguments.scene, "view") {
         Ok(None) => Ok(arguments),
         Ok(Some(options)) => {
-            let command = Line::command().args_override_self(true);
+            let command = ViewLine::command().args_override_self(true);
             let matches = command.try_get_matches_from(options.iter().chain(words))?;
-            Ok(Line::from_arg_matches(&matches)?.arguments)
+            Ok(ViewLine::from_arg_matches(&matches)?.arguments)
         }
         Err(e) => Err(e),
     })

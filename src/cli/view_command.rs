@@ -8,8 +8,8 @@ use crate::optics::reflectance::Reflectance;
 use crate::output;
 use crate::picture_file::quoted;
 use crate::scene::Scene;
-use crate::surface::Source;
-use crate::surface::prepare::{Level, Step};
+use crate::surface::SurfaceSource;
+use crate::surface::prepare::{Levelling, PreparationStep};
 use crate::viewer::{Output, ViewSettings};
 use std::io::Write;
 use std::path::Path;
@@ -123,7 +123,7 @@ impl Words {
         }
     }
 
-    fn surface(&mut self, surface: &Source, scene: &Scene) {
+    fn surface(&mut self, surface: &SurfaceSource, scene: &Scene) {
         let own = surface.name == scene.surface;
         if !own {
             self.option("surface", surface.name.to_string_lossy());
@@ -137,10 +137,10 @@ impl Words {
         if let Some(channel) = &surface.channel {
             self.option("channel", channel);
         }
-        let own_steps: &[Step] = if own { &scene.prepare } else { &[] };
+        let own_steps: &[PreparationStep] = if own { &scene.prepare } else { &[] };
         if surface.prepare != own_steps {
             // Without a step the scene's own would stay.
-            let none = [Step::Level(Level::None)];
+            let none = [PreparationStep::Level(Levelling::None)];
             let steps = if surface.prepare.is_empty() { &none[..] } else { &surface.prepare };
             self.0.extend(as_options(steps).split(' ').map(str::to_owned));
         }

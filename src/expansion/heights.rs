@@ -12,14 +12,14 @@ const UNSEEN: f64 = 1e-3;
 
 /// The histogram of the heights of a surface.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Heights {
+pub struct HeightHistogram {
     /// a: half of the range \[µm\].
     pub half_range: f64,
     /// t of each bin's centre, and its weight; the weights add up to 1.
     pub bins: Vec<(f64, f64)>,
 }
 
-impl Heights {
+impl HeightHistogram {
     /// The histogram of `field`.
     pub fn of(field: &HeightField) -> Self {
         let scale = HeightScale::of(field);

@@ -14,7 +14,7 @@
 //! term more, since with the weights above the constant would come first by itself.
 
 use super::Expansion;
-use super::heights::Heights;
+use super::heights::HeightHistogram;
 use crate::optics::svd::Svd;
 use crate::surface::HeightField;
 use rustfft::num_complex::Complex64;
@@ -30,7 +30,7 @@ const NOISE: f64 = 1e-11;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optimal {
     z_range: [f64; 2],
-    heights: Heights,
+    heights: HeightHistogram,
     /// `[n][entry]`: b_n over t.
     tables: Vec<Vec<Complex64>>,
     /// b_n at each bin's centre.
@@ -40,13 +40,14 @@ pub struct Optimal {
 impl Optimal {
     /// Decomposes e^{izh} over the heights of `field` and z from `z_range[0]` to `z_range[1]` \[rad/µm\].
     pub fn new(field: &HeightField, z_range: [f64; 2]) -> Self {
-        Self::over(&Heights::of(field), z_range)
+        Self::over(&HeightHistogram::of(field), z_range)
     }
 
     /// The same over heights that are counted already.
-    pub fn over(heights: &Heights, z_range: [f64; 2]) -> Self {
+    pub fn over(heights: &HeightHistogram, z_range: [f64; 2]) -> Self {
         let bins = &heights.bins;
-        let rows: Vec<Row> = heights.points(z_range).iter().map(|&z| Row::new(heights, z_range, z)).collect();
+        let rows: Vec<PhaseRow> =
+            heights.points(z_range).iter().map(|&z| PhaseRow::new(heights, z_range, z)).collect();
         let column =
             |&(t, weight): &(f64, f64)| rows.iter().map(|row| row.value(t) * weight.sqrt()).collect();
         let decomposed = Svd::of(bins.iter().map(column).collect());
@@ -79,14 +80,14 @@ fn begins_at_zero(z_range: [f64; 2]) -> bool {
 }
 
 /// e^{izh} at one z over the heights, less its mean where the range of z begins at 0, relative to what is scattered.
-struct Row {
+struct PhaseRow {
     x: f64,
     less: Complex64,
     weight: f64,
 }
 
-impl Row {
-    fn new(heights: &Heights, z_range: [f64; 2], z: f64) -> Self {
+impl PhaseRow {
+    fn new(heights: &HeightHistogram, z_range: [f64; 2], z: f64) -> Self {
         let x = z * heights.half_range;
         if !begins_at_zero(z_range) {
             return Self { x, less: -Complex64::ONE, weight: heights.scattered(z).sqrt().recip() };
@@ -109,7 +110,7 @@ fn beyond_one(x: f64) -> Complex64 {
 }
 
 /// ⟨e^{ixt}⟩ − 1 over the heights.
-fn mean_beyond_one(heights: &Heights, x: f64) -> Complex64 {
+fn mean_beyond_one(heights: &HeightHistogram, x: f64) -> Complex64 {
     heights.bins.iter().map(|&(t, w)| beyond_one(x * t) * w).sum()
 }
 
@@ -223,7 +224,7 @@ mod tests {
     #[test]
     fn toward_z_0_the_error_fades_with_what_is_scattered() {
         let field = even(0.43);
-        let heights = Heights::of(&field);
+        let heights = HeightHistogram::of(&field);
         let optimal = Optimal::new(&field, [0.0, 4.0 * std::f64::consts::PI / 0.38]);
         for terms in [2, 4, 6] {
             let mut c = vec![Complex64::ZERO; terms];

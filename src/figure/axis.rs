@@ -2,7 +2,7 @@
 
 /// How values are laid out along an axis or a colour bar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scale {
+pub enum AxisScale {
     /// Equal differences take equal lengths.
     Linear,
     /// Equal ratios take equal lengths; values are above 0.
@@ -19,7 +19,7 @@ pub struct Axis {
     /// Value at the right or upper end.
     pub high: f64,
     /// What lies between.
-    pub scale: Scale,
+    pub scale: AxisScale,
 }
 
 /// A mark on an axis.
@@ -40,7 +40,7 @@ impl Axis {
         let low = if low.is_finite() { low } else { 0.0 };
         let sound = high.is_finite() && high != low;
         let high = if sound { high } else { low + low.abs().max(1.0) };
-        Self { label: label.into(), low, high, scale: Scale::Linear }
+        Self { label: label.into(), low, high, scale: AxisScale::Linear }
     }
 
     /// A logarithmic axis. A range that is empty, not finite or not positive becomes one that can be drawn.
@@ -52,22 +52,22 @@ impl Axis {
             (false, true) => (high * 1e-3, high),
             (false, false) => (1.0, 10.0),
         };
-        Self { label: label.into(), low, high, scale: Scale::Log }
+        Self { label: label.into(), low, high, scale: AxisScale::Log }
     }
 
     /// The axis that holds all `values` that it can, with a margin.
-    pub fn fit(label: impl Into<String>, scale: Scale, values: impl IntoIterator<Item = f64>) -> Self {
-        let can = |x: &f64| x.is_finite() && (scale == Scale::Linear || *x > 0.0);
+    pub fn fit(label: impl Into<String>, scale: AxisScale, values: impl IntoIterator<Item = f64>) -> Self {
+        let can = |x: &f64| x.is_finite() && (scale == AxisScale::Linear || *x > 0.0);
         let (low, high) = values
             .into_iter()
             .filter(can)
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         match scale {
-            Scale::Linear => {
+            AxisScale::Linear => {
                 let room = (high - low) * MARGIN;
                 Self::linear(label, low - room, high + room)
             }
-            Scale::Log => {
+            AxisScale::Log => {
                 let room = (high / low).powf(MARGIN);
                 Self::log(label, low / room, high * room)
             }
@@ -77,8 +77,8 @@ impl Axis {
     /// Where `value` stands, 0 at the low end and 1 at the high one; not finite where the scale has no place for it.
     pub fn share(&self, value: f64) -> f64 {
         match self.scale {
-            Scale::Linear => (value - self.low) / (self.high - self.low),
-            Scale::Log => (value / self.low).ln() / (self.high / self.low).ln(),
+            AxisScale::Linear => (value - self.low) / (self.high - self.low),
+            AxisScale::Log => (value / self.low).ln() / (self.high / self.low).ln(),
         }
     }
 
@@ -86,7 +86,7 @@ impl Axis {
     pub fn ticks(&self, wanted: usize) -> Vec<Tick> {
         let decades = (self.high / self.low).log10().abs();
         let ticks = match self.scale {
-            Scale::Log if decades > 0.7 => log_ticks(self.low, self.high, decades, wanted),
+            AxisScale::Log if decades > 0.7 => log_ticks(self.low, self.high, decades, wanted),
             _ => linear_ticks(self.low, self.high, wanted),
         };
         ticks.into_iter().filter(|t| (-1e-9..=1.0 + 1e-9).contains(&self.share(t.value))).collect()
@@ -193,7 +193,7 @@ mod tests {
                 assert!(!axis.ticks(5).is_empty(), "{axis:?}");
             }
         }
-        let fitted = Axis::fit("", Scale::Log, [0.0, 1.0, f64::NAN, 100.0]);
+        let fitted = Axis::fit("", AxisScale::Log, [0.0, 1.0, f64::NAN, 100.0]);
         assert!(fitted.low < 1.0 && fitted.low > 0.5 && fitted.high > 100.0);
     }
 }

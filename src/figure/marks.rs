@@ -2,7 +2,7 @@
 
 use super::layout::{Area, GAP, SAMPLE, TICK, letters};
 use super::palette::{Color, PAPER};
-use super::panel::{Mark, Panel, Shape};
+use super::panel::{Mark, MarkShape, Panel};
 use super::svg::{Anchor, Stroke, Svg};
 
 /// Draws the sample of `mark` in the legend.
@@ -65,23 +65,23 @@ pub(super) fn draw(svg: &mut Svg, mark: &Mark, panel: &Panel, plot: Area) {
     }
 }
 
-fn point(svg: &mut Svg, at: [f64; 2], shape: Shape, r: f64, color: Color) {
+fn point(svg: &mut Svg, at: [f64; 2], shape: MarkShape, r: f64, color: Color) {
     let [x, y] = at;
     let edge = Stroke::new(PAPER, 0.8);
     match shape {
-        Shape::Disc => svg.circle(at, r, Some(color), edge),
-        Shape::Ring => svg.circle(at, r, None, Stroke::new(color, 1.6)),
-        Shape::Square => {
+        MarkShape::Disc => svg.circle(at, r, Some(color), edge),
+        MarkShape::Ring => svg.circle(at, r, None, Stroke::new(color, 1.6)),
+        MarkShape::Square => {
             svg.polygon(&[[x - r, y - r], [x + r, y - r], [x + r, y + r], [x - r, y + r]], color, 1.0)
         }
-        Shape::Triangle => {
+        MarkShape::Triangle => {
             svg.polygon(&[[x, y - 1.2 * r], [x + 1.1 * r, y + r], [x - 1.1 * r, y + r]], color, 1.0)
         }
-        Shape::Diamond => {
+        MarkShape::Diamond => {
             let d = 1.3 * r;
             svg.polygon(&[[x, y - d], [x + d, y], [x, y + d], [x - d, y]], color, 1.0);
         }
-        Shape::Cross => {
+        MarkShape::Cross => {
             svg.line([x - r, y - r], [x + r, y + r], Stroke::new(color, 1.8));
             svg.line([x - r, y + r], [x + r, y - r], Stroke::new(color, 1.8));
         }

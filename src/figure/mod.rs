@@ -22,9 +22,9 @@ mod raster;
 mod svg;
 mod text;
 
-pub use axis::{Axis, Scale, Tick, number};
+pub use axis::{Axis, AxisScale, Tick, number};
 pub use palette::{Color, ColorMap};
-pub use panel::{Mark, Panel, PlotFrame, Shape};
+pub use panel::{Mark, MarkShape, Panel, PlotFrame};
 pub use raster::{ColorScale, Raster};
 pub use svg::Anchor;
 
@@ -143,9 +143,9 @@ impl Figure {
     /// # Errors
     /// For another name, and where the file cannot be written.
     pub fn save(&self, path: &Path) -> Result<()> {
-        let bytes = match Format::of(path)? {
-            Format::Svg => self.svg()?.into_bytes(),
-            Format::Png => self.png()?,
+        let bytes = match FigureFormat::of(path)? {
+            FigureFormat::Svg => self.svg()?.into_bytes(),
+            FigureFormat::Png => self.png()?,
         };
         output::write_atomically(path, |file| {
             file.write_all(&bytes).map_err(|e| output::write_failed(path, &e))
@@ -155,14 +155,14 @@ impl Figure {
 
 /// A figure's file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum FigureFormat {
     /// Lines and letters.
     Svg,
     /// Pixels.
     Png,
 }
 
-impl Format {
+impl FigureFormat {
     /// The format that a file name asks for.
     ///
     /// # Errors

@@ -7,7 +7,7 @@ use super::svg::Anchor;
 
 /// What a point looks like.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
+pub enum MarkShape {
     /// A disc.
     Disc,
     /// A ring.
@@ -43,7 +43,7 @@ pub enum Mark {
         /// Their colour.
         color: Color,
         /// What they look like.
-        shape: Shape,
+        shape: MarkShape,
         /// Half their width \[px\].
         radius: f64,
     },
@@ -173,7 +173,7 @@ impl Mark {
     }
 
     /// Points of ordinary size.
-    pub fn points(points: Vec<[f64; 2]>, color: Color, shape: Shape) -> Self {
+    pub fn points(points: Vec<[f64; 2]>, color: Color, shape: MarkShape) -> Self {
         Self::Points { points, color, shape, radius: 4.0 }
     }
 

@@ -1,6 +1,6 @@
 //! Values or colours on a grid, and their colour scale.
 
-use super::axis::{Axis, Scale};
+use super::axis::{Axis, AxisScale};
 use super::palette::{Color, ColorMap};
 use crate::error::{Error, Result};
 use image::{ExtendedColorType, ImageEncoder};
@@ -95,7 +95,7 @@ pub(super) fn bar(scale: &ColorScale) -> Raster {
 
 /// Whether the values of a bar go by decades, so that ticks between them need no label.
 pub(super) fn is_log(scale: &ColorScale) -> bool {
-    scale.axis.scale == Scale::Log
+    scale.axis.scale == AxisScale::Log
 }
 
 /// RFC 4648.

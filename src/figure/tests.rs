@@ -41,7 +41,8 @@ fn a_raster_fills_its_panel_with_the_first_row_at_the_top() {
 
 #[test]
 fn marks_stand_where_their_axes_say() {
-    let dot = |at: [f64; 2], color| Mark::Points { points: vec![at], color, shape: Shape::Disc, radius: 6.0 };
+    let dot =
+        |at: [f64; 2], color| Mark::Points { points: vec![at], color, shape: MarkShape::Disc, radius: 6.0 };
     let panel = Panel::new(Axis::linear("", 0.0, 1.0), Axis::log("", 1.0, 100.0))
         .mark(dot([0.25, 10.0], palette::BLUE))
         .mark(dot([0.75, 31.622_776], palette::GREEN))
@@ -105,14 +106,14 @@ fn everything_can_stand_in_one_figure() {
         .named("band", Mark::Band { points: vec![[0.0, 0.1, 0.3], [1.0, 0.2, 1.0]], color: palette::SKY })
         .named("a line", Mark::line(wave(200, 9.0), palette::BLUE))
         .named("a dashed one", Mark::dashed(wave(200, 5.0), palette::VERMILION))
-        .named("rings", Mark::points(wave(9, 3.0), palette::GREEN, Shape::Ring))
-        .named("diamonds", Mark::points(wave(7, 2.0), palette::PURPLE, Shape::Diamond))
+        .named("rings", Mark::points(wave(9, 3.0), palette::GREEN, MarkShape::Ring))
+        .named("diamonds", Mark::points(wave(7, 2.0), palette::PURPLE, MarkShape::Diamond))
         .mark(Mark::note([0.5, 0.01], "a note at (0.5, 0.01)"));
     let log = ColorScale::decades("BRDF [sr⁻¹]", 5.0, &bumps);
     let map = Panel::hemisphere(Raster::values(side, &bumps, log))
         .titled("A hemisphere")
         .with_scale_bar(0.25, "Δ sin θ = 0.25")
-        .mark(Mark::points(vec![[0.5, 0.0]], palette::ORANGE, Shape::Cross));
+        .mark(Mark::points(vec![[0.5, 0.0]], palette::ORANGE, MarkShape::Cross));
     let field = Panel {
         frame: PlotFrame::Box { equal: true },
         ..Panel::new(Axis::linear("x [µm]", 0.0, 65.0), Axis::linear("y [µm]", 0.0, 65.0))

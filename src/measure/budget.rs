@@ -4,12 +4,12 @@ use crate::precompute::Layers;
 use crate::render::shading::Shading;
 use crate::render::source::{Grating, Mean, Source, Table, Window};
 use crate::setup::READING_SHARE;
-use crate::spectra::power::Header;
+use crate::spectra::power::PowerHeader;
 use serde::Serialize;
 
 /// One contribution to the error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Part {
+pub struct BudgetPart {
     /// Its source.
     pub what: &'static str,
     /// Its size, relative to what the tolerance is defined for: single directions, or the colours of a picture. NaN if unknown.
@@ -22,7 +22,7 @@ pub struct Part {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ErrorBudget {
     /// The contributions.
-    pub parts: Vec<Part>,
+    pub parts: Vec<BudgetPart>,
     /// The tolerance for their sum.
     pub tolerance: f64,
 }
@@ -50,7 +50,7 @@ impl ErrorBudget {
                 "unknown: the number of wavelengths is given; a comparison with the reference measures the total",
             ),
         };
-        let part = |what, error, known: &str| Part { what, error, known: known.to_owned() };
+        let part = |what, error, known: &str| BudgetPart { what, error, known: known.to_owned() };
         let bounds = format!(
             "measured against the transform of the exact phase; bounds of the amplitude, relative to the specular peak: truncation \
              {:.0e}, rounding of 32-bit floats {:.0e}",
@@ -71,8 +71,8 @@ impl ErrorBudget {
     }
 
     /// The parts of power spectra under `shading`.
-    fn of_spectra(spectra: &Header, shading: &Shading) -> Self {
-        let part = |what, error, known: &str| Part { what, error, known: known.to_owned() };
+    fn of_spectra(spectra: &PowerHeader, shading: &Shading) -> Self {
+        let part = |what, error, known: &str| BudgetPart { what, error, known: known.to_owned() };
         Self {
             parts: vec![
                 part(
@@ -93,7 +93,7 @@ impl ErrorBudget {
 
     /// The parts of a colour table under `shading` whose cubics err by `cubics`.
     fn of_table(cubics: f64, shading: &Shading) -> Self {
-        let part = |what, error, known: &str| Part { what, error, known: known.to_owned() };
+        let part = |what, error, known: &str| BudgetPart { what, error, known: known.to_owned() };
         Self {
             parts: vec![
                 part(
@@ -117,7 +117,7 @@ impl ErrorBudget {
         self.known().map(|part| part.error * part.error).sum::<f64>().sqrt()
     }
 
-    fn known(&self) -> impl Iterator<Item = &Part> {
+    fn known(&self) -> impl Iterator<Item = &BudgetPart> {
         self.parts.iter().filter(|part| part.error.is_finite())
     }
 
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn parts_add_up_as_squares_and_what_is_not_known_is_said() {
-        let part = |what, error| Part { what, error, known: "so".to_owned() };
+        let part = |what, error| BudgetPart { what, error, known: "so".to_owned() };
         let mut budget = ErrorBudget { parts: vec![part("a", 3e-3), part("b", 4e-3)], tolerance: 1e-2 };
         assert!((budget.total() - 5e-3).abs() < 1e-12);
         let text = budget.to_text();

@@ -19,7 +19,7 @@ pub const NOISY: f64 = 1.15;
 
 /// Order statistics of a series of milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Summary {
+pub struct TimeSummary {
     /// Smallest.
     pub min: f64,
     /// Median.
@@ -30,7 +30,7 @@ pub struct Summary {
     pub max: f64,
 }
 
-impl Summary {
+impl TimeSummary {
     /// Of a series; all zero for an empty one.
     pub fn of(series: &[f64]) -> Self {
         let mut sorted = series.to_vec();
@@ -46,17 +46,17 @@ impl Summary {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Times {
     /// Drawing the mesh, on the device \[ms\].
-    pub geometry: Summary,
+    pub geometry: TimeSummary,
     /// Shading on the device \[ms\].
-    pub shade: Summary,
+    pub shade: TimeSummary,
     /// Display on the device \[ms\].
-    pub display: Summary,
+    pub display: TimeSummary,
     /// All passes \[ms\].
-    pub gpu: Summary,
+    pub gpu: TimeSummary,
     /// Recording the commands, on the CPU \[ms\].
-    pub record: Summary,
+    pub record: TimeSummary,
     /// Elapsed time from the call to the finished frame \[ms\].
-    pub frame: Summary,
+    pub frame: TimeSummary,
     /// Largest over smallest of the medians of three parts of the series: 1 on a quiet machine.
     pub spread: f64,
 }
@@ -96,12 +96,12 @@ pub fn measure(
             break;
         }
     }
-    let of = |part: &dyn Fn(&PassTimes) -> f64| Summary::of(&series.iter().map(part).collect::<Vec<_>>());
+    let of = |part: &dyn Fn(&PassTimes) -> f64| TimeSummary::of(&series.iter().map(part).collect::<Vec<_>>());
     let medians: Vec<f64> = series
         .chunks(series.len().div_ceil(3).max(1))
-        .map(|part| Summary::of(&part.iter().map(|t| t.wall).collect::<Vec<_>>()).p50)
+        .map(|part| TimeSummary::of(&part.iter().map(|t| t.wall).collect::<Vec<_>>()).p50)
         .collect();
-    let ends = Summary::of(&medians);
+    let ends = TimeSummary::of(&medians);
     Ok(Times {
         geometry: of(&|t| t.geometry),
         shade: of(&|t| t.shade),
@@ -177,14 +177,14 @@ mod tests {
 
     #[test]
     fn a_summary_has_the_order_statistics_of_its_series() {
-        let s = Summary::of(&[5.0, 1.0, 4.0, 2.0, 3.0]);
+        let s = TimeSummary::of(&[5.0, 1.0, 4.0, 2.0, 3.0]);
         assert_eq!((s.min, s.p50, s.max), (1.0, 3.0, 5.0));
-        assert_eq!(Summary::of(&[]).max, 0.0);
+        assert_eq!(TimeSummary::of(&[]).max, 0.0);
     }
 
     #[test]
     fn what_bounds_a_frame_follows_from_its_parts() {
-        let flat = |x: f64| Summary { min: x, p50: x, p95: x, max: x };
+        let flat = |x: f64| TimeSummary { min: x, p50: x, p95: x, max: x };
         let times = |geometry: f64, shade: f64, display: f64, frame: f64| Times {
             geometry: flat(geometry),
             shade: flat(shade),

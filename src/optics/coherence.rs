@@ -120,7 +120,7 @@ impl Coherence {
 
 /// One axis of a patch seen through a window: positions of the samples and the window's place.
 #[derive(Clone, Copy, Debug)]
-pub struct Axis {
+pub struct WindowedAxis {
     /// Number of samples.
     pub samples: usize,
     /// Sample spacing \[µm\].
@@ -129,7 +129,7 @@ pub struct Axis {
     pub shift: f64,
 }
 
-impl Axis {
+impl WindowedAxis {
     /// Period of the patch along this axis \[µm\].
     pub fn period(&self) -> f64 {
         self.samples as f64 * self.spacing
@@ -211,7 +211,7 @@ mod tests {
 
     #[test]
     fn the_folded_window_is_the_sum_over_all_copies() {
-        let axis = Axis { samples: 6, spacing: 0.25, shift: 0.5 };
+        let axis = WindowedAxis { samples: 6, spacing: 0.25, shift: 0.5 };
         let (sigma, kappa) = (2.0, 3.7);
         let folded: Complex64 = axis.gaussian_weights(sigma, kappa).iter().sum();
         // Every sample of the endless surface on its own.

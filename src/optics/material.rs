@@ -1,6 +1,6 @@
 //! What a surface is made of: complex refractive indices n + ik over the visible range.
 
-use super::spectrum::{LONGEST, SHORTEST, Table};
+use super::spectrum::{LONGEST, SHORTEST, SpectralTable};
 use crate::error::{Error, Result};
 use rustfft::num_complex::Complex64;
 use serde::Serialize;
@@ -41,7 +41,7 @@ enum Index {
     /// n = A + B/λ², λ in µm.
     Cauchy([f64; 2]),
     /// n and k over the wavelength \[nm\].
-    Table(Table<2>),
+    Table(SpectralTable<2>),
 }
 
 /// Schott N-BK7: coefficients of the data sheet.
@@ -100,9 +100,9 @@ impl Material {
     /// # Errors
     /// As [`Self::from_name_or_file`].
     pub fn from_text(name: &str, text: &str) -> Result<Self> {
-        let of_three = Table::<2>::parse(text);
+        let of_three = SpectralTable::<2>::parse(text);
         let table = of_three.or_else(|e| {
-            let of_two = Table::<1>::parse(text).map_err(|_| e)?;
+            let of_two = SpectralTable::<1>::parse(text).map_err(|_| e)?;
             Ok::<_, Error>(of_two.map(|[n]| [n, 0.0]))
         })?;
         let [first, last] = table.ends();

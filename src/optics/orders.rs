@@ -283,7 +283,7 @@ mod tests {
     use crate::optics::coherence::Coherence;
     use crate::optics::geometry::{Pair, direction};
     use crate::optics::reference::Reference;
-    use crate::surface::synth::{Kind, Spec, generate};
+    use crate::surface::synth::{Spec, SurfaceKind, generate};
 
     #[test]
     fn the_factor_is_the_sum_over_the_copies_also_beside_an_order() {
@@ -307,8 +307,11 @@ mod tests {
     /// Relative deviation of the colour through `copies` under `pattern` from the reference, which resolves every lag, and the
     /// wavelengths that it takes.
     fn deviation(copies: [u32; 2], phi: f64, tolerance: f64, spoil: f64) -> (f64, usize, Pattern) {
-        let spec =
-            Spec { patch: Some([20.0, 2.0]), pixel_size: Some([0.095, 0.095]), ..Spec::new(Kind::Blaze) };
+        let spec = Spec {
+            patch: Some([20.0, 2.0]),
+            pixel_size: Some([0.095, 0.095]),
+            ..Spec::new(SurfaceKind::Blaze)
+        };
         let field = generate(&spec).unwrap();
         let pair = Pair::new(direction(70.0, 0.0), direction(10.0, phi));
         let repeats = Repeats { copies, period: field.patch_size() };
@@ -390,7 +393,7 @@ mod tests {
             format!("{nm},{}\n", 0.1 + 5.0 * (-0.5 * spike * spike).exp())
         };
         let text = format!("wavelength,power\n{}", (380..=780).map(row).collect::<String>());
-        let spiky = Illuminant::Table(crate::optics::spectrum::Table::parse(&text).unwrap());
+        let spiky = Illuminant::Table(crate::optics::spectrum::SpectralTable::parse(&text).unwrap());
         assert!((5.0..15.0).contains(&lag(&Illuminant::E)), "{}", lag(&Illuminant::E));
         assert!((15.0..30.0).contains(&lag(&Illuminant::D65)), "{}", lag(&Illuminant::D65));
         assert!(lag(&spiky) > 50.0, "{}", lag(&spiky));

@@ -5,7 +5,7 @@
 //! over wavenumbers of equal distance each sample's phase is a geometric sequence, so it costs one complex product.
 
 use super::brdf;
-use super::coherence::{Axis, Coherence};
+use super::coherence::{Coherence, WindowedAxis};
 use super::geometry::Pair;
 use super::quadrature::{Nodes, SPAN};
 use super::reflectance::Reflectance;
@@ -186,7 +186,7 @@ impl<'a> Reference<'a> {
                 (0..windows)
                     .map(|i| {
                         let shift = f64::from(i) / f64::from(windows) * samples as f64 * spacing;
-                        let along = Axis { samples, spacing, shift };
+                        let along = WindowedAxis { samples, spacing, shift };
                         let mut weights = match self.coherence {
                             Coherence::Gaussian { length } => along.gaussian_weights(length / 4.0, kappa),
                             Coherence::Repeats(n) => along.repeat_weights(n[axis], kappa),

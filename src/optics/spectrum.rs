@@ -18,12 +18,12 @@ pub const BLUE: f64 = 0.45;
 
 /// A function of wavelength given at increasing wavelengths \[nm\], linear between them and 0 outside.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table<const N: usize> {
+pub struct SpectralTable<const N: usize> {
     wavelengths: Vec<f64>,
     values: Vec<[f64; N]>,
 }
 
-impl<const N: usize> Serialize for Table<N> {
+impl<const N: usize> Serialize for SpectralTable<N> {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         let Self { wavelengths, values } = self;
         let values: Vec<&[f64]> = values.iter().map(|row| row.as_slice()).collect();
@@ -31,7 +31,7 @@ impl<const N: usize> Serialize for Table<N> {
     }
 }
 
-impl<const N: usize> Table<N> {
+impl<const N: usize> SpectralTable<N> {
     /// Reads CSV with rows `wavelength,value…` \[nm\], below a line of names or without one.
     ///
     /// # Errors
@@ -96,8 +96,8 @@ impl<const N: usize> Table<N> {
     }
 
     /// The table of `of` every value.
-    pub fn map<const M: usize>(self, of: impl FnMut([f64; N]) -> [f64; M]) -> Table<M> {
-        Table { wavelengths: self.wavelengths, values: self.values.into_iter().map(of).collect() }
+    pub fn map<const M: usize>(self, of: impl FnMut([f64; N]) -> [f64; M]) -> SpectralTable<M> {
+        SpectralTable { wavelengths: self.wavelengths, values: self.values.into_iter().map(of).collect() }
     }
 
     /// The values at `wavelength` \[nm\].
@@ -116,13 +116,14 @@ impl<const N: usize> Table<N> {
 }
 
 /// Parses a table that is part of the program; `assets/spectra` is checked by this module's tests.
-fn built_in<const N: usize>(text: &str) -> Table<N> {
-    Table::parse(text).unwrap_or(Table { wavelengths: vec![0.0, 1.0], values: vec![[0.0; N]; 2] })
+fn built_in<const N: usize>(text: &str) -> SpectralTable<N> {
+    SpectralTable::parse(text)
+        .unwrap_or(SpectralTable { wavelengths: vec![0.0, 1.0], values: vec![[0.0; N]; 2] })
 }
 
 /// x̄, ȳ, z̄ of the CIE 1931 2° standard observer at `wavelength` \[nm\].
 pub fn observer(wavelength: f64) -> DVec3 {
-    static TABLE: OnceLock<Table<3>> = OnceLock::new();
+    static TABLE: OnceLock<SpectralTable<3>> = OnceLock::new();
     let table = TABLE.get_or_init(|| built_in(include_str!("../../assets/spectra/cie-1931-2deg.csv")));
     DVec3::from_array(table.at(wavelength))
 }
@@ -143,7 +144,7 @@ pub enum Illuminant {
     /// CIE LED-B3, a blue LED with a phosphor, neutral white: tabulated (CIE 15:2018).
     Led,
     /// A user's table.
-    Table(Table<1>),
+    Table(SpectralTable<1>),
 }
 
 impl Illuminant {
@@ -186,9 +187,9 @@ impl Illuminant {
     /// The illuminant in the text of a CSV file of wavelength \[nm\] and power.
     ///
     /// # Errors
-    /// As [`Table::parse`]; a negative power; no light in 380–780 nm, or more than a number holds.
+    /// As [`SpectralTable::parse`]; a negative power; no light in 380–780 nm, or more than a number holds.
     pub fn from_text(text: &str) -> Result<Self> {
-        let table = Table::<1>::parse(text)?;
+        let table = SpectralTable::<1>::parse(text)?;
         if table.values.iter().any(|v| v[0] < 0.0) {
             return Err(Error::failed("an illuminant's power is negative", "give powers of at least 0"));
         }
@@ -211,7 +212,7 @@ impl Illuminant {
     pub fn power(&self, wavelength: f64) -> f64 {
         match self {
             Self::D65 => {
-                static TABLE: OnceLock<Table<1>> = OnceLock::new();
+                static TABLE: OnceLock<SpectralTable<1>> = OnceLock::new();
                 TABLE.get_or_init(|| built_in(include_str!("../../assets/spectra/d65.csv"))).at(wavelength)[0]
             }
             Self::A => {
@@ -220,7 +221,7 @@ impl Illuminant {
             }
             Self::E => 100.0,
             Self::Led => {
-                static TABLE: OnceLock<Table<1>> = OnceLock::new();
+                static TABLE: OnceLock<SpectralTable<1>> = OnceLock::new();
                 let table = TABLE.get_or_init(|| built_in(include_str!("../../assets/spectra/led-b3.csv")));
                 table.at(wavelength)[0]
             }
@@ -253,10 +254,11 @@ mod tests {
 
     #[test]
     fn the_built_in_tables_are_whole() {
-        let observer: Table<3> =
-            Table::parse(include_str!("../../assets/spectra/cie-1931-2deg.csv")).unwrap();
+        let observer: SpectralTable<3> =
+            SpectralTable::parse(include_str!("../../assets/spectra/cie-1931-2deg.csv")).unwrap();
         assert_eq!(observer.wavelengths.len(), 401);
-        let d65: Table<1> = Table::parse(include_str!("../../assets/spectra/d65.csv")).unwrap();
+        let d65: SpectralTable<1> =
+            SpectralTable::parse(include_str!("../../assets/spectra/d65.csv")).unwrap();
         assert_eq!((d65.wavelengths[0], d65.wavelengths[80]), (380.0, 780.0));
     }
 
@@ -288,10 +290,10 @@ mod tests {
 
     #[test]
     fn a_table_with_a_bad_line_is_refused_by_its_line_number() {
-        let error = Table::<1>::parse("wavelength,power\n380,1\n390,x\n").unwrap_err().to_string();
+        let error = SpectralTable::<1>::parse("wavelength,power\n380,1\n390,x\n").unwrap_err().to_string();
         assert!(error.contains("line 3"), "{error}");
-        assert!(Table::<1>::parse("wavelength,power\n390,1\n380,1\n").is_err());
-        assert!(Table::<1>::parse("").is_err());
+        assert!(SpectralTable::<1>::parse("wavelength,power\n390,1\n380,1\n").is_err());
+        assert!(SpectralTable::<1>::parse("").is_err());
     }
 
     #[test]
@@ -303,14 +305,14 @@ mod tests {
             "\u{feff}380,1\n600,2\n780,1",
             "nm,W\r\n\r\n380, 1\r\n600 ,2\r\n780,\"1\"\r\n",
         ] {
-            let table = Table::<1>::parse(text).unwrap();
+            let table = SpectralTable::<1>::parse(text).unwrap();
             let rows: Vec<[f64; 2]> =
                 table.wavelengths.iter().zip(&table.values).map(|(w, v)| [*w, v[0]]).collect();
             assert_eq!(rows, expected, "{text:?}");
         }
         // Neither names nor a row: something is lost.
         for text in ["380,power\n600,1\n780,1\n", "power,1\n600,1\n780,1\n", "380\n600,1\n780,1\n"] {
-            assert!(Table::<1>::parse(text).unwrap_err().to_string().contains("line 1"), "{text:?}");
+            assert!(SpectralTable::<1>::parse(text).unwrap_err().to_string().contains("line 1"), "{text:?}");
         }
     }
 

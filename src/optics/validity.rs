@@ -10,7 +10,7 @@
 use super::spectrum::{LONGEST, SHORTEST};
 use crate::error::Result;
 use crate::surface::statistics::slopes::rms_slopes;
-use crate::surface::statistics::spectrum::{Spectrum, analysed_part};
+use crate::surface::statistics::spectrum::{SurfaceSpectrum, analysed_part};
 use crate::surface::statistics::{Texture, deviation, dominant_periods};
 use crate::surface::{HeightField, Statistics};
 use std::f64::consts::TAU;
@@ -56,7 +56,7 @@ impl Validity {
     /// Where the memory does not hold the spectrum.
     pub fn of_field(field: &HeightField) -> Result<Self> {
         let part = analysed_part(field);
-        let power = Spectrum::windowed(&part)?;
+        let power = SurfaceSpectrum::windowed(&part)?;
         let period = dominant_periods(&part, &power)?.first().map(|period| period.length);
         let sal = Texture::of(&part, &power)?.sal;
         Ok(Self::from_numbers(rms_slopes(field), period, deviation(field), sal))
@@ -125,7 +125,7 @@ impl Validity {
 mod tests {
     use super::*;
     use crate::surface::HeightField;
-    use crate::surface::synth::{Kind, Spec, generate};
+    use crate::surface::synth::{Spec, SurfaceKind, generate};
 
     fn validity(field: &HeightField) -> Validity {
         Validity::of(&Statistics::of(field).unwrap())
@@ -139,7 +139,7 @@ mod tests {
             pixel_size,
             period: Some(period),
             height: Some(height),
-            ..Spec::new(Kind::Sinusoid)
+            ..Spec::new(SurfaceKind::Sinusoid)
         };
         validity(&generate(&spec).unwrap())
     }
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn a_picture_says_of_its_surface_what_the_statistics_say() {
-        for kind in Kind::ALL {
+        for kind in SurfaceKind::ALL {
             let field = generate(&Spec { patch: Some([20.0; 2]), ..Spec::new(kind) }).unwrap();
             assert_eq!(Validity::note(&field), validity(&field).line(), "{kind:?}");
         }
@@ -202,7 +202,7 @@ mod tests {
 
     #[test]
     fn a_mirror_is_within() {
-        let mirror = validity(&generate(&Spec::new(Kind::Flat)).unwrap());
+        let mirror = validity(&generate(&Spec::new(SurfaceKind::Flat)).unwrap());
         assert!(mirror.violations().is_empty() && mirror.line().contains("no period"), "{}", mirror.line());
     }
 }

@@ -1,7 +1,7 @@
 //! The judge of the layers: terms against the transform of e^{izh} itself, where directions can see it.
 
 use super::texels::Texels;
-use super::transform::{PaddedAxis, Spectrum, TermPair, Transformer};
+use super::transform::{PaddedAxis, TermPair, TermSpectrum, Transformer};
 use crate::error::{Error, Result};
 use crate::expansion::Expansion;
 use rustfft::num_complex::{Complex32, Complex64};
@@ -164,7 +164,12 @@ fn spread(transformer: &Transformer, radius: f64, most: usize) -> Vec<[usize; 2]
 }
 
 /// The `most` kept texels with |f| ≤ `radius` at which `spectrum` is largest.
-fn brightest(transformer: &Transformer, spectrum: &Spectrum, radius: f64, most: usize) -> Vec<[usize; 2]> {
+fn brightest(
+    transformer: &Transformer,
+    spectrum: &TermSpectrum,
+    radius: f64,
+    most: usize,
+) -> Vec<[usize; 2]> {
     let (x, y) = (&transformer.x, &transformer.y);
     let frequency = |k: usize, axis: &PaddedAxis| (k as f64 - axis.bins as f64) / axis.length;
     let mut best: Vec<(f64, [usize; 2])> = Vec::new();

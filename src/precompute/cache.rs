@@ -6,7 +6,7 @@ use super::layers::{Errors, Layers};
 use super::pairs::PairRule;
 use super::settings::LayerSettings;
 use super::texels::Texels;
-use crate::cache::{Format, Kept, Key, Payload, count, positive};
+use crate::cache::{EntryFormat, Kept, Key, Payload, count, positive};
 use crate::error::Result;
 use crate::surface::HeightField;
 use serde::{Deserialize, Serialize};
@@ -35,7 +35,7 @@ pub fn memory_limit(settings: &LayerSettings) -> u64 {
 /// Everything of [`Layers`] but texels and coefficients.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Header {
+pub struct LayersHeader {
     size: [usize; 2],
     origin: [usize; 2],
     length: [f64; 2],
@@ -57,11 +57,11 @@ pub struct Header {
 
 impl Kept for Layers {
     /// The version changes whenever the layers of the same key would change.
-    const FORMAT: Format = Format { name: "layers", version: 12 };
-    type Header = Header;
+    const FORMAT: EntryFormat = EntryFormat { name: "layers", version: 12 };
+    type Header = LayersHeader;
 
-    fn header(&self) -> Header {
-        Header {
+    fn header(&self) -> LayersHeader {
+        LayersHeader {
             size: self.size,
             origin: self.origin,
             length: self.length,
@@ -85,7 +85,7 @@ impl Kept for Layers {
         vec![self.texels.bytes(), bytemuck::cast_slice(&self.coefficients.values)]
     }
 
-    fn build(header: Header, payload: &mut Payload<'_>) -> Option<Self> {
+    fn build(header: LayersHeader, payload: &mut Payload<'_>) -> Option<Self> {
         let h = header;
         let pairs = h.terms.div_ceil(2);
         let texels = count(&[h.size[0], h.size[1], pairs, 4])?;

@@ -5,7 +5,7 @@ use super::audit::{Audit, FAINT, PLANES};
 use super::coefficients::Coefficients;
 use super::kernel::Interpolation;
 use super::pairs::PairRule;
-use super::plan::{Plan, bands_of, too_large};
+use super::plan::{TransformPlan, bands_of, too_large};
 use super::settings::LayerSettings;
 use super::texels::Texels;
 use super::transform::{TermPair, Transformer};
@@ -110,7 +110,7 @@ pub fn compute_at(
     shift: [f64; 2],
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<Layers> {
-    let work = Work::new(field, settings, shift)?;
+    let work = LayersWork::new(field, settings, shift)?;
     let mut audit = Audit::new(&work.transformer, &work.heights, work.half_range, work.z_max, |i| {
         progress(i, work.steps(0))
     })?;
@@ -157,7 +157,7 @@ pub fn compute_at(
 }
 
 /// What layers are made from.
-struct Work<'a> {
+struct LayersWork<'a> {
     settings: &'a LayerSettings,
     interpolation: Interpolation,
     interpolation_error: f64,
@@ -176,18 +176,18 @@ struct Work<'a> {
 }
 
 /// Spectra of so many pairs of terms.
-struct Made {
+struct MadeSpectra {
     texels: Vec<f32>,
     pairs: usize,
     terms: usize,
 }
 
-impl<'a> Work<'a> {
+impl<'a> LayersWork<'a> {
     fn new(field: &'a HeightField, settings: &'a LayerSettings, shift: [f64; 2]) -> Result<Self> {
         let scale = HeightScale::of(field);
         let z_max = largest_z(settings.shortest_wavelength);
         let (interpolation, interpolation_error) = interpolation(settings)?;
-        let Plan { plane: [x, y] } = Plan::new(field, settings, interpolation, shift)?;
+        let TransformPlan { plane: [x, y] } = TransformPlan::new(field, settings, interpolation, shift)?;
         if settings.basis == Basis::Taylor && settings.terms.is_none() {
             // Refuses what is hopeless before any work.
             terms_for(z_max * scale.half_range, settings.budget.expansion, F32_ROUNDOFF)?;
@@ -234,7 +234,11 @@ impl<'a> Work<'a> {
     }
 
     /// Transforms pair after pair of terms, until the `audit` says that they are enough.
-    fn transform(&self, audit: &mut Audit, progress: &dyn Fn(usize, usize) -> Result<()>) -> Result<Made> {
+    fn transform(
+        &self,
+        audit: &mut Audit,
+        progress: &dyn Fn(usize, usize) -> Result<()>,
+    ) -> Result<MadeSpectra> {
         let Self { settings, transformer, heights, most_terms, .. } = self;
         let family = self.family.as_ref();
         let [columns, rows] = self.size;
@@ -256,7 +260,7 @@ impl<'a> Work<'a> {
             let terms = (2 * pairs).min(*most_terms);
             let enough = settings.terms.is_none() && audit.error(family, terms) <= settings.budget.expansion;
             if enough || terms == *most_terms {
-                return Ok(Made { texels, pairs, terms });
+                return Ok(MadeSpectra { texels, pairs, terms });
             }
         }
     }

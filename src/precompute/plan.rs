@@ -8,12 +8,12 @@ use crate::memory;
 use crate::surface::HeightField;
 
 /// The transforms' axes for `settings`.
-pub(super) struct Plan {
+pub(super) struct TransformPlan {
     /// Of the whole plane.
     pub plane: [PaddedAxis; 2],
 }
 
-impl Plan {
+impl TransformPlan {
     /// The axes for spectra that are read by `interpolation`, checked against the memory limit of `settings` before any of it is taken.
     pub fn new(
         field: &HeightField,

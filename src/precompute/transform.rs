@@ -43,7 +43,7 @@ impl Samples {
 
 /// One sample of the patch under the window.
 #[derive(Clone, Copy, Debug)]
-struct Tap {
+struct WindowTap {
     /// Where it goes in the transform.
     slot: usize,
     /// Its column or row in the patch.
@@ -62,7 +62,7 @@ pub struct PaddedAxis {
     /// Bins −`bins` … `bins` are kept: the band and the kernel's guard.
     pub bins: usize,
     /// What the window sees.
-    taps: Vec<Tap>,
+    taps: Vec<WindowTap>,
     /// Sub-sample shift of the origin: the centre of an even number of samples, for one, lies between two.
     shift: f64,
 }
@@ -105,7 +105,7 @@ impl PaddedAxis {
                 let weight = window(x) * scale / kernel.map_or(1.0, |kernel| kernel.transform(x / length));
                 // Position (j + shift)·spacing is column centre + shift + j = middle + j of the patch.
                 let index = (middle + place).rem_euclid(count as i64) as usize;
-                Tap {
+                WindowTap {
                     slot: place.rem_euclid(padded as i64) as usize,
                     patch: if upward { count - 1 - index } else { index },
                     weight,
@@ -126,7 +126,7 @@ impl PaddedAxis {
             .map(|slot| {
                 let index = (middle + slot) % count;
                 let patch = if upward { count - 1 - index } else { index };
-                Tap { slot, patch, weight: 1.0 / count as f64 }
+                WindowTap { slot, patch, weight: 1.0 / count as f64 }
             })
             .collect();
         let bins = (band * own.period()).ceil() as usize + beyond;
@@ -168,13 +168,13 @@ fn fast_size(n: usize) -> usize {
 /// A spectrum on the kept bins, column by column: `values[column * rows + row]`, frequency (column − bins_x)/L_x,
 /// (row − bins_y)/L_y.
 #[derive(Debug)]
-pub struct Spectrum {
+pub struct TermSpectrum {
     values: Vec<Complex64>,
     columns: usize,
     rows: usize,
 }
 
-impl Spectrum {
+impl TermSpectrum {
     /// The value at a kept column and row.
     pub fn at(&self, column: usize, row: usize) -> Complex64 {
         self.values[column * self.rows + row]
@@ -194,9 +194,9 @@ impl Spectrum {
 #[derive(Debug)]
 pub enum TermPair {
     /// Of real functions, which are the real and the imaginary part of the one that was transformed.
-    Real(Spectrum),
+    Real(TermSpectrum),
     /// Of complex functions.
-    Complex([Spectrum; 2]),
+    Complex([TermSpectrum; 2]),
 }
 
 impl TermPair {
@@ -210,8 +210,8 @@ impl TermPair {
 }
 
 impl IntoIterator for TermPair {
-    type Item = Spectrum;
-    type IntoIter = std::vec::IntoIter<Spectrum>;
+    type Item = TermSpectrum;
+    type IntoIter = std::vec::IntoIter<TermSpectrum>;
 
     /// What was transformed: one spectrum of real functions, two of complex ones.
     fn into_iter(self) -> Self::IntoIter {
@@ -271,7 +271,7 @@ impl<'a> Transformer<'a> {
     }
 
     /// Takes the room of spectra of this transformer back for the next.
-    pub fn take_back(&self, spectra: impl IntoIterator<Item = Spectrum>) {
+    pub fn take_back(&self, spectra: impl IntoIterator<Item = TermSpectrum>) {
         spectra.into_iter().for_each(|spectrum| self.keep(spectrum.values));
     }
 
@@ -293,7 +293,7 @@ impl<'a> Transformer<'a> {
     }
 
     /// The spectrum of window · `value`(sample of the patch, by row and column), relative to the window's mirror peak.
-    pub fn spectrum(&self, value: impl Fn(usize) -> Complex64 + Sync) -> Spectrum {
+    pub fn spectrum(&self, value: impl Fn(usize) -> Complex64 + Sync) -> TermSpectrum {
         let (x, y) = (&self.x, &self.y);
         let columns = x.kept();
         // Rows of the patch, transformed once however often they repeat; only the kept columns stay.
@@ -343,7 +343,7 @@ impl<'a> Transformer<'a> {
             },
         );
         self.keep(rows_done);
-        Spectrum { values, columns, rows: y.kept() }
+        TermSpectrum { values, columns, rows: y.kept() }
     }
 }
 

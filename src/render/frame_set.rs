@@ -9,7 +9,7 @@ use super::upload;
 use crate::error::Result;
 use crate::scene::MAX_LIGHTS;
 use crate::scene::environment::Environment;
-use crate::scene::incident::{Emits, Place};
+use crate::scene::incident::{Emits, LampPoint};
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
@@ -50,7 +50,7 @@ pub struct FrameBlock {
 impl FrameBlock {
     /// What `emitters` hold of a light: 0 in w where it is far away; the middle of a lamp that emits all around, and 1; the normal of one that
     /// emits to one side, and 2.
-    pub fn emitter(place: Option<&Place>) -> [f32; 4] {
+    pub fn emitter(place: Option<&LampPoint>) -> [f32; 4] {
         match place.map(|place| place.emits) {
             None => [0.0; 4],
             Some(Emits::AllAround { middle }) => middle.as_vec3().extend(1.0).to_array(),

@@ -4,7 +4,7 @@ use super::directions::Directions;
 use super::frame::{Shown, View};
 use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
-use crate::brdf::mean::{Mean, Orders, TabulatedMean};
+use crate::brdf::mean::{MeanBrdf, SummedOrders, TabulatedMean};
 use crate::brdf::without_cosine;
 use crate::error::Result;
 use crate::optics::coherence::Windows;
@@ -76,8 +76,12 @@ impl<'a> PixelReference<'a> {
     pub fn new(field: &'a HeightField, shading: &'a Shading, progress: Progress<'_>) -> Result<Self> {
         let by = match (shading.windows, shading.coherence.sigma()) {
             (Windows::All, Some(sigma)) => {
-                let mean =
-                    Mean { field, sigma, beyond: shading.beyond, reflectance: shading.reflectance.clone() };
+                let mean = MeanBrdf {
+                    field,
+                    sigma,
+                    beyond: shading.beyond,
+                    reflectance: shading.reflectance.clone(),
+                };
                 By::Mean(Box::new(TabulatedMean::new(mean, SHORTEST, progress)?))
             }
             (windows, _) => {
@@ -154,7 +158,7 @@ impl<'a> PixelReference<'a> {
         let weighted = match &self.by {
             By::Mean(mean) => {
                 let asked = [(*pair, Covariance::default())];
-                mean.xyz(illuminant, &asked, Orders::All, &|_, _| Ok(()))?[0]
+                mean.xyz(illuminant, &asked, SummedOrders::All, &|_, _| Ok(()))?[0]
             }
             By::Windows(reference) => reference.cosine_weighted_xyz(pair, illuminant)?,
             By::Nothing => DVec3::ZERO,
@@ -172,7 +176,8 @@ impl<'a> PixelReference<'a> {
     ) -> Result<Vec<DVec3>> {
         match &self.by {
             By::Mean(mean) => {
-                let orders = if seen.mirrored.is_empty() { Orders::All } else { Orders::Scattered };
+                let orders =
+                    if seen.mirrored.is_empty() { SummedOrders::All } else { SummedOrders::Scattered };
                 mean.xyz(illuminant, asked, orders, progress)
             }
             By::Windows(reference) => {

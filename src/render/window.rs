@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// Where the pictures lie in the window, in pixels; the push constants of `window.frag`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Place {
+pub struct PicturePlace {
     /// What the picture takes of the window, from the upper left corner.
     pub area: [f32; 2],
     /// Pixels that were drawn of the left picture.
@@ -34,7 +34,7 @@ pub struct WindowPass {
 }
 
 /// The pictures that one frame shows; kept until the device is done with the frame.
-pub struct Pictures {
+pub struct WindowPictures {
     descriptors: Descriptors,
     images: Option<[Arc<Image>; 2]>,
 }
@@ -48,7 +48,7 @@ impl WindowPass {
         let layout = bindings(device)?;
         let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[format], depth: None };
         let (vertex, fragment) = (shader!("display.vert"), Some(shader!("window.frag")));
-        let push = size_of::<Place>() as u32;
+        let push = size_of::<PicturePlace>() as u32;
         let pipeline = Pipeline::graphics(device, vertex, fragment, &drawing, &[&layout], push)?;
         let sampler = Sampler::linear(device, "window sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         Ok(Self { pipeline, sampler, device: device.clone() })
@@ -58,12 +58,12 @@ impl WindowPass {
     ///
     /// # Errors
     /// Where the device refuses.
-    pub fn pictures(&self) -> Result<Pictures> {
-        Ok(Pictures { descriptors: bindings(&self.device)?, images: None })
+    pub fn pictures(&self) -> Result<WindowPictures> {
+        Ok(WindowPictures { descriptors: bindings(&self.device)?, images: None })
     }
 
     /// Points `pictures` at two images. The device must be done with its frame.
-    pub fn show(&self, pictures: &mut Pictures, left: &Arc<Image>, right: &Arc<Image>) {
+    pub fn show(&self, pictures: &mut WindowPictures, left: &Arc<Image>, right: &Arc<Image>) {
         let same = |[a, b]: &[Arc<Image>; 2]| Arc::ptr_eq(a, left) && Arc::ptr_eq(b, right);
         if pictures.images.as_ref().is_some_and(same) {
             return;
@@ -74,7 +74,7 @@ impl WindowPass {
     }
 
     /// Draws `pictures` while rendering to the window is open.
-    pub fn draw(&self, draw: &Recorder<'_>, pictures: &Pictures, place: &Place) {
+    pub fn draw(&self, draw: &Recorder<'_>, pictures: &WindowPictures, place: &PicturePlace) {
         draw.bind(&self.pipeline, &[&pictures.descriptors]);
         draw.push(&self.pipeline, bytemuck::bytes_of(place));
         draw.draw(3);

@@ -64,7 +64,7 @@ pub struct Environment {
     pub name: String,
     /// How they stand.
     pub placement: Placement,
-    picture: Arc<Picture>,
+    picture: Arc<EnvironmentMap>,
 }
 
 /// The very same picture is not compared number by number.
@@ -78,7 +78,7 @@ impl PartialEq for Environment {
 /// Tells the picture by its hash: millions of numbers tell nobody anything.
 impl fmt::Debug for Environment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Picture { width, radiance, .. } = &*self.picture;
+        let EnvironmentMap { width, radiance, .. } = &*self.picture;
         let numbers: Vec<[f32; 3]> = radiance.iter().map(Vec3::to_array).collect();
         let hash = blake3::hash(bytemuck::cast_slice(&numbers)).to_hex();
         let Self { placement, .. } = self;
@@ -117,7 +117,7 @@ impl EnvironmentLevel {
 
 /// Radiance over directions, and the distribution that light is drawn from.
 #[derive(Debug, PartialEq)]
-struct Picture {
+struct EnvironmentMap {
     width: usize,
     height: usize,
     /// Linear sRGB, row by row from the top.
@@ -138,9 +138,9 @@ impl Environment {
     pub fn open(name: impl AsRef<OsStr>) -> Result<Self> {
         let name = name.as_ref();
         let picture = match name.to_str() {
-            Some("sky") => Picture::of(WIDTH, &sky),
-            Some("studio") => Picture::of(WIDTH, &studio),
-            _ => Picture::read(Path::new(name))?,
+            Some("sky") => EnvironmentMap::of(WIDTH, &sky),
+            Some("studio") => EnvironmentMap::of(WIDTH, &studio),
+            _ => EnvironmentMap::read(Path::new(name))?,
         };
         Ok(Self::showing(&name.to_string_lossy(), picture))
     }
@@ -150,16 +150,16 @@ impl Environment {
     /// # Errors
     /// Bytes that are no such picture, one that is not twice as wide as high, or one that holds no light.
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self> {
-        Picture::from_bytes(bytes).map(|picture| Self::showing(name, picture))
+        EnvironmentMap::from_bytes(bytes).map(|picture| Self::showing(name, picture))
     }
 
-    fn showing(name: &str, picture: Picture) -> Self {
+    fn showing(name: &str, picture: EnvironmentMap) -> Self {
         Self { name: name.to_owned(), placement: Placement::default(), picture: Arc::new(picture) }
     }
 
     /// Surroundings of this radiance, linear sRGB, over directions.
     pub fn of(radiance: &dyn Fn(DVec3) -> Vec3) -> Self {
-        Self::showing("", Picture::of(WIDTH, radiance))
+        Self::showing("", EnvironmentMap::of(WIDTH, radiance))
     }
 
     /// What the sample at `point` (uniform in 0 … 1) of `count` samples gets: a direction is as likely as it is bright, and stands for
@@ -192,7 +192,7 @@ impl Environment {
 
     /// The picture in levels of half the size each, the finest first, for reading means over parts of it. Neither turned nor brightened.
     pub fn levels(&self) -> Vec<EnvironmentLevel> {
-        let Picture { width, height, radiance, .. } = &*self.picture;
+        let EnvironmentMap { width, height, radiance, .. } = &*self.picture;
         let finest = EnvironmentLevel { size: [*width, *height], radiance: radiance.clone() };
         let halved = |level: &EnvironmentLevel| (level.size != [1, 1]).then(|| level.halved());
         std::iter::successors(Some(finest), halved).collect()
@@ -281,7 +281,7 @@ fn parts(weights: impl Iterator<Item = f64>) -> (Vec<f64>, f64) {
     (parts, sum)
 }
 
-impl Picture {
+impl EnvironmentMap {
     /// A picture `width` pixels wide of this radiance over directions.
     fn of(width: usize, radiance: &dyn Fn(DVec3) -> Vec3) -> Self {
         let height = width / 2;
@@ -344,10 +344,10 @@ const PICTURE: PictureFile = PictureFile {
 };
 
 /// The picture with at most [`LARGEST_WIDTH`] columns: means over whole squares of pixels. What remains beyond them is left out.
-fn averaged(width: usize, height: usize, colors: Vec<Vec3>) -> Picture {
+fn averaged(width: usize, height: usize, colors: Vec<Vec3>) -> EnvironmentMap {
     let by = width.div_ceil(LARGEST_WIDTH);
     if by == 1 {
-        return Picture::new(width, height, colors);
+        return EnvironmentMap::new(width, height, colors);
     }
     let (columns, rows) = (width / by, height / by);
     let mean = |i: usize| {
@@ -355,7 +355,7 @@ fn averaged(width: usize, height: usize, colors: Vec<Vec3>) -> Picture {
         let sum: Vec3 = (row..row + by).flat_map(|r| &colors[r * width + column..][..by]).sum();
         sum / (by * by) as f32
     };
-    Picture::new(columns, rows, (0..columns * rows).map(mean).collect())
+    EnvironmentMap::new(columns, rows, (0..columns * rows).map(mean).collect())
 }
 
 /// An overcast sky by the CIE's formula, L = L_z (1 + 2 sin γ)/3 (Moon and Spencer 1942), bluish, over a dark ground. The sun is a light of
@@ -480,7 +480,7 @@ mod tests {
         for format in [ImageFormat::Hdr, ImageFormat::OpenExr] {
             let mut bytes = std::io::Cursor::new(Vec::new());
             image::DynamicImage::from(picture.clone()).write_to(&mut bytes, format).unwrap();
-            let picture = Arc::new(Picture::from_bytes(bytes.get_ref()).unwrap());
+            let picture = Arc::new(EnvironmentMap::from_bytes(bytes.get_ref()).unwrap());
             let environment = Environment { name: String::new(), placement: Placement::default(), picture };
             let incident = environment.incident([0.5, 0.5], 1);
             assert!(incident.direction.y < -0.7 && incident.direction.z > 0.6, "{incident:?}");
@@ -492,13 +492,13 @@ mod tests {
         for (picture, said) in [(square, "8 x 8"), (black, "black")] {
             let mut bytes = std::io::Cursor::new(Vec::new());
             picture.write_to(&mut bytes, ImageFormat::OpenExr).unwrap();
-            let error = Picture::from_bytes(bytes.get_ref()).unwrap_err().to_string();
+            let error = EnvironmentMap::from_bytes(bytes.get_ref()).unwrap_err().to_string();
             assert!(error.contains(said), "{error}");
         }
-        assert!(Picture::from_bytes(b"no picture").is_err());
+        assert!(EnvironmentMap::from_bytes(b"no picture").is_err());
         let header = |size: &str| format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n{size}\n").into_bytes();
         for size in ["-Y 0 +X 0", "-Y 8 +X 16", "-Y 16000 +X 32000", "-Y 2147483648 +X 4294967295"] {
-            assert!(Picture::from_bytes(&header(size)).is_err(), "{size} and no pixels");
+            assert!(EnvironmentMap::from_bytes(&header(size)).is_err(), "{size} and no pixels");
         }
     }
 }

@@ -15,9 +15,9 @@ pub struct Incident {
     /// Unit vector to the light, from the middle of the scene where it is a lamp.
     pub direction: DVec3,
     /// The point of a lamp.
-    pub place: Option<Place>,
+    pub place: Option<LampPoint>,
     /// Irradiance over π of a surface that faces the light, linear sRGB: a white diffuse surface has this radiance. Of a lamp, at distance 1
-    /// straight before it; [`Place::falloff`] has the rest.
+    /// straight before it; [`LampPoint::falloff`] has the rest.
     pub irradiance: Vec3,
     /// Variance of the directions that the sample stands for, along each axis across `direction`; of a lamp, of the points.
     pub variance: f64,
@@ -25,7 +25,7 @@ pub struct Incident {
 
 /// A point of a lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct LampPoint {
     /// The point \[units of the scene\].
     pub point: DVec3,
     /// Where to the lamp emits.
@@ -48,7 +48,7 @@ pub enum Emits {
     },
 }
 
-impl Place {
+impl LampPoint {
     /// Irradiance of a surface at `place` that faces the point, relative to that at distance 1 straight before the lamp. The twin of `falloff`
     /// in `geometry.frag`.
     pub fn falloff(&self, place: DVec3) -> f64 {

@@ -1,6 +1,6 @@
 //! Lamps: spheres and rectangles that stand in the scene, near enough that pixels see them in different directions and at different distances.
 
-use super::incident::{Emits, Incident, Place, WIDER, concentric, spread_of};
+use super::incident::{Emits, Incident, LampPoint, WIDER, concentric, spread_of};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::units;
@@ -12,7 +12,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lamp {
     /// What it looks like.
-    pub shape: Shape,
+    pub shape: LampShape,
     /// Its middle \[units of the scene\].
     pub middle: DVec3,
     /// How bright it is.
@@ -21,7 +21,7 @@ pub struct Lamp {
 
 /// The shape of a lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shape {
+pub enum LampShape {
     /// A sphere.
     Sphere {
         /// \[units of the scene\]
@@ -79,12 +79,14 @@ impl Lamp {
     pub fn parse(text: &str) -> Result<Self> {
         let parts: Vec<&str> = text.split(':').map(str::trim).collect();
         let (shape, place, form) = match parts[..] {
-            ["sphere", diameter, place] => (Shape::Sphere { diameter: size(diameter, text)? }, place, SPHERE),
+            ["sphere", diameter, place] => {
+                (LampShape::Sphere { diameter: size(diameter, text)? }, place, SPHERE)
+            }
             ["rectangle", sides, place, ref faced @ ..] if faced.len() <= 1 => {
                 let (width, height) = sides.split_once(['x', '×']).ok_or_else(|| refused(text, RECTANGLE))?;
                 let faces = faced.first().map(|point| coordinates(point, text, RECTANGLE)).transpose()?;
                 let size = [size(width, text)?, size(height, text)?];
-                (Shape::Rectangle { size, faces }, place, RECTANGLE)
+                (LampShape::Rectangle { size, faces }, place, RECTANGLE)
             }
             ["rectangle", ..] => return Err(refused(text, RECTANGLE)),
             _ => return Err(refused(text, SPHERE)),
@@ -95,7 +97,7 @@ impl Lamp {
         };
         let lamp = Self { shape, middle: coordinates(place, text, form)?, strength };
         match shape {
-            Shape::Rectangle { faces: Some(point), .. } if point == lamp.middle => Err(Error::usage(
+            LampShape::Rectangle { faces: Some(point), .. } if point == lamp.middle => Err(Error::usage(
                 format!("the rectangle in the light '{text}' faces its own middle"),
                 "give another point, or none for the middle of the scene",
             )),
@@ -121,11 +123,11 @@ impl Lamp {
         let held = spread_of(coherence) * self.distance(room).powi(2);
         let left = |own: f64| (1.0 - held / own).max(0.0).sqrt().max(LEAST);
         let shape = match self.shape {
-            Shape::Sphere { diameter } => {
-                Shape::Sphere { diameter: diameter * left(variance_of_disc(diameter)) }
+            LampShape::Sphere { diameter } => {
+                LampShape::Sphere { diameter: diameter * left(variance_of_disc(diameter)) }
             }
-            Shape::Rectangle { size, faces } => {
-                Shape::Rectangle { size: size.map(|side| side * left(variance_of_side(side))), faces }
+            LampShape::Rectangle { size, faces } => {
+                LampShape::Rectangle { size: size.map(|side| side * left(variance_of_side(side))), faces }
             }
         };
         let smaller = Self { shape, ..self };
@@ -141,8 +143,8 @@ impl Lamp {
             (room.centre.truncate() + flat).extend(point.z)
         };
         let shape = match self.shape {
-            Shape::Rectangle { size, faces } => Shape::Rectangle { size, faces: faces.map(turned) },
-            sphere @ Shape::Sphere { .. } => sphere,
+            LampShape::Rectangle { size, faces } => LampShape::Rectangle { size, faces: faces.map(turned) },
+            sphere @ LampShape::Sphere { .. } => sphere,
         };
         Self { middle: turned(self.middle), shape, ..self }
     }
@@ -155,12 +157,12 @@ impl Lamp {
         let normal = self.normal(room);
         let [across, up] = axes(normal);
         let (at, emits, variance) = match self.shape {
-            Shape::Sphere { diameter } => {
+            LampShape::Sphere { diameter } => {
                 let (radius, angle) = concentric(point);
                 let place = DVec2::from_angle(angle) * (radius * 0.5 * diameter * (1.0 - share).sqrt());
                 (place, Emits::AllAround { middle: self.middle }, share * variance_of_disc(diameter))
             }
-            Shape::Rectangle { size, .. } => {
+            LampShape::Rectangle { size, .. } => {
                 let own = size.map(variance_of_side);
                 let variance = share * own[0].min(own[1]);
                 let along = |i: usize| size[i] * (1.0 - variance / own[i]).sqrt() * (point[i] - 0.5);
@@ -170,7 +172,7 @@ impl Lamp {
         let place = self.middle + across * at.x + up * at.y;
         Incident {
             direction: (place - room.centre).try_normalize().unwrap_or(-normal),
-            place: Some(Place { point: place, emits }),
+            place: Some(LampPoint { point: place, emits }),
             irradiance: Vec3::splat((self.radiance(room) * self.outline() / PI) as f32),
             variance,
         }
@@ -180,8 +182,8 @@ impl Lamp {
     pub fn corners(&self, room: &Room) -> [DVec3; 4] {
         let [across, up] = axes(self.normal(room));
         let [width, height] = match self.shape {
-            Shape::Sphere { diameter } => [diameter; 2],
-            Shape::Rectangle { size, .. } => size,
+            LampShape::Sphere { diameter } => [diameter; 2],
+            LampShape::Rectangle { size, .. } => size,
         };
         let corner = |x: f64, y: f64| self.middle + across * (0.5 * x * width) + up * (0.5 * y * height);
         [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]
@@ -195,7 +197,7 @@ impl Lamp {
     /// The direction that the lamp faces.
     fn normal(&self, room: &Room) -> DVec3 {
         let faced = match self.shape {
-            Shape::Rectangle { faces: Some(point), .. } => point,
+            LampShape::Rectangle { faces: Some(point), .. } => point,
             _ => room.centre,
         };
         (faced - self.middle).try_normalize().unwrap_or(DVec3::NEG_Z)
@@ -204,16 +206,16 @@ impl Lamp {
     /// Area that is seen from straight before the lamp \[units of the scene, squared\].
     fn outline(&self) -> f64 {
         match self.shape {
-            Shape::Sphere { diameter } => PI * diameter * diameter / 4.0,
-            Shape::Rectangle { size: [width, height], .. } => width * height,
+            LampShape::Sphere { diameter } => PI * diameter * diameter / 4.0,
+            LampShape::Rectangle { size: [width, height], .. } => width * height,
         }
     }
 
     /// Area that emits.
     fn surface(&self) -> f64 {
         match self.shape {
-            Shape::Sphere { .. } => 4.0 * self.outline(),
-            Shape::Rectangle { .. } => self.outline(),
+            LampShape::Sphere { .. } => 4.0 * self.outline(),
+            LampShape::Rectangle { .. } => self.outline(),
         }
     }
 }
@@ -251,8 +253,8 @@ impl Strength {
 impl fmt::Display for Lamp {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.shape {
-            Shape::Sphere { diameter } => write!(f, "sphere:{diameter}:")?,
-            Shape::Rectangle { size: [width, height], .. } => write!(f, "rectangle:{width}x{height}:")?,
+            LampShape::Sphere { diameter } => write!(f, "sphere:{diameter}:")?,
+            LampShape::Rectangle { size: [width, height], .. } => write!(f, "rectangle:{width}x{height}:")?,
         }
         let [x, y, z] = self.middle.to_array();
         write!(f, "{x},{y},{z}")?;
@@ -262,7 +264,9 @@ impl fmt::Display for Lamp {
             Strength::Power(power) => write!(f, ",{power}W")?,
         }
         match self.shape {
-            Shape::Rectangle { faces: Some(point), .. } => write!(f, ":{},{},{}", point.x, point.y, point.z),
+            LampShape::Rectangle { faces: Some(point), .. } => {
+                write!(f, ":{},{},{}", point.x, point.y, point.z)
+            }
             _ => Ok(()),
         }
     }
@@ -363,8 +367,8 @@ mod tests {
             let normal = lamp.normal(&ROOM);
             let across = DVec3::Z.cross(normal).normalize();
             let own = match lamp.shape {
-                Shape::Sphere { diameter } => [variance_of_disc(diameter); 2],
-                Shape::Rectangle { size, .. } => size.map(variance_of_side),
+                LampShape::Sphere { diameter } => [variance_of_disc(diameter); 2],
+                LampShape::Rectangle { size, .. } => size.map(variance_of_side),
             };
             for count in [1, 5, 16, 1000] {
                 let spread = mean_over(&lamp, count, |incident| {
@@ -385,7 +389,7 @@ mod tests {
         let smaller = lamp.beyond(&Coherence::Gaussian { length: 20.0 }, &ROOM);
         let light = |lamp: &Lamp| lamp.incident([0.5; 2], 16, &ROOM).irradiance.x;
         assert!((light(&smaller) / light(&lamp) - 1.0).abs() < 1e-5);
-        let (Shape::Sphere { diameter: left }, Shape::Sphere { diameter: whole }) =
+        let (LampShape::Sphere { diameter: left }, LampShape::Sphere { diameter: whole }) =
             (smaller.shape, lamp.shape)
         else {
             panic!("the shape changed")

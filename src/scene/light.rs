@@ -15,12 +15,12 @@ pub struct Light {
     /// What emits.
     pub emitter: Emitter,
     /// Its spectrum; `None`: that of the scene's illuminant.
-    pub spectrum: Option<Spectrum>,
+    pub spectrum: Option<LightSpectrum>,
 }
 
 /// The spectrum of a light, and where it is from.
 #[derive(Clone, PartialEq)]
-pub struct Spectrum {
+pub struct LightSpectrum {
     /// Name of an illuminant that is built in, or a file.
     name: String,
     /// The illuminant.
@@ -62,7 +62,7 @@ impl Light {
     /// As [`Self::parse`].
     pub fn parse_in(text: &str, folder: &Path) -> Result<Self> {
         let (emitter, spectrum) = match text.split_once('@') {
-            Some((emitter, name)) => (emitter, Some(Spectrum::named(name.trim(), folder, text)?)),
+            Some((emitter, name)) => (emitter, Some(LightSpectrum::named(name.trim(), folder, text)?)),
             None => (text, None),
         };
         Ok(Self { emitter: Emitter::parse(emitter)?, spectrum })
@@ -87,7 +87,7 @@ impl Light {
     #[must_use]
     pub fn known_to(&self, others: &[Self]) -> Self {
         let is_known =
-            |own: &&Spectrum| others.iter().any(|other| other.illuminant() == Some(&own.illuminant));
+            |own: &&LightSpectrum| others.iter().any(|other| other.illuminant() == Some(&own.illuminant));
         Self { emitter: self.emitter, spectrum: self.spectrum.as_ref().filter(is_known).cloned() }
     }
 
@@ -110,7 +110,7 @@ impl Light {
     }
 }
 
-impl Spectrum {
+impl LightSpectrum {
     /// The illuminant of that name, or the file of that name in `folder`. The error names the `light`.
     fn named(name: &str, folder: &Path, light: &str) -> Result<Self> {
         if name.is_empty() {
@@ -147,7 +147,7 @@ impl Spectrum {
     }
 }
 
-impl fmt::Debug for Spectrum {
+impl fmt::Debug for LightSpectrum {
     /// What it is, wherever it is from.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.illuminant.fmt(f)

@@ -6,8 +6,8 @@ use super::{obj, primitives, snake};
 use crate::error::{Error, Result};
 use crate::optics::material::Material;
 use crate::optics::reflectance::{Film, Reflectance};
-use crate::surface::Source as Surface;
-use crate::surface::prepare::Step;
+use crate::surface::SurfaceSource;
+use crate::surface::prepare::PreparationStep;
 use crate::surface::synth;
 use crate::units;
 use glam::{EulerRot, Mat3, Vec3};
@@ -27,7 +27,7 @@ pub struct Object {
     /// Where it stands.
     pub pose: Pose,
     /// The height field; `None`: nothing is diffracted, and the pigment is seen alone.
-    pub surface: Option<Surface>,
+    pub surface: Option<SurfaceSource>,
     /// How the patch of the height field lies on the mesh.
     pub grooves: Grooves,
     /// What the surface reflects, where the scene says.
@@ -153,8 +153,8 @@ impl FileObject {
             ));
         }
         let mesh_source = MeshSource::named(&self.mesh, self.up, self.part, folder);
-        let surface = self.surface.as_deref().map(|name| -> Result<Surface> {
-            Ok(Surface {
+        let surface = self.surface.as_deref().map(|name| -> Result<SurfaceSource> {
+            Ok(SurfaceSource {
                 name: surface_name(name, folder).into_os_string(),
                 pixel_size: self.pixel_size.as_deref().map(units::length_pair).transpose()?,
                 height: self.height.as_deref().map(units::length).transpose()?,
@@ -239,7 +239,7 @@ impl MeshSource {
 
 /// A surface as a scene file in `folder` names it: a generated one, or a file.
 pub(super) fn surface_name(name: &str, folder: &Path) -> PathBuf {
-    if synth::Kind::from_name(name).is_some() { name.into() } else { folder.join(name) }
+    if synth::SurfaceKind::from_name(name).is_some() { name.into() } else { folder.join(name) }
 }
 
 /// Fails unless every one of `channels` is within 0 to 1.
@@ -317,9 +317,9 @@ pub(super) fn reflectance(
 }
 
 /// The steps of `prepare`, each as on the command line without the dashes.
-pub(super) fn steps(words: &[String]) -> Result<Vec<Step>> {
-    let step = |text: &String| Step::parse(text).map_err(|e| e.at("prepare"));
-    let steps: Vec<Step> = words.iter().map(step).collect::<Result<_>>()?;
+pub(super) fn steps(words: &[String]) -> Result<Vec<PreparationStep>> {
+    let step = |text: &String| PreparationStep::parse(text).map_err(|e| e.at("prepare"));
+    let steps: Vec<PreparationStep> = words.iter().map(step).collect::<Result<_>>()?;
     Ok(steps.into_iter().filter(|step| !step.is_nothing()).collect())
 }
 

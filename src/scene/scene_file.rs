@@ -14,8 +14,8 @@ use crate::error::{Error, Result};
 use crate::input;
 use crate::optics::color::Tone;
 use crate::optics::reflectance::Reflectance;
-use crate::surface::prepare::Step;
-use crate::surface::synth::Kind;
+use crate::surface::prepare::PreparationStep;
+use crate::surface::synth::SurfaceKind;
 use crate::units;
 use glam::Vec3;
 use serde::Deserialize;
@@ -51,7 +51,7 @@ pub struct Scene {
     /// Height of the file's largest code, where the scene gives it \[µm\].
     pub full_height: Option<f64>,
     /// What is done to the heights before use, in this order.
-    pub prepare: Vec<Step>,
+    pub prepare: Vec<PreparationStep>,
     /// The camera.
     pub camera: Camera,
     /// The lights, at most [`most_lights`].
@@ -88,7 +88,7 @@ pub struct Scene {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
+struct FileScene {
     mesh: String,
     #[serde(default)]
     up: Up,
@@ -245,7 +245,7 @@ impl Scene {
     }
 
     fn read(text: &str, folder: &Path, progress: &Progress<'_>) -> Result<Self> {
-        let file: File = toml::from_str(text).map_err(|e| {
+        let file: FileScene = toml::from_str(text).map_err(|e| {
             let line =
                 e.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
             Error::failed(format!("line {line}: {}", e.message()), remedy(e.message()))
@@ -267,7 +267,7 @@ impl Scene {
         }
         let field_of_view = units::angle(&file.camera.field_of_view)?.to_radians() as f32;
         let surface = surface_name(&file.surface, folder);
-        let built_in_surface = Kind::from_name(&file.surface).is_some();
+        let built_in_surface = SurfaceKind::from_name(&file.surface).is_some();
         let pigment = file.pigment.map(|p| folder.join(p));
         let mesh_source = MeshSource::named(&file.mesh, file.up, file.part, folder);
         let surface_file = (!built_in_surface).then(|| surface.clone());

@@ -11,9 +11,9 @@ use glam::Vec3;
 use serde::Serialize;
 use std::path::Path;
 
-/// A scene file in the order in which it is read best. Twin of `File` in `scene_file.rs`.
+/// A scene file in the order in which it is read best. Twin of `FileScene` in `scene_file.rs`.
 #[derive(Serialize)]
-struct File {
+struct WrittenScene {
     scale: String,
     mesh: String,
     up: Up,
@@ -43,17 +43,17 @@ struct File {
     shadows: bool,
     lights: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    environment: Option<FileEnvironment>,
-    camera: FileCamera,
+    environment: Option<WrittenEnvironment>,
+    camera: WrittenCamera,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    objects: Vec<FileObject>,
+    objects: Vec<WrittenObject>,
     #[serde(skip_serializing_if = "toml::Table::is_empty")]
     options: toml::Table,
 }
 
 /// Twin of `FileObject` in `object.rs`.
 #[derive(Serialize)]
-struct FileObject {
+struct WrittenObject {
     mesh: String,
     up: Up,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -80,7 +80,7 @@ struct FileObject {
     pigment: Option<String>,
 }
 
-impl FileObject {
+impl WrittenObject {
     fn of(object: &Object, folder: &Path) -> Result<Self> {
         let path = |path: &Path| named_from(path, folder);
         let surface = object.surface.as_ref();
@@ -134,14 +134,14 @@ fn micrometres([x, y]: [f64; 2]) -> String {
 }
 
 #[derive(Serialize)]
-struct FileCamera {
+struct WrittenCamera {
     eye: [f64; 3],
     target: [f64; 3],
     field_of_view: String,
 }
 
 #[derive(Serialize)]
-struct FileEnvironment {
+struct WrittenEnvironment {
     name: String,
     rotation: String,
     exposure: f64,
@@ -162,7 +162,7 @@ impl Scene {
             let value = if is_file { path(Path::new(value))? } else { value.clone() };
             Ok((name.clone(), toml::Value::String(value)))
         });
-        let file = File {
+        let file = WrittenScene {
             scale: format!("{} m", significant(self.unit)),
             mesh: path(&self.mesh_source.name)?,
             up: self.mesh_source.up,
@@ -194,15 +194,15 @@ impl Scene {
                     let name = if is_built_in { name.clone() } else { path(Path::new(name))? };
                     let (rotation, exposure) =
                         (format!("{}deg", own.placement.rotation), own.placement.exposure);
-                    Ok::<_, Error>(FileEnvironment { name, rotation, exposure })
+                    Ok::<_, Error>(WrittenEnvironment { name, rotation, exposure })
                 })
                 .transpose()?,
-            camera: FileCamera {
+            camera: WrittenCamera {
                 eye: shortest(eye_of(&self.camera)),
                 target: shortest(self.camera.target),
                 field_of_view: format!("{}deg", degrees(self.camera.field_of_view)),
             },
-            objects: objects.into_iter().map(|o| FileObject::of(o, folder)).collect::<Result<_>>()?,
+            objects: objects.into_iter().map(|o| WrittenObject::of(o, folder)).collect::<Result<_>>()?,
             options: options.collect::<Result<_>>()?,
         };
         toml::to_string(&file).map_err(|e| {
@@ -271,7 +271,7 @@ mod tests {
     use crate::scene::environment::Placement;
     use crate::scene::scene_file::BUILT_IN;
     use crate::scene::{Environment, Light};
-    use crate::surface::prepare::Step;
+    use crate::surface::prepare::PreparationStep;
 
     fn read(text: &str, folder: &Path) -> Scene {
         Scene::parse(text, folder).unwrap_or_else(|e| panic!("{e} in\n{text}"))
@@ -312,7 +312,8 @@ mod tests {
         let mut scene = Scene::open(&mesh).unwrap();
         scene.surface = scan.clone().into();
         (scene.pixel_size, scene.full_height) = (Some([0.1, 0.097_66]), Some(0.4347));
-        scene.prepare = ["level rows", "crop 40um", "invert"].map(|step| Step::parse(step).unwrap()).to_vec();
+        scene.prepare =
+            ["level rows", "crop 40um", "invert"].map(|step| PreparationStep::parse(step).unwrap()).to_vec();
         (scene.base_color, scene.exposure, scene.tone) = (Vec3::new(0.1, 0.7, 0.3), -1.5, Tone::Neutral);
         scene.background = Background::Color(glam::DVec3::new(0.25, 0.5, 1.0));
         scene.lights = ["sun:30,-40,2.5@led", "sphere:0.1:0.2,0.3,1,60W@lamp.csv"]

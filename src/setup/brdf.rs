@@ -1,7 +1,7 @@
 //! The BRDF of a height field by the method that is asked for.
 
 use super::{InUse, Method, Progress, Settings, check, source};
-use crate::brdf::mean::Mean;
+use crate::brdf::mean::MeanBrdf;
 use crate::brdf::{Brdf, DirectSum, MeanReference};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Windows;
@@ -35,7 +35,7 @@ pub fn for_each_window(
         let Windows::Grid(windows) = shading.windows else {
             let sigma = settings.power_sigma()?;
             let mean =
-                Mean { field, sigma, beyond: shading.beyond, reflectance: shading.reflectance.clone() };
+                MeanBrdf { field, sigma, beyond: shading.beyond, reflectance: shading.reflectance.clone() };
             return ask(&mut MeanReference::new(mean, illuminant, settings.shortest), 1.0);
         };
         let reference = Reference::new(field, shading.coherence, windows, shading.reflectance.clone());

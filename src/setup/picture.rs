@@ -13,7 +13,7 @@ use crate::render::sampling::{Sample, Sampling};
 use crate::render::shading::Shading;
 use crate::render::source::Source;
 use crate::scene::{Light, Mesh, Object, Scene};
-use crate::surface::{HeightField, Source as Surface};
+use crate::surface::{HeightField, SurfaceSource};
 use crate::vk::device::Device;
 use std::slice;
 use std::sync::Arc;
@@ -64,7 +64,7 @@ impl ObjectSurface {
         scene: &Scene,
         field: &Arc<HeightField>,
         optics: &Settings,
-        load: &mut dyn FnMut(&Surface) -> Result<Arc<HeightField>>,
+        load: &mut dyn FnMut(&SurfaceSource) -> Result<Arc<HeightField>>,
     ) -> Result<Vec<Self>> {
         let first = Self { field: Some(field.clone()), optics: optics.clone() };
         let other = |object: &Object| {

@@ -10,6 +10,6 @@ pub mod synth;
 pub mod tiling;
 
 pub use height_field::{HeightField, MAX_SIDE};
-pub use prepare::Level;
-pub use source::Source;
+pub use prepare::Levelling;
+pub use source::SurfaceSource;
 pub use statistics::Statistics;

@@ -2,15 +2,15 @@
 
 use super::HeightField;
 use super::files::{self, Topography, Wish};
-use super::prepare::{self, Level, Step};
-use super::synth::{self, Kind, Spec};
+use super::prepare::{self, Levelling, PreparationStep};
+use super::synth::{self, Spec, SurfaceKind};
 use crate::error::{Error, Result};
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 /// A named height field and how to read it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Source {
+pub struct SurfaceSource {
     /// A built-in name or a file.
     pub name: OsString,
     /// Distance between samples \[µm\]; `None`: the file's or the built-in's own.
@@ -20,14 +20,14 @@ pub struct Source {
     /// The channel of a file that has several, by name or number; `None`: the height.
     pub channel: Option<String>,
     /// What is done to the heights before use, in this order.
-    pub prepare: Vec<Step>,
+    pub prepare: Vec<PreparationStep>,
     /// Which one of the many surfaces of a random kind.
     pub seed: u64,
 }
 
-impl Source {
+impl SurfaceSource {
     /// The built-in surface of `kind`, as it is by default.
-    pub fn built_in(kind: Kind) -> Self {
+    pub fn built_in(kind: SurfaceKind) -> Self {
         Self {
             name: kind.name().into(),
             pixel_size: None,
@@ -39,19 +39,21 @@ impl Source {
     }
 
     /// The first levelling among the steps.
-    pub fn level(&self) -> Level {
-        let level = |step: &Step| if let Step::Level(level) = step { Some(*level) } else { None };
+    pub fn level(&self) -> Levelling {
+        let level = |step: &PreparationStep| {
+            if let PreparationStep::Level(level) = step { Some(*level) } else { None }
+        };
         self.prepare.iter().find_map(level).unwrap_or_default()
     }
 
     /// Makes `level` the first levelling among the steps, in the place of the one that is there or before all others.
-    pub fn set_level(&mut self, level: Level) {
-        let there = self.prepare.iter().position(|step| matches!(step, Step::Level(_)));
+    pub fn set_level(&mut self, level: Levelling) {
+        let there = self.prepare.iter().position(|step| matches!(step, PreparationStep::Level(_)));
         match (there, level) {
-            (Some(place), Level::None) => drop(self.prepare.remove(place)),
-            (Some(place), level) => self.prepare[place] = Step::Level(level),
-            (None, Level::None) => {}
-            (None, level) => self.prepare.insert(0, Step::Level(level)),
+            (Some(place), Levelling::None) => drop(self.prepare.remove(place)),
+            (Some(place), level) => self.prepare[place] = PreparationStep::Level(level),
+            (None, Levelling::None) => {}
+            (None, level) => self.prepare.insert(0, PreparationStep::Level(level)),
         }
     }
 
@@ -66,7 +68,7 @@ impl Source {
     /// The heights as they are in the file, or as they are made; no step is done.
     ///
     /// # Errors
-    /// As [`Source::load`].
+    /// As [`SurfaceSource::load`].
     pub fn read(&self) -> Result<Topography> {
         let (pixel_size, height) = (self.pixel_size, self.height);
         match self.kind() {
@@ -79,11 +81,11 @@ impl Source {
     }
 
     /// The built-in surface that the name stands for; `None` for a file.
-    pub fn kind(&self) -> Option<Kind> {
-        self.name.to_str().and_then(Kind::from_name)
+    pub fn kind(&self) -> Option<SurfaceKind> {
+        self.name.to_str().and_then(SurfaceKind::from_name)
     }
 
-    /// `field` after the steps of [`Source::prepare`].
+    /// `field` after the steps of [`SurfaceSource::prepare`].
     ///
     /// # Errors
     /// A step that cannot be done.
@@ -95,7 +97,7 @@ impl Source {
 fn from_file(name: &OsStr, wish: &Wish) -> Result<Topography> {
     let path = Path::new(name);
     if path.extension().is_none() && !path.exists() {
-        let known = Kind::ALL.map(Kind::name).join(", ");
+        let known = SurfaceKind::ALL.map(SurfaceKind::name).join(", ");
         return Err(Error::usage(
             format!("there is no surface `{}`", name.display()),
             format!("give {}, or one of {known}", files::KNOWN),
@@ -110,24 +112,27 @@ mod tests {
 
     #[test]
     fn a_level_takes_the_place_of_the_first_one_and_other_steps_stay() {
-        let mut source = Source::built_in(Kind::Blaze);
-        source.set_level(Level::Mean);
-        source.prepare.push(Step::Invert);
-        source.prepare.push(Step::Level(Level::Rows));
-        source.set_level(Level::Plane);
+        let mut source = SurfaceSource::built_in(SurfaceKind::Blaze);
+        source.set_level(Levelling::Mean);
+        source.prepare.push(PreparationStep::Invert);
+        source.prepare.push(PreparationStep::Level(Levelling::Rows));
+        source.set_level(Levelling::Plane);
         assert_eq!(prepare::describe(&source.prepare), "level plane, invert, level rows");
-        assert_eq!(source.level(), Level::Plane);
-        source.set_level(Level::None);
-        source.set_level(Level::None);
-        assert_eq!((source.level(), source.prepare.len()), (Level::None, 1));
+        assert_eq!(source.level(), Levelling::Plane);
+        source.set_level(Levelling::None);
+        source.set_level(Levelling::None);
+        assert_eq!((source.level(), source.prepare.len()), (Levelling::None, 1));
     }
 
     #[test]
     fn a_source_prepares_what_it_loads() {
-        let plain = Source::built_in(Kind::Blaze);
-        let moulded = Source { prepare: vec![Step::Level(Level::Mean), Step::Invert], ..plain.clone() };
+        let plain = SurfaceSource::built_in(SurfaceKind::Blaze);
+        let moulded = SurfaceSource {
+            prepare: vec![PreparationStep::Level(Levelling::Mean), PreparationStep::Invert],
+            ..plain.clone()
+        };
         let [plain, moulded] = [plain, moulded].map(|source| source.load().unwrap());
-        let expected = plain.levelled(Level::Mean).unwrap();
+        let expected = plain.levelled(Levelling::Mean).unwrap();
         assert!(expected.heights().iter().zip(moulded.heights()).all(|(a, b)| *a == -*b));
     }
 }

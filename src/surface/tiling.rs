@@ -149,7 +149,7 @@ fn root_mean_squares(squares: &[f64], count: usize) -> Steps {
 mod tests {
     use super::*;
     use crate::random::Random;
-    use crate::surface::synth::{Kind, Spec, generate};
+    use crate::surface::synth::{Spec, SurfaceKind, generate};
     use std::f64::consts::TAU;
 
     fn field(columns: usize, rows: usize, h: impl Fn(f64, f64) -> f64) -> HeightField {
@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn every_generated_surface_tiles() {
-        for kind in Kind::ALL {
+        for kind in SurfaceKind::ALL {
             let patch = Some([20.0; 2]);
             let tiling = tiles(&generate(&Spec { patch, seed: 3, ..Spec::new(kind) }).unwrap());
             assert_eq!(tiling.verdict, Verdict::Tiles, "{kind:?}: {tiling:?}");

@@ -1,16 +1,16 @@
 //! Sums the spectrum at every texel of a colour table.
 
-use super::grid::Grid;
+use super::grid::TableGrid;
 use super::pieces::choose_pieces;
 use super::specular::Specular;
 use super::sums::{CUBIC, DirectionWavelengths, Scratch, Sums};
-use super::{ColorTable, Header, TableSettings};
+use super::{ColorTable, TableHeader, TableSettings};
 use crate::error::{Error, Remedy, Result};
 use crate::memory;
 use crate::optics::reflectance::MeanReflectance;
 use crate::optics::spectrum::BLUE;
 use crate::spectra::power::PowerSpectra;
-use crate::spectra::power::read::{MOST_SIDE, Reader, Square};
+use crate::spectra::power::read::{MOST_SIDE, SpectraReader, Square};
 use glam::DVec2;
 use half::f16;
 use rayon::prelude::*;
@@ -28,7 +28,7 @@ pub fn bake(
     settings: &TableSettings,
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<ColorTable> {
-    let reader = Reader::new(spectra);
+    let reader = SpectraReader::new(spectra);
     let orders = reader.header.orders_blur.variance;
     let coherence_blur = BLUE * BLUE * 0.5 * (orders[0] + orders[1]);
     let blur = settings.finest.powi(2) + coherence_blur;
@@ -59,7 +59,7 @@ pub fn bake(
     let specular = Specular::new(&reader.header, settings);
     let mean_reflectance = settings.reflectance.as_ref().map(MeanReflectance::new);
     let effective_orders = reader.header.effective_orders;
-    let header = Header {
+    let header = TableHeader {
         grid,
         pieces,
         unit,
@@ -75,10 +75,10 @@ pub fn bake(
 /// Texels for a table of `pieces` cubics whose finest level averages over `blur`. The errors of orders are independent, so that what is shown of many errs by less
 /// than a single point, up to [`TableSettings::averaging`] times less. What is shown of few gets more texels. Where they would take more than
 /// [`ROOM`], they stand farther apart, as far as [`TableSettings::most_averaging`] allows.
-fn choose_grid(reader: &Reader, settings: &TableSettings, blur: f64, pieces: usize) -> Grid {
+fn choose_grid(reader: &SpectraReader, settings: &TableSettings, blur: f64, pieces: usize) -> TableGrid {
     let grid = |averaging: f64| {
         let spacing = (blur * settings.reading_error * averaging / LINEAR_ERROR).sqrt();
-        Grid::new(spacing, settings.finest, blur.sqrt())
+        TableGrid::new(spacing, settings.finest, blur.sqrt())
     };
     let own = (reader.header.effective_orders / UNAVERAGED).sqrt().clamp(1.0, settings.averaging.max(1.0));
     let over_room = grid(own).bytes(pieces) as f64 / ROOM;
@@ -91,7 +91,7 @@ const UNAVERAGED: f64 = 0.6;
 const ROOM: f64 = 256.0 * 1024.0 * 1024.0;
 
 /// Sums the texels of `rows`, the first of which is row `first`.
-fn bake_rows(sums: &Sums<'_>, grid: &Grid, first: usize, rows: &mut [f32], width: usize) {
+fn bake_rows(sums: &Sums<'_>, grid: &TableGrid, first: usize, rows: &mut [f32], width: usize) {
     let side = grid.side;
     let tiles: Vec<usize> = (0..side).step_by(MOST_SIDE).collect();
     let baked: Vec<Vec<f32>> = tiles
@@ -119,7 +119,7 @@ fn bake_rows(sums: &Sums<'_>, grid: &Grid, first: usize, rows: &mut [f32], width
     }
 }
 
-fn check_room(grid: &Grid, pieces: usize, settings: &TableSettings) -> Result<()> {
+fn check_room(grid: &TableGrid, pieces: usize, settings: &TableSettings) -> Result<()> {
     const MIB: f64 = 1024.0 * 1024.0;
     let bytes = grid.bytes(pieces);
     if grid.side > settings.side_limit || bytes > settings.memory_limit {
@@ -145,7 +145,7 @@ fn unit_of(values: &[f32]) -> f64 {
 
 /// The next level: a blur by the growth of the grid, at every second place between two texels. No pair of directions is beyond the grid, so that there is
 /// nothing there.
-fn next_level(values: &[f32], side: usize, width: usize, level: usize, grid: &Grid) -> Vec<f32> {
+fn next_level(values: &[f32], side: usize, width: usize, level: usize, grid: &TableGrid) -> Vec<f32> {
     let spread = 3f64.sqrt() * grid.growth * 2f64.powi(level as i32) / grid.spacing(level);
     // Weights of the texels at ±½, ±1½ …, e^(−8) at the last.
     let reach = (4.0 * spread).ceil() as i64;

@@ -2,8 +2,8 @@
 
 use super::grid::MOST_LEVELS;
 use super::pieces::MOST_PIECES;
-use super::{BANDS, ColorTable, Header, SPECULAR_SAMPLES};
-use crate::cache::{Format, Kept, Payload, count, positive};
+use super::{BANDS, ColorTable, SPECULAR_SAMPLES, TableHeader};
+use crate::cache::{EntryFormat, Kept, Payload, count, positive};
 use crate::optics::reflectance::MeanReflectance;
 
 /// Larger than any side of a texture.
@@ -11,10 +11,10 @@ const LARGEST_SIDE: usize = 1 << 16;
 
 impl Kept for ColorTable {
     /// The version changes whenever the table of the same key would change.
-    const FORMAT: Format = Format { name: "colours", version: 15 };
-    type Header = Header;
+    const FORMAT: EntryFormat = EntryFormat { name: "colours", version: 15 };
+    type Header = TableHeader;
 
-    fn header(&self) -> Header {
+    fn header(&self) -> TableHeader {
         self.header.clone()
     }
 
@@ -22,7 +22,7 @@ impl Kept for ColorTable {
         self.levels.iter().map(|level| bytemuck::cast_slice(level)).collect()
     }
 
-    fn build(header: Header, payload: &mut Payload<'_>) -> Option<Self> {
+    fn build(header: TableHeader, payload: &mut Payload<'_>) -> Option<Self> {
         if !is_sound(&header) {
             return None;
         }
@@ -39,8 +39,8 @@ impl Kept for ColorTable {
 
 /// Whether `header` is such as this program makes: what follows divides by its numbers, counts with them and makes textures of its sizes.
 /// The check sum finds accidents; it does not know who wrote it.
-fn is_sound(header: &Header) -> bool {
-    let Header {
+fn is_sound(header: &TableHeader) -> bool {
+    let TableHeader {
         grid,
         pieces,
         unit,
@@ -73,17 +73,17 @@ mod tests {
     use crate::optics::reflectance::{Film, Reflectance};
     use crate::optics::spectrum::Illuminant;
     use crate::surface::HeightField;
-    use crate::table::{Grid, Specular, TableSettings};
+    use crate::table::{Specular, TableGrid, TableSettings};
     use half::f16;
     use serde_json::{Value, json};
 
     fn sample() -> ColorTable {
-        let grid = Grid { side: 32, levels: 2, extent: 2.0, finest: 0.0, growth: 0.1 };
+        let grid = TableGrid { side: 32, levels: 2, extent: 2.0, finest: 0.0, growth: 0.1 };
         let specular = Specular {
             variances: (1..=BANDS).map(|i| 0.1 * i as f64).collect(),
             weights: vec![vec![[0.1, 0.2, 0.3]; SPECULAR_SAMPLES]; BANDS],
         };
-        let header = Header {
+        let header = TableHeader {
             grid,
             pieces: 2,
             unit: 0.3,

@@ -4,11 +4,11 @@ use serde::{Deserialize, Serialize};
 
 /// A square of texels over (u, v), and its levels: level l has half of the texels of level l − 1 along each axis.
 ///
-/// Level l averages over a Gaussian of the variance s_0² + c² (4ˡ − 1) in u and in v, where c is [`Grid::growth`]. So each level is a blur of
+/// Level l averages over a Gaussian of the variance s_0² + c² (4ˡ − 1) in u and in v, where c is [`TableGrid::growth`]. So each level is a blur of
 /// the one before by 3·4^(l−1) c², and a linear mixture of two neighbours has any variance between theirs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Grid {
+pub struct TableGrid {
     /// Texels along a side of level 0, a multiple of 2^(levels − 1).
     pub side: usize,
     /// Number of levels.
@@ -27,7 +27,7 @@ pub(super) const MOST_LEVELS: usize = 8;
 /// |(u, v)| is at most 2.
 const REACH: f64 = 2.0;
 
-impl Grid {
+impl TableGrid {
     /// Texels at most `spacing` apart, for averages over standard deviations of (u, v) from `finest` on. Of all that level 0 averages over, coherence
     /// included, the standard deviation is `blur`: levels grow by it, so that each reads as well between its texels as level 0.
     pub fn new(spacing: f64, finest: f64, blur: f64) -> Self {

@@ -8,7 +8,7 @@
 //! Where R depends on the wavelength, the sums hold it and the factor in front is 1: the half vector's angle follows from (u, v, w) alone, as
 //! cos θ_h = |(u, v, w)|/2, so that a table has room for it.
 //!
-//! Level l of a table is the average over a Gaussian of (u, v) of standard deviation s_l; see [`Grid`].
+//! Level l of a table is the average over a Gaussian of (u, v) of standard deviation s_l; see [`TableGrid`].
 
 mod bake;
 mod cache;
@@ -19,7 +19,7 @@ mod specular;
 mod sums;
 
 pub use bake::bake;
-pub use grid::Grid;
+pub use grid::TableGrid;
 pub use read::TableReader;
 pub use specular::{BANDS, SPECULAR_SAMPLES, Specular};
 
@@ -85,7 +85,7 @@ impl TableSettings {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColorTable {
     /// Everything but the numbers of the texels.
-    pub header: Header,
+    pub header: TableHeader,
     /// For each level `[layer][row][column][power of the place in the piece, 0 … 3]`, layer = piece · 3 + channel of XYZ, rows in growing v.
     /// Places are those of ω_i + ω_r = −(u, v).
     pub levels: Vec<Vec<f16>>,
@@ -94,9 +94,9 @@ pub struct ColorTable {
 /// What the numbers of a [`ColorTable`] mean.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Header {
+pub struct TableHeader {
     /// Where the texels stand.
-    pub grid: Grid,
+    pub grid: TableGrid,
     /// Equal pieces of 0 … 2, the range of |w|, each with a cubic.
     pub pieces: usize,
     /// What a stored 1 stands for \[sr⁻¹\].
@@ -117,11 +117,11 @@ pub struct Header {
 impl ColorTable {
     /// The table of a surface that diffracts nothing.
     pub fn dark() -> Self {
-        let grid = Grid::new(0.25, 0.0, 0.0);
+        let grid = TableGrid::new(0.25, 0.0, 0.0);
         let level = |level| vec![f16::ZERO; grid.side_of(level).pow(2) * 3 * sums::CUBIC];
         let specular =
             Specular { variances: vec![1.0; BANDS], weights: vec![vec![[0.0; 3]; SPECULAR_SAMPLES]; BANDS] };
-        let header = Header {
+        let header = TableHeader {
             grid,
             pieces: 1,
             unit: 1.0,

@@ -3,7 +3,7 @@
 use super::sums::{CUBIC, DirectionWavelengths, Scratch, Sums};
 use super::{LARGEST_W, TableSettings};
 use crate::error::{Error, Remedy, Result};
-use crate::spectra::power::read::{Reader, Square};
+use crate::spectra::power::read::{SpectraReader, Square};
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ pub const MOST_PIECES: usize = 16;
 /// The fewest pieces whose cubics err by no more than the settings allow, and that error: RMS over directions spread evenly and over |w|,
 /// each relative to its own value, since the faint directions far from the specular one are where the colours are.
 pub fn choose_pieces(
-    reader: &Reader,
+    reader: &SpectraReader,
     spectrum: &DirectionWavelengths,
     settings: &TableSettings,
 ) -> Result<(usize, f64)> {
@@ -79,7 +79,7 @@ pub fn choose_pieces(
 }
 
 /// Places that the cubics are judged at: the brightest ones, which of a grating are few, and others evenly spread.
-fn judged(reader: &Reader, spectrum: &DirectionWavelengths) -> Vec<DVec2> {
+fn judged(reader: &SpectraReader, spectrum: &DirectionWavelengths) -> Vec<DVec2> {
     /// Candidates, on a spiral of equal areas, and how many of them are chosen for their light and for their place.
     const CANDIDATES: usize = 3000;
     const BRIGHT: usize = 100;

@@ -8,7 +8,7 @@ use crate::optics::quadrature::density_table;
 use crate::optics::reflectance::MeanReflectance;
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::spectra::power::chebyshev::polynomials;
-use crate::spectra::power::{Blur, Header};
+use crate::spectra::power::{Blur, PowerHeader};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -32,7 +32,7 @@ pub struct Specular {
 
 impl Specular {
     /// Of the surface that `spectra` describe, in the light of `settings`.
-    pub fn new(spectra: &Header, settings: &TableSettings) -> Self {
+    pub fn new(spectra: &PowerHeader, settings: &TableSettings) -> Self {
         /// Wavelengths: about 1 nm apart, as the tables of the observer.
         const COUNT: usize = 401;
         let density = density_table(&settings.illuminant, COUNT);
@@ -76,7 +76,7 @@ impl Specular {
 }
 
 /// |c_0|² at z \[rad/µm\].
-fn power(spectra: &Header, z: f64) -> f64 {
+fn power(spectra: &PowerHeader, z: f64) -> f64 {
     let mut t = vec![0.0; spectra.specular.len()];
     polynomials(2.0 * z / spectra.z_max - 1.0, &mut t);
     spectra.specular.iter().zip(&t).map(|(a, t)| a * t).sum::<f64>().max(0.0)

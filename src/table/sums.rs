@@ -9,7 +9,7 @@ use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
 use crate::optics::reflectance::{MeanReflectance, Reflectance};
 use crate::optics::spectrum::MIDDLE;
 use crate::spectra::power::chebyshev::{coefficients_from_values, nodes, polynomials};
-use crate::spectra::power::read::{Reader, Square};
+use crate::spectra::power::read::{SpectraReader, Square};
 use crate::spectra::power::texture::PER_TEXEL;
 use glam::{DVec2, Vec4};
 use rayon::prelude::*;
@@ -31,7 +31,7 @@ pub struct DirectionWavelengths {
 
 impl DirectionWavelengths {
     /// For the table of `settings`.
-    pub fn new(reader: &Reader, settings: &TableSettings) -> Self {
+    pub fn new(reader: &SpectraReader, settings: &TableSettings) -> Self {
         let orders = reader.header.orders_blur.variance;
         let variance = settings.finest.powi(2);
         // The response along a ray varies as its blur allows: that of a window of this standard deviation.
@@ -91,7 +91,7 @@ const LANES: usize = 4;
 
 /// Sums over the spectrum at given |w|.
 pub struct Sums<'a> {
-    reader: &'a Reader,
+    reader: &'a SpectraReader,
     spectrum: &'a DirectionWavelengths,
     // Number of |w|, and the same rounded up to LANES.
     count: usize,
@@ -116,7 +116,7 @@ pub struct Scratch {
 
 impl<'a> Sums<'a> {
     /// At the four Chebyshev nodes of each of `pieces`.
-    pub fn new(reader: &'a Reader, spectrum: &'a DirectionWavelengths, pieces: usize) -> Self {
+    pub fn new(reader: &'a SpectraReader, spectrum: &'a DirectionWavelengths, pieces: usize) -> Self {
         let length = LARGEST_W / pieces as f64;
         let w =
             (0..pieces).flat_map(|p| nodes(CUBIC, length).into_iter().map(move |x| p as f64 * length + x));
@@ -124,7 +124,7 @@ impl<'a> Sums<'a> {
     }
 
     /// At the given |w|.
-    pub fn at(reader: &'a Reader, spectrum: &'a DirectionWavelengths, w: Vec<f64>) -> Self {
+    pub fn at(reader: &'a SpectraReader, spectrum: &'a DirectionWavelengths, w: Vec<f64>) -> Self {
         let (terms, z_max) = (reader.header.terms, reader.header.z_max);
         let (count, padded) = (w.len(), w.len().next_multiple_of(LANES));
         let of_comb = |comb: &Comb| {

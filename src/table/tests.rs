@@ -1,7 +1,7 @@
 //! Power spectra and colour tables against the f64 mean.
 
 use super::*;
-use crate::brdf::mean::{Mean, Orders, TabulatedMean};
+use crate::brdf::mean::{MeanBrdf, SummedOrders, TabulatedMean};
 use crate::optics::footprint::Covariance;
 use crate::optics::geometry::{Pair, direction};
 use crate::optics::quadrature::{SPAN, density_table};
@@ -9,7 +9,7 @@ use crate::optics::spectrum::{Illuminant, LONGEST};
 use crate::random::Random;
 use crate::spectra::power::{Beyond, PowerSettings, PowerSpectra, power_spectra};
 use crate::surface::HeightField;
-use crate::surface::synth::{self, Kind, Spec};
+use crate::surface::synth::{self, Spec, SurfaceKind};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -56,7 +56,7 @@ fn errors(colours: &[DVec3], exact: &[DVec3]) -> (f64, f64) {
 
 #[test]
 fn a_flat_surface_takes_one_cubic_and_scatters_nothing() {
-    let field = synth::generate(&Spec { patch: Some([13.0, 11.0]), ..Spec::new(Kind::Flat) }).unwrap();
+    let field = synth::generate(&Spec { patch: Some([13.0, 11.0]), ..Spec::new(SurfaceKind::Flat) }).unwrap();
     let spectra = spectra(&field, 3.0, 2e-2, 1e-3);
     assert!(spectra.header.specular[0] > 0.9, "what it reflects is the specular order");
     let table = table(&spectra, 2e-2, 1e-2);
@@ -68,7 +68,7 @@ fn a_flat_surface_takes_one_cubic_and_scatters_nothing() {
 fn the_bands_of_the_specular_order_hold_the_lobe_of_a_mirror() {
     /// Of the visible range, ends included.
     const COUNT: usize = 401;
-    let field = synth::generate(&Spec { patch: Some([13.0, 11.0]), ..Spec::new(Kind::Flat) }).unwrap();
+    let field = synth::generate(&Spec { patch: Some([13.0, 11.0]), ..Spec::new(SurfaceKind::Flat) }).unwrap();
     let sigma = 3.0;
     let specular = table(&spectra(&field, sigma, 2e-2, 1e-3), 2e-2, 1e-2).header.specular;
     let lobe = |r: f64, variance: f64| (-0.5 * r * r / variance).exp() / (2.0 * PI * variance);
@@ -99,9 +99,9 @@ fn the_bands_of_the_specular_order_hold_the_lobe_of_a_mirror() {
 
 #[test]
 fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
-    let field = synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(Kind::Elaphe) }).unwrap();
+    let field = synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(SurfaceKind::Elaphe) }).unwrap();
     let (sigma, tolerance) = (3.0, 2e-2);
-    let mean = Mean { field: &field, sigma, beyond: Beyond::Copies, reflectance: IOR.into() };
+    let mean = MeanBrdf { field: &field, sigma, beyond: Beyond::Copies, reflectance: IOR.into() };
     let exact = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
     let spectra = spectra(&field, sigma, tolerance, 0.0);
     let table = table(&spectra, tolerance, 0.0);
@@ -114,7 +114,7 @@ fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
     ] {
         let pairs = pairs(300, 3);
         let asked: Vec<_> = pairs.iter().map(|pair| (*pair, around)).collect();
-        let exact = exact.xyz(&Illuminant::D65, &asked, Orders::All, &|_, _| Ok(())).unwrap();
+        let exact = exact.xyz(&Illuminant::D65, &asked, SummedOrders::All, &|_, _| Ok(())).unwrap();
         let colours: Vec<DVec3> = pairs.iter().map(|pair| reader.xyz(pair, IOR, &around)).collect();
         let (l2, own) = errors(&colours, &exact);
         eprintln!("{around:?}: L2 {l2:.1e}, own {own:.1e}");

@@ -12,12 +12,12 @@ pub struct Changes {
     unfinished: bool,
 }
 
-/// A direction in the list of changes.
+/// A direction in the list of changes, or among the files of a folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step {
-    /// Undo.
+pub enum StepDirection {
+    /// Undo; the file before.
     Back,
-    /// Redo.
+    /// Redo; the file after.
     Forward,
 }
 
@@ -64,13 +64,13 @@ impl Changes {
     }
 
     /// The settings a step away; `None` where there are none, or in the middle of a change.
-    pub fn step(&mut self, step: Step) -> Option<ViewSettings> {
+    pub fn step(&mut self, step: StepDirection) -> Option<ViewSettings> {
         if self.unfinished {
             return None;
         }
         let (from, to) = match step {
-            Step::Back => (&mut self.earlier, &mut self.later),
-            Step::Forward => (&mut self.later, &mut self.earlier),
+            StepDirection::Back => (&mut self.earlier, &mut self.later),
+            StepDirection::Forward => (&mut self.later, &mut self.earlier),
         };
         // A change that was refused has left the same settings twice.
         while from.last() == Some(&self.present) {
@@ -101,14 +101,16 @@ mod tests {
     #[test]
     fn changes_are_undone_in_turn_and_redone_until_another_one_is_made() {
         let mut changes = Changes::new(exposed(0.0));
-        assert!(changes.step(Step::Back).is_none() && changes.step(Step::Forward).is_none());
+        assert!(
+            changes.step(StepDirection::Back).is_none() && changes.step(StepDirection::Forward).is_none()
+        );
         [1.0, 2.0, 3.0].into_iter().for_each(|exposure| change(&mut changes, exposure));
         let mut step = |step| changes.step(step).map(|settings| settings.exposure);
-        assert_eq!([step(Step::Back), step(Step::Back)], [Some(2.0), Some(1.0)]);
-        assert_eq!([step(Step::Forward), step(Step::Back)], [Some(2.0), Some(1.0)]);
+        assert_eq!([step(StepDirection::Back), step(StepDirection::Back)], [Some(2.0), Some(1.0)]);
+        assert_eq!([step(StepDirection::Forward), step(StepDirection::Back)], [Some(2.0), Some(1.0)]);
         change(&mut changes, 7.0);
-        assert!(changes.step(Step::Forward).is_none());
-        assert_eq!(changes.step(Step::Back).map(|s| s.exposure), Some(1.0));
+        assert!(changes.step(StepDirection::Forward).is_none());
+        assert_eq!(changes.step(StepDirection::Back).map(|s| s.exposure), Some(1.0));
     }
 
     #[test]
@@ -117,12 +119,12 @@ mod tests {
         for exposure in [0.0, 0.1, 0.2] {
             changes.begin(&exposed(exposure));
             changes.end(&exposed(exposure + 0.1), false);
-            assert!(changes.step(Step::Back).is_none(), "in the middle of a drag");
+            assert!(changes.step(StepDirection::Back).is_none(), "in the middle of a drag");
         }
         changes.end(&exposed(0.4), true);
         changes.begin(&exposed(0.9));
-        assert_eq!(changes.step(Step::Back).map(|s| s.exposure), Some(0.0));
-        assert_eq!(changes.step(Step::Forward).map(|s| s.exposure), Some(0.9));
+        assert_eq!(changes.step(StepDirection::Back).map(|s| s.exposure), Some(0.0));
+        assert_eq!(changes.step(StepDirection::Forward).map(|s| s.exposure), Some(0.9));
     }
 
     #[test]
@@ -131,10 +133,10 @@ mod tests {
         change(&mut changes, 1.0);
         change(&mut changes, 2.0);
         changes.begin(&exposed(1.0)); // the window returns to what is shown
-        assert_eq!(changes.step(Step::Back).map(|s| s.exposure), Some(0.0));
+        assert_eq!(changes.step(StepDirection::Back).map(|s| s.exposure), Some(0.0));
         change(&mut changes, 3.0);
         changes.begin(&ViewSettings { scene: "disc".to_owned(), ..exposed(3.0) });
-        assert!(changes.step(Step::Back).is_none());
+        assert!(changes.step(StepDirection::Back).is_none());
         (0..300).for_each(|i| change(&mut changes, f64::from(i)));
         assert_eq!(changes.earlier.len(), Changes::MOST);
     }

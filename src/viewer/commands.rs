@@ -1,11 +1,11 @@
 //! What the user can do by a key or by name. The keys, the list of them and the palette read the same rows.
 
-use super::changes::Step;
+use super::changes::StepDirection;
 use super::model::{Model, SaveAs};
 use egui::{InputState, Key, Modifiers};
 
 /// Something that the user can do.
-pub struct Command {
+pub struct ViewerCommand {
     /// What it does, as the list of keys and the palette name it.
     pub name: &'static str,
     /// Keys that do it.
@@ -37,137 +37,137 @@ const fn control(key: Key) -> Shortcut {
 }
 
 /// All commands.
-pub const COMMANDS: &[Command] = &[
-    Command {
+pub const COMMANDS: &[ViewerCommand] = &[
+    ViewerCommand {
         name: "open a scene, a mesh or a height field",
         shortcuts: &[control(Key::O)],
         run: |model| model.file_choice.open(),
     },
-    Command {
+    ViewerCommand {
         name: "save the scene with all settings",
         shortcuts: &[control(Key::S)],
         run: |model| model.file_choice.save_scene(),
     },
-    Command {
+    ViewerCommand {
         name: "next surface of the folder",
         shortcuts: &[key(Key::PageDown)],
-        run: |model| model.actions.step_surface = Some(Step::Forward),
+        run: |model| model.actions.step_surface = Some(StepDirection::Forward),
     },
-    Command {
+    ViewerCommand {
         name: "surface before it in the folder",
         shortcuts: &[key(Key::PageUp)],
-        run: |model| model.actions.step_surface = Some(Step::Back),
+        run: |model| model.actions.step_surface = Some(StepDirection::Back),
     },
-    Command {
+    ViewerCommand {
         name: "show the whole mesh",
         shortcuts: &[key(Key::F)],
         run: |model| model.actions.frame = true,
     },
-    Command {
+    ViewerCommand {
         name: "undo the last change",
         shortcuts: &[control(Key::Z)],
-        run: |model| step(model, Step::Back),
+        run: |model| step(model, StepDirection::Back),
     },
-    Command {
+    ViewerCommand {
         name: "redo what was undone",
         shortcuts: &[control(Key::Y), Shortcut { key: Key::Z, control: true, shift: true }],
-        run: |model| step(model, Step::Forward),
+        run: |model| step(model, StepDirection::Forward),
     },
-    Command {
+    ViewerCommand {
         name: "reset all settings",
         shortcuts: &[key(Key::R)],
         run: |model| model.actions.reset = true,
     },
-    Command {
+    ViewerCommand {
         name: "save the picture as PNG",
         shortcuts: &[key(Key::S)],
         run: |model| model.actions.save = Some(SaveAs::Png),
     },
-    Command {
+    ViewerCommand {
         name: "save the picture as PNG and EXR",
         shortcuts: &[shift(Key::S)],
         run: |model| model.actions.save = Some(SaveAs::PngAndExr),
     },
-    Command {
+    ViewerCommand {
         name: "compare: off, split, or the difference in false colour",
         shortcuts: &[key(Key::C)],
         run: |model| model.comparison.step(),
     },
-    Command {
+    ViewerCommand {
         name: "swap the picture and what it is compared with",
         shortcuts: &[key(Key::X)],
         run: |model| model.comparison.swap(),
     },
-    Command {
+    ViewerCommand {
         name: "measure the error against the f64 reference",
         shortcuts: &[key(Key::E)],
         run: |model| model.actions.measure = true,
     },
-    Command {
+    ViewerCommand {
         name: "show or hide the BRDF hemisphere",
         shortcuts: &[key(Key::B)],
         run: |model| model.visible.inset ^= true,
     },
-    Command {
+    ViewerCommand {
         name: "show or hide the lights in the picture",
         shortcuts: &[key(Key::L)],
         run: |model| model.visible.lights ^= true,
     },
-    Command {
+    ViewerCommand {
         name: "inspect the pixel under the pointer; a click holds it",
         shortcuts: &[key(Key::I)],
         run: |model| {
             if model.inspector.open { model.inspector.close() } else { model.inspector.open = true }
         },
     },
-    Command {
+    ViewerCommand {
         name: "show or hide the height field",
         shortcuts: &[key(Key::H)],
         run: |model| model.surface_pane.open ^= true,
     },
-    Command {
+    ViewerCommand {
         name: "draw continuously, or only on changes",
         shortcuts: &[key(Key::Space)],
         run: |model| model.pacing.continuous ^= true,
     },
-    Command {
+    ViewerCommand {
         name: "brighter by half a stop",
         shortcuts: &[key(Key::Plus), key(Key::Equals)],
         run: |model| expose(model, 0.5),
     },
-    Command {
+    ViewerCommand {
         name: "darker by half a stop",
         shortcuts: &[key(Key::Minus)],
         run: |model| expose(model, -0.5),
     },
-    Command {
+    ViewerCommand {
         name: "record a turntable, or stop recording",
         shortcuts: &[key(Key::T)],
         run: |model| model.actions.record = true,
     },
-    Command {
+    ViewerCommand {
         name: "copy the command that draws this picture",
         shortcuts: &[key(Key::K)],
         run: |model| model.actions.copy_command = true,
     },
-    Command {
+    ViewerCommand {
         name: "find a command by its name",
         shortcuts: &[control(Key::P)],
         run: |model| model.palette.open = true,
     },
-    Command {
+    ViewerCommand {
         name: "show or hide the panel",
         shortcuts: &[key(Key::P)],
         run: |model| model.visible.panel ^= true,
     },
-    Command {
+    ViewerCommand {
         name: "show or hide the list of keys",
         shortcuts: &[key(Key::F1)],
         run: |model| model.visible.help ^= true,
     },
 ];
 
-fn step(model: &mut Model, step: Step) {
+fn step(model: &mut Model, step: StepDirection) {
     if let Some(settings) = model.changes.step(step) {
         model.settings = settings;
     }
@@ -177,7 +177,7 @@ fn expose(model: &mut Model, stops: f64) {
     model.settings.exposure = (model.settings.exposure + stops).clamp(-20.0, 20.0);
 }
 
-impl Command {
+impl ViewerCommand {
     /// The keys that do it, as they are listed.
     pub fn keys(&self) -> String {
         let named: Vec<String> = self.shortcuts.iter().map(Shortcut::name).collect();

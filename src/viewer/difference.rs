@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 /// A difference in false colour.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Map {
+pub struct DifferenceMap {
     /// sRGB-encoded, opaque, row by row from the top.
     pub pixels: Vec<[u8; 4]>,
     /// The relative L2, the mean ΔE₀₀ of covered pixels, or the mean ꟻLIP error.
@@ -21,8 +21,8 @@ pub struct Map {
 
 /// How far `judged` is from `judge`, which are displayed as `shown` says, within their first `size` pixels. What the judge does not cover is shown as the
 /// judge displays it.
-pub fn map(metric: Metric, judged: &Picture, judge: &Picture, shown: Shown, size: [u32; 2]) -> Map {
-    let [judged, judge] = [judged, judge].map(|picture| Part::of(picture, size));
+pub fn map(metric: Metric, judged: &Picture, judge: &Picture, shown: Shown, size: [u32; 2]) -> DifferenceMap {
+    let [judged, judge] = [judged, judge].map(|picture| PicturePart::of(picture, size));
     let values: Vec<f64> = match metric {
         Metric::Relative => {
             let floor = DISPLAY_BLACK / shown.exposure.exp2();
@@ -50,18 +50,18 @@ pub fn map(metric: Metric, judged: &Picture, judge: &Picture, shown: Shown, size
         let [r, g, b] = ColorMap::Viridis.at(metric.place(values[i])).0;
         if judge.covered[i] { [r, g, b, 255] } else { judge.display[i] }
     };
-    Map { pixels: (0..values.len()).map(color).collect(), total }
+    DifferenceMap { pixels: (0..values.len()).map(color).collect(), total }
 }
 
 /// The first pixels of a picture.
-struct Part {
+struct PicturePart {
     // Linear radiance; nothing where the mesh does not cover.
     radiance: Vec<DVec3>,
     covered: Vec<bool>,
     display: Vec<[u8; 4]>,
 }
 
-impl Part {
+impl PicturePart {
     fn of(picture: &Picture, [width, height]: [u32; 2]) -> Self {
         let [stride, rows] = picture.size.map(|n| n as usize);
         let (width, height) = (width as usize, (height as usize).min(rows));

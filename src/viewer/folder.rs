@@ -1,6 +1,6 @@
 //! The height files of a folder, one after another.
 
-use super::changes::Step;
+use super::changes::StepDirection;
 use crate::error::{Error, Result};
 use crate::surface::files::EXTENSIONS;
 use std::cmp::Ordering;
@@ -21,7 +21,7 @@ pub struct Neighbour {
 ///
 /// # Errors
 /// A folder that cannot be read, and one without another height file.
-pub fn neighbour(file: &Path, step: Step) -> Result<Neighbour> {
+pub fn neighbour(file: &Path, step: StepDirection) -> Result<Neighbour> {
     let folder = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let unreadable = |e: std::io::Error| {
         Error::failed(format!("the folder {} cannot be read ({e})", folder.display()), "open another file")
@@ -41,8 +41,8 @@ pub fn neighbour(file: &Path, step: Step) -> Result<Neighbour> {
     let before = files.iter().take_while(|other| by_name(&name(other), &own).is_lt()).count();
     let is_there = files.get(before).is_some_and(|other| name(other) == own);
     let place = match step {
-        Step::Forward => before + usize::from(is_there),
-        Step::Back => before + of.max(1) - 1,
+        StepDirection::Forward => before + usize::from(is_there),
+        StepDirection::Back => before + of.max(1) - 1,
     };
     match files.into_iter().nth(place % of.max(1)) {
         Some(path) if name(&path) != own => Ok(Neighbour { path, number: place % of + 1, of }),
@@ -99,14 +99,14 @@ mod tests {
         let step = |from: &str, step| neighbour(&folder.path().join(from), step).unwrap();
         let mut at = "a7.TIF".to_owned();
         for (number, expected) in [(2, "Scan1.gwy"), (3, "scan2.png"), (4, "scan10.png"), (1, "a7.TIF")] {
-            let next = step(&at, Step::Forward);
+            let next = step(&at, StepDirection::Forward);
             assert_eq!((name(&next.path).as_str(), next.number, next.of), (expected, number, 4));
-            assert_eq!(name(&step(expected, Step::Back).path), at);
+            assert_eq!(name(&step(expected, StepDirection::Back).path), at);
             at = expected.to_owned();
         }
         // A file that is gone leaves its place.
-        assert_eq!(name(&step("scan5.png", Step::Forward).path), "scan10.png");
-        assert_eq!(name(&step("scan5.png", Step::Back).path), "scan2.png");
+        assert_eq!(name(&step("scan5.png", StepDirection::Forward).path), "scan10.png");
+        assert_eq!(name(&step("scan5.png", StepDirection::Back).path), "scan2.png");
     }
 
     #[test]
@@ -114,9 +114,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let only = folder.path().join("a.png");
         std::fs::write(&only, "x").unwrap();
-        for step in [Step::Forward, Step::Back] {
+        for step in [StepDirection::Forward, StepDirection::Back] {
             assert!(neighbour(&only, step).unwrap_err().to_string().contains("no other height field"));
         }
-        assert!(neighbour(Path::new("/no/such/folder/a.png"), Step::Back).is_err());
+        assert!(neighbour(Path::new("/no/such/folder/a.png"), StepDirection::Back).is_err());
     }
 }

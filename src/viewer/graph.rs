@@ -1,7 +1,7 @@
 //! The graph of frame times.
 
 use super::style;
-use crate::measure::profile::Summary;
+use crate::measure::profile::TimeSummary;
 use egui::{Align2, Color32, FontId, Rect, Stroke, Ui, pos2, vec2};
 use std::collections::VecDeque;
 
@@ -28,9 +28,9 @@ impl History {
     }
 
     /// Median and 95th percentile \[ms\]; `None` before the first frame.
-    pub fn summary(&self) -> Option<Summary> {
+    pub fn summary(&self) -> Option<TimeSummary> {
         let times: Vec<f64> = self.times.iter().copied().collect();
-        (!times.is_empty()).then(|| Summary::of(&times))
+        (!times.is_empty()).then(|| TimeSummary::of(&times))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Keys, and the pointer over the picture.
 
-use super::commands::{COMMANDS, Command};
+use super::commands::{COMMANDS, ViewerCommand};
 use super::compare::Compare;
 use super::model::Model;
 use super::orbit::{self, Drag};
@@ -32,7 +32,7 @@ pub fn keys(ui: &Ui, model: &mut Model) {
     if model.visible.typing || ui.ctx().text_edit_focused() || model.file_choice.is_open() {
         return;
     }
-    let pressed: Vec<&Command> =
+    let pressed: Vec<&ViewerCommand> =
         ui.input(|i| COMMANDS.iter().filter(|command| command.is_pressed(i)).collect());
     for command in pressed {
         (command.run)(model);

@@ -88,7 +88,8 @@ mod tests {
             }
             _ => {
                 settings.coherence = Coherence::Repeats([3, 3]);
-                settings.surface = crate::surface::Source::built_in(crate::surface::synth::Kind::Elaphe);
+                settings.surface =
+                    crate::surface::SurfaceSource::built_in(crate::surface::synth::SurfaceKind::Elaphe);
             }
         }
         hand.rest();
@@ -256,7 +257,7 @@ mod tests {
     #[test]
     fn surfaces_of_files_are_in_the_list_with_their_units() {
         let mut hand = Hand::new(LARGE, 1.0);
-        let file = crate::surface::Source {
+        let file = crate::surface::SurfaceSource {
             name: "scans/skin.png".into(),
             pixel_size: Some([0.25; 2]),
             ..hand.model.settings.surface.clone()
@@ -326,7 +327,10 @@ mod tests {
         let upper = planes.iter().map(|t| t.rect.center()).min_by(|a, b| a.y.total_cmp(&b.y)).unwrap();
         hand.click(upper);
         let other = hand.model.comparison.surface.clone().unwrap();
-        assert_eq!((other.name.to_str(), other.level()), (Some("xenopeltis"), crate::surface::Level::Plane));
+        assert_eq!(
+            (other.name.to_str(), other.level()),
+            (Some("xenopeltis"), crate::surface::Levelling::Plane)
+        );
         assert_eq!(hand.model.settings, own, "the picture's own surface stays");
         hand.press("xenopeltis");
         hand.press("same");

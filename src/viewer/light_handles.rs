@@ -2,7 +2,7 @@
 
 use super::model::Model;
 use super::{orbit, style};
-use crate::scene::lamp::Shape;
+use crate::scene::lamp::LampShape;
 use crate::scene::{Camera, Emitter, FarLight, Lamp, Room};
 use egui::{Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
 use glam::{DVec3, Vec2, Vec3};
@@ -143,14 +143,14 @@ impl Frame {
     fn outline(&self, lamp: &Lamp, room: &Room) -> Vec<Pos2> {
         const SIDES: usize = 48;
         let corners: Vec<DVec3> = match lamp.shape {
-            Shape::Sphere { diameter } => {
+            LampShape::Sphere { diameter } => {
                 let toward = (self.camera.eye().as_dvec3() - lamp.middle).normalize_or(DVec3::Z);
                 let (across, along) = toward.any_orthonormal_pair();
                 let angle = |i: usize| std::f64::consts::TAU * i as f64 / SIDES as f64;
                 let point = |i: usize| across * angle(i).cos() + along * angle(i).sin();
                 (0..SIDES).map(|i| lamp.middle + point(i) * (0.5 * diameter)).collect()
             }
-            Shape::Rectangle { .. } => lamp.corners(room).to_vec(),
+            LampShape::Rectangle { .. } => lamp.corners(room).to_vec(),
         };
         corners
             .into_iter()

@@ -1,6 +1,6 @@
 //! The state that panel, input and background threads share: what the user has set, and what there is to show.
 
-use super::changes::{Changes, Step};
+use super::changes::{Changes, StepDirection};
 use super::compare::{self, Compare, Side};
 use super::controls::in_controls;
 use super::error_probe::ProbeStatus;
@@ -18,7 +18,7 @@ use crate::error::Error;
 use crate::render::frame::View;
 use crate::render::sampling::Sampling;
 use crate::scene::{Camera, FarLight};
-use crate::surface::Source;
+use crate::surface::SurfaceSource;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ pub struct Actions {
     /// Write the scene into this file.
     pub save_scene: Option<PathBuf>,
     /// Go to another surface of the same folder, or another generated one.
-    pub step_surface: Option<Step>,
+    pub step_surface: Option<StepDirection>,
     /// Record a turntable, or stop recording.
     pub record: bool,
     /// Copy the command that draws the picture.
@@ -100,7 +100,7 @@ pub struct Comparison {
     /// The other setting.
     pub optics: OpticsSettings,
     /// The other surface; `None` for the user's own.
-    pub surface: Option<Source>,
+    pub surface: Option<SurfaceSource>,
     /// The other setting, ready to be drawn.
     pub prepared: Option<Arc<Prepared>>,
 }
@@ -347,7 +347,7 @@ pub struct Model {
     /// What went wrong.
     pub failure: Option<Failure>,
     /// Surfaces from files, to choose again.
-    pub files: Vec<Source>,
+    pub files: Vec<SurfaceSource>,
     /// Files to open and to write.
     pub file_choice: FileChoice,
     /// Which parts of the user interface are shown.
@@ -627,7 +627,7 @@ mod tests {
     #[test]
     fn another_scene_leaves_what_the_user_has_set_and_brings_the_rest() {
         let mut model = model();
-        model.settings.surface = Source { name: "scan.png".into(), ..model.settings.surface.clone() };
+        model.settings.surface = SurfaceSource { name: "scan.png".into(), ..model.settings.surface.clone() };
         model.settings.exposure = 1.5;
         model.settings.base_color = glam::Vec3::splat(0.2);
         let set = model.settings.clone();

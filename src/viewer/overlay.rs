@@ -14,7 +14,7 @@ use super::surface_window;
 use crate::figure::palette::ColorMap;
 use crate::optics::coherence::Windows;
 use crate::setup::Method;
-use crate::surface::{Source, prepare};
+use crate::surface::{SurfaceSource, prepare};
 use egui::{
     Align2, Color32, FontId, Label, Mesh, Painter, Rect, RichText, ScrollArea, Sense, Stroke, Ui, pos2, vec2,
 };
@@ -114,7 +114,7 @@ fn progress(painter: &Painter, at: egui::Pos2, width: f32, what: &str, part: f32
 }
 
 /// A side of the comparison by its settings, and by its surface where the two sides differ in it.
-fn named(surface: Option<&Source>, settings: &ViewSettings, optics: &OpticsSettings) -> String {
+fn named(surface: Option<&SurfaceSource>, settings: &ViewSettings, optics: &OpticsSettings) -> String {
     let of_mean = settings.windows(optics) == Windows::All;
     let by = if of_mean { optics.method.name() } else { optics.basis.name() };
     let mut text = String::new();

@@ -1,28 +1,29 @@
 //! The palette: every command, scene and surface by a part of its name.
 
-use super::commands::{COMMANDS, Command};
+use super::commands::{COMMANDS, ViewerCommand};
 use super::model::{Model, Palette};
 use super::style;
 use crate::scene::scene_file::BUILT_IN;
-use crate::surface::Source;
-use crate::surface::synth::Kind;
+use crate::surface::SurfaceSource;
+use crate::surface::synth::SurfaceKind;
 use egui::{
     Align2, Color32, FontId, Key, Modifiers, Rect, RichText, ScrollArea, Sense, TextEdit, Ui, pos2, vec2,
 };
 
 /// A line of the palette.
 #[derive(Clone)]
-enum Entry {
-    Command(&'static Command),
+enum PaletteEntry {
+    Command(&'static ViewerCommand),
     Scene(&'static str),
-    Surface(Source),
+    Surface(SurfaceSource),
 }
 
-impl Entry {
+impl PaletteEntry {
     fn all(model: &Model) -> Vec<Self> {
         let scenes = BUILT_IN.iter().map(|(name, _)| Self::Scene(name));
         let files = model.files.iter().cloned();
-        let surfaces = files.chain(Kind::ALL.into_iter().map(Source::built_in)).map(Self::Surface);
+        let surfaces =
+            files.chain(SurfaceKind::ALL.into_iter().map(SurfaceSource::built_in)).map(Self::Surface);
         COMMANDS.iter().map(Self::Command).chain(scenes).chain(surfaces).collect()
     }
 
@@ -62,8 +63,8 @@ pub fn show(ui: &Ui, rect: Rect, model: &mut Model) {
     if !model.palette.open {
         return;
     }
-    let entries: Vec<Entry> =
-        Entry::all(model).into_iter().filter(|entry| entry.fits(&model.palette.text)).collect();
+    let entries: Vec<PaletteEntry> =
+        PaletteEntry::all(model).into_iter().filter(|entry| entry.fits(&model.palette.text)).collect();
     let palette = &mut model.palette;
     let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
     let last = entries.len().saturating_sub(1);
@@ -114,7 +115,7 @@ pub fn show(ui: &Ui, rect: Rect, model: &mut Model) {
 }
 
 /// Shows an entry with its keys; whether it is clicked.
-fn line(ui: &mut Ui, entry: &Entry, is_chosen: bool) -> bool {
+fn line(ui: &mut Ui, entry: &PaletteEntry, is_chosen: bool) -> bool {
     /// Height of a line \[points\].
     const HEIGHT: f32 = 22.0;
     let (rect, line) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::click());
@@ -168,8 +169,8 @@ mod tests {
             let second = hand.model.files.len() + 1;
             hand.key(Key::Enter);
             let with_b =
-                crate::surface::synth::Kind::ALL.into_iter().filter(|kind| kind.name().contains('b'));
-            let named: Vec<&str> = with_b.map(crate::surface::synth::Kind::name).collect();
+                crate::surface::synth::SurfaceKind::ALL.into_iter().filter(|kind| kind.name().contains('b'));
+            let named: Vec<&str> = with_b.map(crate::surface::synth::SurfaceKind::name).collect();
             assert_eq!(hand.model.settings.surface.name, named[second]);
         }
     }

@@ -3,7 +3,7 @@
 use super::atlas::FrameResources;
 use super::gui::{Gui, PaintJobs};
 use crate::error::Result;
-use crate::render::window::{Pictures, Place, WindowPass};
+use crate::render::window::{PicturePlace, WindowPass, WindowPictures};
 use crate::vk::access::Access;
 use crate::vk::commands::Commands;
 use crate::vk::device::Device;
@@ -23,7 +23,7 @@ struct FrameInFlight {
     // First: dropping it waits for the work that uses the other fields.
     commands: Commands,
     acquired: Semaphore,
-    pictures: Pictures,
+    pictures: WindowPictures,
     resources: FrameResources,
 }
 
@@ -32,7 +32,7 @@ pub struct ShownPictures<'a> {
     /// Left and right of the split.
     pub images: [&'a Arc<Image>; 2],
     /// Their place in the window.
-    pub place: Place,
+    pub place: PicturePlace,
 }
 
 /// The surface of a window and everything that draws to it.

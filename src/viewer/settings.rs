@@ -11,7 +11,7 @@ use crate::render::shading::{Purpose, Shading};
 use crate::scene::environment::Placement;
 use crate::scene::{Camera, Light, Scene};
 use crate::setup::Method;
-use crate::surface::Source;
+use crate::surface::SurfaceSource;
 use glam::Vec3;
 
 /// How the diffraction is computed.
@@ -37,7 +37,7 @@ pub struct ViewSettings {
     /// Name of the scene.
     pub scene: String,
     /// The height field.
-    pub surface: Source,
+    pub surface: SurfaceSource,
     /// The optics.
     pub optics: OpticsSettings,
     /// What surrounds the patch.
@@ -68,7 +68,7 @@ pub struct ViewSettings {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneSettings {
     /// The height field.
-    pub surface: Source,
+    pub surface: SurfaceSource,
     /// What the surface reflects.
     pub reflectance: Reflectance,
     /// The lights.
@@ -87,7 +87,7 @@ impl SceneSettings {
     /// What `scene` brings.
     pub fn of(scene: &Scene) -> Self {
         Self {
-            surface: Source {
+            surface: SurfaceSource {
                 name: scene.surface.clone(),
                 pixel_size: scene.pixel_size,
                 height: scene.full_height,
@@ -238,12 +238,12 @@ impl ViewSettings {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::scene::light::Spectrum;
+    use crate::scene::light::LightSpectrum;
 
     /// One window of the plate's own surface, and its scene.
     pub(crate) fn settings() -> (ViewSettings, Scene) {
         let scene = Scene::open("plate").unwrap();
-        let surface = Source {
+        let surface = SurfaceSource {
             name: scene.surface.clone(),
             pixel_size: None,
             height: None,
@@ -290,7 +290,7 @@ pub(crate) mod tests {
         assert_eq!(needs(&|s| s.exposure += 1.0), Needs::Display);
         assert_eq!(needs(&|s| s.tone = Tone::Neutral), Needs::Display);
         assert_eq!(needs(&|s| s.lights[0] = Light::point(1.0, 2.0, 3.0)), Needs::Frame);
-        assert_eq!(needs(&|s| s.lights[0].spectrum = Spectrum::built_in("led")), Needs::Layers);
+        assert_eq!(needs(&|s| s.lights[0].spectrum = LightSpectrum::built_in("led")), Needs::Layers);
         assert_eq!(needs(&|s| s.camera.phi += 0.1), Needs::Frame);
         assert_eq!(needs(&|s| s.surroundings.rotation += 5.0), Needs::Frame);
         assert_eq!(needs(&|s| s.base_color.x = 0.1), Needs::Frame);
@@ -313,7 +313,10 @@ pub(crate) mod tests {
         assert_eq!(brought, [true; 3]);
         assert_eq!((s.exposure, s.tone, s.base_color), (new.exposure, new.tone, new.base_color));
         s.exposure += 1.0;
-        s.surface = Source { height: Some(0.3), ..Source::built_in(crate::surface::synth::Kind::Elaphe) };
+        s.surface = SurfaceSource {
+            height: Some(0.3),
+            ..SurfaceSource::built_in(crate::surface::synth::SurfaceKind::Elaphe)
+        };
         s.base_color = Vec3::splat(0.25);
         let set = s.clone();
         s.change_scene(&new, &old);

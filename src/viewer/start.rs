@@ -7,7 +7,7 @@ use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::reflectance::Reflectance;
 use crate::scene::Scene;
 use crate::setup::Method;
-use crate::surface::Source;
+use crate::surface::SurfaceSource;
 use crate::vk::selection::DeviceChoice;
 use ash::vk;
 use std::path::Path;
@@ -60,7 +60,7 @@ pub struct Start {
     /// The scene without the options.
     pub plain: Scene,
     /// The height field.
-    pub surface: Source,
+    pub surface: SurfaceSource,
     /// The method.
     pub method: Method,
     /// Positions of the coherence window.

@@ -3,7 +3,7 @@
 use super::surface_pane::analysis::{Analysis, height_at, profile};
 use super::surface_pane::directions::{direction, period, visible};
 use super::surface_pane::plot::{Axes, BELOW, LEFT};
-use super::surface_pane::{Pictures, Pointed, ShownPane, SurfacePane};
+use super::surface_pane::{Pointed, ShownPane, SurfacePane, SurfacePictures};
 use crate::figure::palette::ColorMap;
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::viewer::model::Model;
@@ -332,7 +332,8 @@ fn readout(painter: &Painter, rect: Rect, text: &str) {
 
 /// The textures of the heights and of the power spectrum.
 fn pictures(ui: &Ui, pane: &mut SurfacePane, analysis: &Arc<Analysis>) -> [TextureHandle; 2] {
-    let is_known = |known: &&Pictures| Arc::ptr_eq(&known.analysis, analysis) && known.shown == pane.shown;
+    let is_known =
+        |known: &&SurfacePictures| Arc::ptr_eq(&known.analysis, analysis) && known.shown == pane.shown;
     if let Some(known) = pane.pictures.as_ref().filter(is_known) {
         return [known.heights.clone(), known.power.clone()];
     }
@@ -356,7 +357,7 @@ fn pictures(ui: &Ui, pane: &mut SurfacePane, analysis: &Arc<Analysis>) -> [Textu
     let peak = analysis.power.values.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let share = |power: &f64| 1.0 + (power.max(1e-300) / peak).log10() / DECADES;
     let power = analysis.power.values.iter().map(|power| color(ColorMap::Magma, share(power))).collect();
-    let pictures = Pictures {
+    let pictures = SurfacePictures {
         analysis: analysis.clone(),
         shown: pane.shown,
         heights: load("heights", analysis.heights.size, heights),

@@ -22,7 +22,7 @@ use super::worker::Worker;
 use super::{layout, style};
 use crate::error::{Error, Remedy, Result};
 use crate::render::frame::View;
-use crate::render::window::Place;
+use crate::render::window::PicturePlace;
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
@@ -130,7 +130,7 @@ struct Seen {
 }
 
 /// How camera and lights moved lately.
-struct Motion {
+struct RecentMotion {
     // The settings after the last change, and its time.
     last: ViewSettings,
     changed: Option<Instant>,
@@ -159,7 +159,7 @@ pub struct ViewerWindow {
     presenter: Presenter,
     gui: WindowGui,
     requested: Requested,
-    motion: Motion,
+    motion: RecentMotion,
     schedule: Schedule,
     saves: Vec<PendingSave>,
     recording: Option<Recording>,
@@ -199,7 +199,7 @@ impl ViewerWindow {
             presenter,
             gui: WindowGui::new(&window, &device),
             requested: Requested::default(),
-            motion: Motion { last: settings, changed: None, continuous: false },
+            motion: RecentMotion { last: settings, changed: None, continuous: false },
             schedule: Schedule { wake: None, presented: Instant::now() },
             saves: Vec::new(),
             recording: None,
@@ -428,7 +428,7 @@ fn pictures(model: &Model) -> Option<ShownPictures<'_>> {
     let frame = model.frame.as_ref()?;
     let pair = |n: [u32; 2]| n.map(|n| n as f32);
     let area = pair(model.size);
-    let place = Place {
+    let place = PicturePlace {
         area,
         left: pair(frame.sizes[0]),
         right: pair(frame.sizes[1]),

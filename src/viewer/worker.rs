@@ -9,7 +9,7 @@ use crate::render::sampling::Sampling;
 use crate::render::source::Source;
 use crate::scene::Mesh;
 use crate::setup::{self, InUse, ObjectSurface};
-use crate::surface::{HeightField, Source as Surface};
+use crate::surface::{HeightField, SurfaceSource};
 use crate::vk::device::Device;
 use crate::vk::selection::Candidate;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,7 +24,7 @@ pub struct Request {
     /// A number larger than that of any request before.
     pub number: u64,
     /// The height field.
-    pub surface: Surface,
+    pub surface: SurfaceSource,
     /// The settings.
     pub settings: setup::Settings,
     /// The picture that it is for, whose footprints set how fine the source has to be.
@@ -177,9 +177,9 @@ struct Preparer {
     limits: Candidate,
     device: Option<Arc<Device>>,
     // The last height field, for requests that share it.
-    field: Option<(Surface, Arc<HeightField>)>,
+    field: Option<(SurfaceSource, Arc<HeightField>)>,
     // Those of the scene's other objects.
-    of_objects: Vec<(Surface, Arc<HeightField>)>,
+    of_objects: Vec<(SurfaceSource, Arc<HeightField>)>,
     in_use: InUse,
 }
 
@@ -243,7 +243,7 @@ impl Preparer {
     ) -> Result<Vec<ObjectSources>> {
         let scene = &picture.loaded.scene;
         let mut known = std::mem::take(&mut self.of_objects);
-        let mut load = |surface: &Surface| match known.iter().find(|(own, _)| own == surface) {
+        let mut load = |surface: &SurfaceSource| match known.iter().find(|(own, _)| own == surface) {
             Some((_, field)) => Ok(field.clone()),
             None => {
                 let field = Arc::new(surface.load()?);
@@ -292,7 +292,7 @@ impl Preparer {
         Ok(made.source)
     }
 
-    fn field(&mut self, surface: &Surface) -> Result<Arc<HeightField>> {
+    fn field(&mut self, surface: &SurfaceSource) -> Result<Arc<HeightField>> {
         if let Some((_, field)) = self.field.as_ref().filter(|(known, _)| known == surface) {
             return Ok(field.clone());
         }
@@ -306,7 +306,7 @@ impl Preparer {
 mod tests {
     use super::*;
     use crate::render::shading::Shading;
-    use crate::surface::synth::Kind;
+    use crate::surface::synth::SurfaceKind;
     use crate::vk::instance::API_VERSION;
     use ash::vk;
     use std::sync::mpsc;
@@ -328,7 +328,7 @@ mod tests {
     }
 
     fn request(role: Role, number: u64, name: &str, tolerance: f64) -> Request {
-        let surface = Surface { name: name.into(), ..Surface::built_in(Kind::Blaze) };
+        let surface = SurfaceSource { name: name.into(), ..SurfaceSource::built_in(SurfaceKind::Blaze) };
         let shading = Shading { tolerance, ..Shading::default() };
         Request {
             role,

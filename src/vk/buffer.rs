@@ -3,7 +3,7 @@
 use super::access::Access;
 use super::device::Device;
 use super::failure;
-use super::hazards::{Event, Resource};
+use super::hazards::{RecordedEvent, Resource};
 use crate::error::{Error, Result};
 use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;
@@ -49,7 +49,7 @@ impl Buffer {
         buffer.allocation = Some(allocation);
         bound.map_err(|c| failure(&format!("bind the {name}"), c))?;
         device.name(raw, name);
-        device.events().note(|| Event::Made(buffer.resource(), name.to_owned()));
+        device.events().note(|| RecordedEvent::Made(buffer.resource(), name.to_owned()));
         Ok(buffer)
     }
 
@@ -88,7 +88,7 @@ impl Buffer {
     /// # Errors
     /// If the buffer is not host-visible, which is a bug in the caller.
     pub fn bytes(&self) -> Result<&[u8]> {
-        self.device.events().note(|| Event::Used(self.resource(), Access::HostRead, None));
+        self.device.events().note(|| RecordedEvent::Used(self.resource(), Access::HostRead, None));
         let mapped = self.allocation.as_ref().and_then(Allocation::mapped_slice);
         mapped.and_then(|slice| slice.get(..self.size as usize)).ok_or_else(not_mapped)
     }

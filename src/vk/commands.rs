@@ -5,7 +5,7 @@ use super::buffer::Buffer;
 use super::descriptors::Descriptors;
 use super::device::Device;
 use super::failure;
-use super::hazards::{Event, EventLog, Resource, TexelArea};
+use super::hazards::{EventLog, RecordedEvent, Resource, TexelArea};
 use super::image::Image;
 use super::pipeline::Pipeline;
 use super::queries::Timestamps;
@@ -127,7 +127,7 @@ impl Commands {
             match device.wait_for_fences(&[self.fence], true, PATIENCE) {
                 Ok(()) => {
                     self.pending = false;
-                    self.device.events().note(|| Event::Waited);
+                    self.device.events().note(|| RecordedEvent::Waited);
                     device.reset_fences(&[self.fence]).map_err(|c| failure("reset a fence", c))
                 }
                 Err(vk::Result::TIMEOUT) => Err(Error::failed(
@@ -184,7 +184,7 @@ impl Recorder<'_> {
             .map(|(image, from, to)| from.image_barrier(*to, image.raw(), image.range()))
             .collect();
         for ((image, ..), barrier) in changes.iter().zip(&barriers) {
-            self.events.note(|| Event::image_barrier(image.resource(), barrier));
+            self.events.note(|| RecordedEvent::image_barrier(image.resource(), barrier));
         }
         let info = vk::DependencyInfo::default().image_memory_barriers(&barriers);
         // SAFETY: recording is open; the images are live and in the layouts that `from` says.
@@ -194,7 +194,7 @@ impl Recorder<'_> {
     /// Makes what `from` wrote in buffers visible to `to`.
     pub fn memory(&self, from: Access, to: Access) {
         let barriers = [from.memory_barrier(to)];
-        self.events.note(|| Event::barrier(&barriers[0]));
+        self.events.note(|| RecordedEvent::barrier(&barriers[0]));
         let info = vk::DependencyInfo::default().memory_barriers(&barriers);
         // SAFETY: recording is open.
         unsafe { self.device.cmd_pipeline_barrier2(self.raw, &info) };
@@ -214,7 +214,7 @@ impl Recorder<'_> {
     }
 
     fn note_use(&self, resource: Resource, access: Access, part: Option<TexelArea>) {
-        self.events.note(|| Event::Used(resource, access, part));
+        self.events.note(|| RecordedEvent::Used(resource, access, part));
     }
 
     /// Copies `bytes` from the start of one buffer into another.
@@ -279,7 +279,7 @@ impl Recorder<'_> {
 
     /// Binds a pipeline and its descriptor sets, set 0 first.
     pub fn bind(&self, pipeline: &Pipeline, sets: &[&Descriptors]) {
-        self.events.note(|| Event::Bound(sets.iter().flat_map(|set| set.accesses()).collect()));
+        self.events.note(|| RecordedEvent::Bound(sets.iter().flat_map(|set| set.accesses()).collect()));
         let sets: Vec<_> = sets.iter().map(|set| set.set()).collect();
         // SAFETY: recording is open; the sets were made for this pipeline's layout and all they point to is live.
         unsafe {
@@ -305,7 +305,7 @@ impl Recorder<'_> {
 
     /// Dispatches `groups` work groups of the bound compute pipeline.
     pub fn dispatch(&self, groups: u32) {
-        self.events.note(|| Event::Work);
+        self.events.note(|| RecordedEvent::Work);
         // SAFETY: recording is open and a compute pipeline with its set is bound.
         unsafe { self.device.cmd_dispatch(self.raw, groups, 1, 1) };
     }
@@ -405,12 +405,12 @@ impl Recorder<'_> {
         draw(self);
         // SAFETY: rendering was begun above.
         unsafe { self.device.cmd_end_rendering(self.raw) };
-        self.events.note(|| Event::Ended);
+        self.events.note(|| RecordedEvent::Ended);
     }
 
     /// Draws indexed triangles.
     pub fn draw_indexed(&self, vertices: &Buffer, indices: &Buffer, count: u32) {
-        self.events.note(|| Event::Work);
+        self.events.note(|| RecordedEvent::Work);
         self.note_use(vertices.resource(), Access::VertexRead, None);
         self.note_use(indices.resource(), Access::VertexRead, None);
         // SAFETY: rendering is open with a bound pipeline; every index is below the number of vertices.
@@ -423,7 +423,7 @@ impl Recorder<'_> {
 
     /// Draws `count` vertices without a vertex buffer.
     pub fn draw(&self, count: u32) {
-        self.events.note(|| Event::Work);
+        self.events.note(|| RecordedEvent::Work);
         // SAFETY: rendering is open with a bound pipeline that takes no vertex buffer.
         unsafe { self.device.cmd_draw(self.raw, count, 1, 0, 0) };
     }

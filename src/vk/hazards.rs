@@ -55,7 +55,7 @@ pub struct Scopes {
 
 /// One step of a recording.
 #[derive(Clone, Debug)]
-pub enum Event {
+pub enum RecordedEvent {
     /// A resource of this name was made; its handle may have been another's.
     Made(Resource, String),
     /// Descriptor sets with these accesses were bound.
@@ -74,7 +74,7 @@ pub enum Event {
     Waited,
 }
 
-impl Event {
+impl RecordedEvent {
     /// The barrier over all memory.
     pub fn barrier(barrier: &vk::MemoryBarrier2<'_>) -> Self {
         Self::Barrier(Scopes {
@@ -97,7 +97,7 @@ impl Event {
 #[derive(Default)]
 pub struct EventLog {
     on: AtomicBool,
-    events: Mutex<Vec<Event>>,
+    events: Mutex<Vec<RecordedEvent>>,
 }
 
 impl EventLog {
@@ -107,12 +107,12 @@ impl EventLog {
     }
 
     /// Hands over what was kept and goes on.
-    pub fn take(&self) -> Vec<Event> {
+    pub fn take(&self) -> Vec<RecordedEvent> {
         self.events.lock().map(|mut events| std::mem::take(&mut *events)).unwrap_or_default()
     }
 
     /// Keeps `event`.
-    pub fn note(&self, event: impl FnOnce() -> Event) {
+    pub fn note(&self, event: impl FnOnce() -> RecordedEvent) {
         if self.on.load(Ordering::Relaxed)
             && let Ok(mut events) = self.events.lock()
         {
@@ -122,7 +122,7 @@ impl EventLog {
 }
 
 /// Replays `events`. Says what is wrong, a line a finding.
-pub fn check(events: &[Event]) -> Vec<String> {
+pub fn check(events: &[RecordedEvent]) -> Vec<String> {
     let mut replay = Replay::default();
     for event in events {
         replay.event(event);
@@ -182,34 +182,36 @@ struct Replay {
 }
 
 impl Replay {
-    fn event(&mut self, event: &Event) {
+    fn event(&mut self, event: &RecordedEvent) {
         match event {
-            Event::Made(resource, name) => {
+            RecordedEvent::Made(resource, name) => {
                 let layout = Some(ImageLayout::UNDEFINED);
                 self.states.insert(*resource, State { name: name.clone(), layout, past: Vec::new() });
             }
-            Event::Bound(accesses) => self.bound.clone_from(accesses),
-            Event::Work => {
+            RecordedEvent::Bound(accesses) => self.bound.clone_from(accesses),
+            RecordedEvent::Work => {
                 for (resource, access) in self.bound.clone() {
                     if !self.attachments.contains(&resource) {
                         self.use_of(resource, access, None);
                     }
                 }
             }
-            Event::Used(resource, access, part) => {
+            RecordedEvent::Used(resource, access, part) => {
                 if matches!(access, Access::ColorAttachment | Access::DepthAttachment) {
                     self.attachments.push(*resource);
                 }
                 self.use_of(*resource, *access, *part);
             }
-            Event::Ended => self.attachments.clear(),
-            Event::Barrier(scopes) => {
+            RecordedEvent::Ended => self.attachments.clear(),
+            RecordedEvent::Barrier(scopes) => {
                 for past in self.states.values_mut().flat_map(|state| &mut state.past) {
                     past.pass(scopes);
                 }
             }
-            Event::ImageBarrier(image, scopes, layouts) => self.image_barrier(*image, scopes, *layouts),
-            Event::Waited => {
+            RecordedEvent::ImageBarrier(image, scopes, layouts) => {
+                self.image_barrier(*image, scopes, *layouts)
+            }
+            RecordedEvent::Waited => {
                 for state in self.states.values_mut() {
                     state.past.retain(|past| past.is_write); // what was read is done
                     state.past.iter_mut().for_each(|past| (past.waited, past.available) = (true, true));

@@ -10,21 +10,21 @@ const BUFFER: Resource = Resource::Buffer(1);
 const HOST: Resource = Resource::Buffer(2);
 const IMAGE: Resource = Resource::Image(1);
 
-fn made(resource: Resource) -> Event {
-    Event::Made(resource, format!("{resource:?}"))
+fn made(resource: Resource) -> RecordedEvent {
+    RecordedEvent::Made(resource, format!("{resource:?}"))
 }
 
-fn used(resource: Resource, access: Access) -> Event {
-    Event::Used(resource, access, None)
+fn used(resource: Resource, access: Access) -> RecordedEvent {
+    RecordedEvent::Used(resource, access, None)
 }
 
-fn memory(from: Access, to: Access) -> Event {
-    Event::barrier(&from.memory_barrier(to))
+fn memory(from: Access, to: Access) -> RecordedEvent {
+    RecordedEvent::barrier(&from.memory_barrier(to))
 }
 
-fn image(from: Access, to: Access) -> Event {
+fn image(from: Access, to: Access) -> RecordedEvent {
     let barrier = from.image_barrier(to, vk::Image::null(), vk::ImageSubresourceRange::default());
-    Event::image_barrier(IMAGE, &barrier)
+    RecordedEvent::image_barrier(IMAGE, &barrier)
 }
 
 fn rows(from: u32, to: u32) -> Option<TexelArea> {
@@ -32,13 +32,13 @@ fn rows(from: u32, to: u32) -> Option<TexelArea> {
 }
 
 /// An evaluation and what the host reads of it, twice.
-fn evaluation() -> Vec<Event> {
+fn evaluation() -> Vec<RecordedEvent> {
     let once = || {
         [
-            Event::Bound(vec![(HOST, ShaderRead), (BUFFER, ComputeWrite)]),
-            Event::Work,
+            RecordedEvent::Bound(vec![(HOST, ShaderRead), (BUFFER, ComputeWrite)]),
+            RecordedEvent::Work,
             memory(ComputeWrite, HostRead),
-            Event::Waited,
+            RecordedEvent::Waited,
             used(BUFFER, HostRead),
         ]
     };
@@ -46,40 +46,40 @@ fn evaluation() -> Vec<Event> {
 }
 
 /// A buffer that is filled in a submission of its own and drawn from in the next.
-fn upload() -> Vec<Event> {
+fn upload() -> Vec<RecordedEvent> {
     vec![
         made(BUFFER),
         memory(ShaderRead, TransferWrite),
         used(BUFFER, TransferWrite),
         memory(TransferWrite, ShaderRead),
         memory(TransferWrite, VertexRead),
-        Event::Waited,
+        RecordedEvent::Waited,
         used(BUFFER, VertexRead),
-        Event::Bound(vec![(BUFFER, ShaderRead)]),
-        Event::Work,
+        RecordedEvent::Bound(vec![(BUFFER, ShaderRead)]),
+        RecordedEvent::Work,
     ]
 }
 
 /// A picture that is drawn, sampled, drawn anew and read back.
-fn picture() -> Vec<Event> {
+fn picture() -> Vec<RecordedEvent> {
     vec![
         made(IMAGE),
         made(HOST),
         image(Nothing, ColorAttachment),
         used(IMAGE, ColorAttachment),
-        Event::Ended,
+        RecordedEvent::Ended,
         image(ColorAttachment, ShaderRead),
-        Event::Bound(vec![(IMAGE, ShaderRead)]),
-        Event::Work,
+        RecordedEvent::Bound(vec![(IMAGE, ShaderRead)]),
+        RecordedEvent::Work,
         memory(ShaderRead, ColorAttachment),
         image(Nothing, ColorAttachment),
-        Event::Used(IMAGE, ColorAttachment, rows(0, 4)),
-        Event::Used(IMAGE, ColorAttachment, rows(4, 6)),
+        RecordedEvent::Used(IMAGE, ColorAttachment, rows(0, 4)),
+        RecordedEvent::Used(IMAGE, ColorAttachment, rows(4, 6)),
         image(ColorAttachment, TransferRead),
         used(IMAGE, TransferRead),
         used(HOST, TransferWrite),
         memory(TransferWrite, HostRead),
-        Event::Waited,
+        RecordedEvent::Waited,
         used(HOST, HostRead),
     ]
 }
@@ -94,10 +94,11 @@ fn whole_recordings_pass() {
 #[test]
 fn every_barrier_that_is_left_out_is_noticed() {
     for events in [evaluation(), upload(), picture()] {
-        let is_barrier = |e: &Event| matches!(e, Event::Barrier(_) | Event::ImageBarrier(..));
+        let is_barrier =
+            |e: &RecordedEvent| matches!(e, RecordedEvent::Barrier(_) | RecordedEvent::ImageBarrier(..));
         for i in (0..events.len()).filter(|&i| is_barrier(&events[i])) {
             // Nothing reads what is uploaded before; the barrier in front of it is for uploads over earlier ones.
-            if i == 1 && matches!(events[i + 1], Event::Used(BUFFER, TransferWrite, _)) {
+            if i == 1 && matches!(events[i + 1], RecordedEvent::Used(BUFFER, TransferWrite, _)) {
                 continue;
             }
             let mut lacking = events.clone();
@@ -113,7 +114,7 @@ type Needed = (usize, &'static [usize]);
 
 #[test]
 fn every_scope_that_is_left_out_is_noticed() {
-    let recordings: [(Vec<Event>, &[Needed]); 3] = [
+    let recordings: [(Vec<RecordedEvent>, &[Needed]); 3] = [
         (evaluation(), &[(4, &[0, 1, 2, 3])]),
         // The first barrier to readers makes the write available to the second, too.
         (upload(), &[(3, &[0, 1, 2, 3]), (4, &[0, 2, 3])]),
@@ -134,7 +135,9 @@ fn every_scope_that_is_left_out_is_noticed() {
         for &(i, parts) in needed {
             for part in parts {
                 let mut lacking = events.clone();
-                let (Event::Barrier(scopes) | Event::ImageBarrier(_, scopes, _)) = &mut lacking[i] else {
+                let (RecordedEvent::Barrier(scopes) | RecordedEvent::ImageBarrier(_, scopes, _)) =
+                    &mut lacking[i]
+                else {
                     panic!("{:?} is no barrier", events[i]);
                 };
                 match part {
@@ -169,7 +172,7 @@ fn what_is_wrong_is_named() {
 #[test]
 fn a_layout_other_than_the_present_one_is_noticed() {
     let drawn = [made(IMAGE), image(Nothing, ColorAttachment), used(IMAGE, ColorAttachment)];
-    let with = |more: &[Event]| check(&[drawn.as_slice(), more].concat());
+    let with = |more: &[RecordedEvent]| check(&[drawn.as_slice(), more].concat());
     assert_eq!(with(&[]), [""; 0]);
     assert!(with(&[image(ShaderRead, TransferRead)])[0].contains("it is in"));
     assert!(
@@ -180,8 +183,8 @@ fn a_layout_other_than_the_present_one_is_noticed() {
 #[test]
 fn parts_that_meet_need_a_barrier_and_parts_that_do_not_need_none() {
     let begin = [made(IMAGE), image(Nothing, DepthAttachment)];
-    let draw = |part| Event::Used(IMAGE, DepthAttachment, part);
-    let with = |more: &[Event]| check(&[begin.as_slice(), more].concat()).len();
+    let draw = |part| RecordedEvent::Used(IMAGE, DepthAttachment, part);
+    let with = |more: &[RecordedEvent]| check(&[begin.as_slice(), more].concat()).len();
     assert_eq!(with(&[draw(rows(0, 4)), draw(rows(4, 8))]), 0);
     assert_eq!(with(&[draw(rows(0, 4)), draw(rows(3, 8))]), 1);
     assert_eq!(with(&[draw(rows(0, 4)), draw(None)]), 1);
@@ -193,11 +196,13 @@ fn parts_that_meet_need_a_barrier_and_parts_that_do_not_need_none() {
 fn a_read_is_waited_for_before_the_next_write() {
     let begin = upload();
     let write = used(BUFFER, TransferWrite);
-    let with = |more: &[Event]| check(&[begin.as_slice(), more, std::slice::from_ref(&write)].concat()).len();
+    let with = |more: &[RecordedEvent]| {
+        check(&[begin.as_slice(), more, std::slice::from_ref(&write)].concat()).len()
+    };
     assert!(with(&[]) > 0);
     assert!(with(&[memory(ShaderRead, TransferWrite)]) > 0, "vertices are read, too");
     assert_eq!(with(&[memory(ShaderRead, TransferWrite), memory(VertexRead, TransferWrite)]), 0);
-    assert_eq!(with(&[Event::Waited]), 0);
+    assert_eq!(with(&[RecordedEvent::Waited]), 0);
 }
 
 #[test]
@@ -205,7 +210,7 @@ fn a_log_keeps_nothing_before_it_is_started() {
     let log = EventLog::default();
     log.note(|| unreachable!("not even made"));
     log.start();
-    log.note(|| Event::Waited);
+    log.note(|| RecordedEvent::Waited);
     assert_eq!(log.take().len(), 1);
     assert!(log.take().is_empty());
 }

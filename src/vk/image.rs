@@ -2,7 +2,7 @@
 
 use super::device::Device;
 use super::failure;
-use super::hazards::{Event, Resource};
+use super::hazards::{RecordedEvent, Resource};
 use crate::error::{Error, Remedy, Result};
 use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;
@@ -78,7 +78,7 @@ impl Image {
         self.view = unsafe { self.device.raw().create_image_view(&view, None) }
             .map_err(|c| failure(&format!("make a view of the {name}"), c))?;
         self.device.name(self.raw, name);
-        self.device.events().note(|| Event::Made(self.resource(), name.to_owned()));
+        self.device.events().note(|| RecordedEvent::Made(self.resource(), name.to_owned()));
         self.device.name(self.view, &format!("{name} view"));
         Ok(())
     }

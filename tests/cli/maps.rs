@@ -8,7 +8,7 @@ use diffract::optics::nufft;
 use diffract::optics::reference::Reference;
 use diffract::optics::spectrum::{Illuminant, observer};
 use diffract::surface::HeightField;
-use diffract::surface::synth::{Kind, Spec, generate};
+use diffract::surface::synth::{Spec, SurfaceKind, generate};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -35,7 +35,7 @@ struct Subject {
 }
 
 impl Subject {
-    fn new(kind: Kind, side: f64) -> Self {
+    fn new(kind: SurfaceKind, side: f64) -> Self {
         let sandbox = Sandbox::new();
         let field = generate(&Spec { patch: Some([side, side]), seed: 1, ..Spec::new(kind) }).unwrap();
         let patch = format!("{side}um");
@@ -79,7 +79,7 @@ fn deviation(found: &[DVec3], exact: &[DVec3], keep: impl Fn(usize) -> bool) -> 
 
 /// Every map of `kind` through `coherence` agrees with the reference within each tolerance, over the whole disc and over what is
 /// not the mirror's peak, which is the brightest of most maps; and the next map of the list does not.
-fn agrees(kind: Kind, side: f64, coherence: &str, coherent: Coherence) {
+fn agrees(kind: SurfaceKind, side: f64, coherence: &str, coherent: Coherence) {
     let subject = Subject::new(kind, side);
     let exact = LIGHTS.map(|light| subject.exact(light, coherent));
     for tolerance in [1e-1, 2e-2, 5e-3] {
@@ -107,32 +107,32 @@ const WINDOW: Coherence = Coherence::Gaussian { length: 12.0 };
 
 #[test]
 fn maps_of_an_elaphe_skin_agree_through_a_window() {
-    agrees(Kind::Elaphe, 8.0, "gaussian:12um", WINDOW);
+    agrees(SurfaceKind::Elaphe, 8.0, "gaussian:12um", WINDOW);
 }
 
 #[test]
 fn maps_of_an_elaphe_skin_agree_through_repeats() {
-    agrees(Kind::Elaphe, 6.0, "repeats:2x3", Coherence::Repeats([2, 3]));
+    agrees(SurfaceKind::Elaphe, 6.0, "repeats:2x3", Coherence::Repeats([2, 3]));
 }
 
 #[test]
 fn maps_of_a_blaze_agree_through_a_window() {
-    agrees(Kind::Blaze, 7.5, "gaussian:12um", WINDOW);
+    agrees(SurfaceKind::Blaze, 7.5, "gaussian:12um", WINDOW);
 }
 
 #[test]
 fn maps_of_a_blaze_agree_through_repeats() {
-    agrees(Kind::Blaze, 5.0, "repeats:3x3", Coherence::Repeats([3, 3]));
+    agrees(SurfaceKind::Blaze, 5.0, "repeats:3x3", Coherence::Repeats([3, 3]));
 }
 
 #[test]
 fn maps_of_a_sinusoid_agree_through_a_window() {
-    agrees(Kind::Sinusoid, 6.0, "gaussian:12um", WINDOW);
+    agrees(SurfaceKind::Sinusoid, 6.0, "gaussian:12um", WINDOW);
 }
 
 #[test]
 fn maps_of_a_sinusoid_agree_through_repeats() {
-    agrees(Kind::Sinusoid, 4.0, "repeats:3x2", Coherence::Repeats([3, 2]));
+    agrees(SurfaceKind::Sinusoid, 4.0, "repeats:3x2", Coherence::Repeats([3, 2]));
 }
 
 /// J_m(x) = ∫ cos(mτ − x sin τ) dτ/2π, by the trapezoid rule, which is exact for a periodic function this smooth.
@@ -172,7 +172,7 @@ fn luminance_of_order(m: i32, theta: f64, grating: [f64; 2]) -> f64 {
 fn the_energy_of_each_order_of_a_colour_map_is_that_of_the_closed_forms_by_every_method_and_of_the_mean() {
     // Pixels a quarter of an order's width.
     const SIDE: usize = 160;
-    let subject = Subject::new(Kind::Sinusoid, 6.0);
+    let subject = Subject::new(SurfaceKind::Sinusoid, 6.0);
     // Its samples miss the crests by 0.3 %, and J_1 is steep here.
     let amplitude = 0.1;
     let luminance = DVec3::new(0.212_639, 0.715_169, 0.072_192);

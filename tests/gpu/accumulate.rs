@@ -10,7 +10,7 @@ use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::displayed;
 use diffract::render::sampling::{Sample, Sampling};
 use diffract::scene::{Camera, Light, Scene};
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
 use glam::{DVec2, DVec3, Vec3};
 use std::sync::Arc;
@@ -20,7 +20,7 @@ const SHOWN: Shown = Shown::plain(0.5, DVec3::new(0.1, 0.2, 0.3));
 
 fn painter(device: &Arc<Device>, scene: &Scene, lights: usize) -> Painter {
     let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(Kind::Flat, 2.0), &shading);
+    let layers = layers(&patch(SurfaceKind::Flat, 2.0), &shading);
     Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), SIZE, lights).unwrap()
 }
 

@@ -11,7 +11,7 @@ use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::shading::Shading;
 use diffract::surface::HeightField;
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
 use glam::{DVec2, DVec3};
 
@@ -48,7 +48,7 @@ fn layers(device: &Device, field: &HeightField, shading: &Shading) -> Layers {
     compute(field, &settings, &|_, _| Ok(())).unwrap()
 }
 
-fn meet_their_tolerance(kind: Kind, side: f64, length: f64, seed: u64, bases: &[(Basis, f64)]) {
+fn meet_their_tolerance(kind: SurfaceKind, side: f64, length: f64, seed: u64, bases: &[(Basis, f64)]) {
     let field = patch(kind, side);
     let queries = colours(seed, 300);
     let exact = by_reference(&field, &shading(length, 1.0), &queries);
@@ -69,7 +69,7 @@ fn meet_their_tolerance(kind: Kind, side: f64, length: f64, seed: u64, bases: &[
                 if layers.texels.is_half() { 16 } else { 32 }
             );
             // Between a grating's orders there are but the tails of its lobes, of which a picture promises nothing.
-            let single = if kind == Kind::Blaze { 0.0 } else { median };
+            let single = if kind == SurfaceKind::Blaze { 0.0 } else { median };
             assert!(
                 whole <= tolerance && single <= tolerance,
                 "{basis:?} at {tolerance}: {whole:e}, {median:e}"
@@ -90,18 +90,24 @@ fn meet_their_tolerance(kind: Kind, side: f64, length: f64, seed: u64, bases: &[
 fn colours_of_pictures_meet_their_tolerance_on_an_elaphe_skin() {
     use Basis::{Optimal, Taylor};
     let bases = [(Optimal, 1e-1), (Optimal, 1e-2), (Optimal, 1e-3), (Taylor, 1e-2)];
-    meet_their_tolerance(Kind::Elaphe, 24.0, 30.0, 41, &bases);
+    meet_their_tolerance(SurfaceKind::Elaphe, 24.0, 30.0, 41, &bases);
 }
 
 #[test]
 fn colours_of_pictures_meet_their_tolerance_on_a_blaze() {
-    meet_their_tolerance(Kind::Blaze, 20.0, 40.0, 42, &[(Basis::Optimal, 1e-2), (Basis::Taylor, 1e-2)]);
+    meet_their_tolerance(
+        SurfaceKind::Blaze,
+        20.0,
+        40.0,
+        42,
+        &[(Basis::Optimal, 1e-2), (Basis::Taylor, 1e-2)],
+    );
 }
 
 #[test]
 fn colours_of_pictures_meet_their_tolerance_where_samples_and_sides_are_not_square() {
     // Its samples are 1.3 times as far apart along y.
-    let square = patch(Kind::Elaphe, 12.0);
+    let square = patch(SurfaceKind::Elaphe, 12.0);
     let [dx, _] = square.pixel_size();
     let heights = square.heights().to_vec();
     let field = HeightField::new(square.columns(), square.rows(), [dx, dx * 0.7], heights).unwrap();
@@ -142,7 +148,7 @@ fn rays_toward_the_mirror_direction_meet_the_tolerance_octave_by_octave() {
     let queries: Vec<Query> =
         (0..OCTAVES).flat_map(|k| vec![0.3 * f64::from(-k).exp2(); EACH]).map(&mut toward).collect();
     for (side, length) in [(24.0, 30.0), (12.0, 25.0)] {
-        let field = patch(Kind::Elaphe, side);
+        let field = patch(SurfaceKind::Elaphe, side);
         let light = shading(length, 1e-2);
         let exact = by_reference(&field, &light, &queries);
         with_device(|device| {

@@ -8,14 +8,14 @@ use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::sampling::Sampling;
 use diffract::scene::Scene;
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use glam::DVec3;
 
 const SIZE: [u32; 2] = [160, 120];
 
 #[test]
 fn the_displayed_picture_is_the_twin_s_within_one_code() {
-    let field = patch(Kind::Elaphe, 6.0);
+    let field = patch(SurfaceKind::Elaphe, 6.0);
     let scene = Scene::open("snake").unwrap();
     let view = View::of(&scene, scene.lights.clone());
     let shading = shading(16.0, 1e-1);

@@ -13,7 +13,7 @@ use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::shading::Shading;
 use diffract::render::source::{Grating, Source};
 use diffract::surface::HeightField;
-use diffract::surface::synth::{Kind, Spec, generate};
+use diffract::surface::synth::{Spec, SurfaceKind, generate};
 use diffract::vk::device::Device;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -50,7 +50,7 @@ pub fn colours(seed: u64, count: usize) -> Vec<Query> {
 }
 
 /// A small patch of a kind, under a window that sees several copies of it.
-pub fn patch(kind: Kind, side: f64) -> HeightField {
+pub fn patch(kind: SurfaceKind, side: f64) -> HeightField {
     generate(&Spec { patch: Some([side, side]), ..Spec::new(kind) }).unwrap()
 }
 
@@ -100,7 +100,7 @@ fn by_reference(field: &HeightField, shading: &Shading, queries: &[Query]) -> Ve
     queries.iter().map(|q| reference.brdf(&q.pair, q.wavelength.unwrap()) * q.pair.light.z.max(0.0)).collect()
 }
 
-fn spectral_meets_its_tolerance(kind: Kind, side: f64, length: f64, seed: u64) {
+fn spectral_meets_its_tolerance(kind: SurfaceKind, side: f64, length: f64, seed: u64) {
     let field = patch(kind, side);
     let queries = queries(seed, DIRECTIONS);
     let exact = by_reference(&field, &shading(length, 1.0), &queries);
@@ -124,23 +124,23 @@ fn spectral_meets_its_tolerance(kind: Kind, side: f64, length: f64, seed: u64) {
 
 #[test]
 fn spectral_meets_its_tolerance_on_an_elaphe_skin() {
-    spectral_meets_its_tolerance(Kind::Elaphe, 24.0, 24.0, 1);
+    spectral_meets_its_tolerance(SurfaceKind::Elaphe, 24.0, 24.0, 1);
 }
 
 #[test]
 fn spectral_meets_its_tolerance_on_a_blaze() {
-    spectral_meets_its_tolerance(Kind::Blaze, 20.0, 30.0, 2);
+    spectral_meets_its_tolerance(SurfaceKind::Blaze, 20.0, 30.0, 2);
 }
 
 #[test]
 fn spectral_meets_its_tolerance_on_bumps_smaller_than_the_window() {
-    spectral_meets_its_tolerance(Kind::Bumps, 4.0, 20.0, 3);
+    spectral_meets_its_tolerance(SurfaceKind::Bumps, 4.0, 20.0, 3);
 }
 
 #[test]
 fn every_basis_meets_the_tolerance_where_it_is_not_refused() {
     for (kind, side, bases) in
-        [(Kind::Elaphe, 16.0, &Basis::ALL[..]), (Kind::Xenopeltis, 16.0, &[Basis::Optimal])]
+        [(SurfaceKind::Elaphe, 16.0, &Basis::ALL[..]), (SurfaceKind::Xenopeltis, 16.0, &[Basis::Optimal])]
     {
         let field = patch(kind, side);
         let queries = queries(11, 600);
@@ -162,7 +162,7 @@ fn every_basis_meets_the_tolerance_where_it_is_not_refused() {
 
 #[test]
 fn every_basis_meets_what_a_picture_asks_of_single_wavelengths_grazing_directions_too() {
-    let field = patch(Kind::Elaphe, 16.0);
+    let field = patch(SurfaceKind::Elaphe, 16.0);
     let mut queries = queries(12, 600);
     // As many again that graze the surface: k|w| is small.
     let grazing = |d: glam::DVec3| glam::DVec3::new(d.x, d.y, 0.05 * d.z).normalize();
@@ -217,7 +217,7 @@ fn every_quarter_of_the_frequency_plane_is_the_right_way_round() {
 
 #[test]
 fn colours_of_single_directions_meet_the_tolerance() {
-    let field = patch(Kind::Elaphe, 12.0);
+    let field = patch(SurfaceKind::Elaphe, 12.0);
     let queries: Vec<Query> = queries(7, 60).into_iter().map(|q| Query { wavelength: None, ..q }).collect();
     with_device(|device| {
         for tolerance in [1e-1, 1e-2, 1e-3] {

@@ -23,7 +23,7 @@ use diffract::render::reference_picture::{displayed, reference_picture};
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
 use diffract::surface::HeightField;
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
 use glam::DVec3;
 use proptest::prelude::*;
@@ -156,7 +156,7 @@ fn errors(queries: &[Query], found: &[f64], exact: &[f64], shading: &Shading) ->
 
 #[test]
 fn directions_at_the_ends_keep_the_tolerance_and_are_numbers_everywhere() {
-    let field = patch(Kind::Bumps, 2.0);
+    let field = patch(SurfaceKind::Bumps, 2.0);
     let queries = end_queries();
     let reference = exact(&field, &shading(8.0, 1.0), &queries);
     with_device(|device| {
@@ -255,7 +255,7 @@ fn scaled(layers: &Layers, scale: f32, half: bool) -> Layers {
 #[test]
 fn sixteen_bit_layers_are_read_right_at_their_overflow_and_in_their_subnormals() {
     let shading = Shading { basis: Basis::Optimal, ..shading(4.0, 1e-1) };
-    let layers = layers_of(&patch(Kind::Bumps, 2.0), &shading).unwrap();
+    let layers = layers_of(&patch(SurfaceKind::Bumps, 2.0), &shading).unwrap();
     let largest = (0..layers.texels.len()).map(|i| layers.texels.at(i).abs()).fold(0.0, f32::max);
     let queries: Vec<Query> = end_queries()
         .into_iter()
@@ -293,7 +293,7 @@ fn sixteen_bit_layers_are_read_right_at_their_overflow_and_in_their_subnormals()
 
 #[test]
 fn repeats_from_one_to_a_thousand_give_the_reference_picture() {
-    let field = patch(Kind::Bumps, 2.0);
+    let field = patch(SurfaceKind::Bumps, 2.0);
     let scene = Scene::open("sphere").unwrap();
     let lights = vec![Light::point(50.0, -40.0, 2.0)];
     let view = View::of(&scene, lights);
@@ -462,7 +462,7 @@ fn meshes() -> [(&'static str, String); 6] {
 
 #[test]
 fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_number() {
-    let field = patch(Kind::Bumps, 2.0);
+    let field = patch(SurfaceKind::Bumps, 2.0);
     let shading = shading(4.0, 1e-1);
     let layers = layers_of(&field, &shading).unwrap();
     with_device(|device| {

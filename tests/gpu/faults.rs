@@ -17,7 +17,7 @@ use diffract::render::source::Source;
 use diffract::render::{target, upload};
 use diffract::scene::{Light, Scene};
 use diffract::setup::Method;
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
 use diffract::vk::instance::Instance;
 use diffract::vk::mask::Mask;
@@ -58,7 +58,7 @@ fn paint(device: &Arc<Device>, source: &Source, shading: &Shading, scene: &Scene
 #[test]
 fn a_picture_fails_cleanly_at_each_of_its_allocations_and_succeeds_afterwards() {
     let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
+    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
     let scene = Scene::open("plate").unwrap();
     with_device(|device| {
         let undisturbed = paint(device, &window(&layers), &shading, &scene).unwrap();
@@ -74,7 +74,7 @@ fn a_picture_fails_cleanly_at_each_of_its_allocations_and_succeeds_afterwards() 
 #[test]
 fn a_picture_of_the_mean_fails_cleanly_at_each_of_its_allocations_and_succeeds_afterwards() {
     let shading = Shading { windows: Windows::All, ..shading(4.0, 2e-1) }.for_pictures();
-    let field = patch(Kind::Bumps, 2.0);
+    let field = patch(SurfaceKind::Bumps, 2.0);
     let scene = Scene::open("plate").unwrap();
     with_device(|device| {
         for method in [Method::Table, Method::Spectral] {
@@ -94,7 +94,7 @@ fn a_picture_through_repeats_fails_cleanly_at_each_of_its_allocations_and_succee
     let coherence = Coherence::Repeats(copies);
     let shading = Shading { coherence, windows: Windows::ONE, tolerance: 1e-1, ..Shading::default() };
     let shading = shading.for_pictures();
-    let field = patch(Kind::Bumps, 2.0);
+    let field = patch(SurfaceKind::Bumps, 2.0);
     let settings = LayerSettings {
         sigma: f64::INFINITY,
         shortest_wavelength: 0.38,
@@ -118,7 +118,7 @@ fn a_picture_through_repeats_fails_cleanly_at_each_of_its_allocations_and_succee
 #[test]
 fn a_profile_and_what_a_window_adds_fail_cleanly_at_each_of_their_allocations() {
     let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
+    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
     let scene = Scene::open("plate").unwrap();
     let view = view(&scene);
     with_device(|device| {
@@ -145,7 +145,7 @@ fn a_profile_and_what_a_window_adds_fail_cleanly_at_each_of_their_allocations() 
 #[test]
 fn answers_fail_cleanly_at_each_of_their_allocations_and_succeed_afterwards() {
     let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
+    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
     let queries = queries(5, 20);
     with_device(|device| {
         let ask = || Evaluator::new(device, &window(&layers), &shading)?.cosine_weighted(&queries);
@@ -159,7 +159,7 @@ fn answers_fail_cleanly_at_each_of_their_allocations_and_succeed_afterwards() {
 #[test]
 fn a_painter_that_could_not_grow_still_paints() {
     let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
+    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
     let scene = Scene::open("plate").unwrap();
     let view = view(&scene);
     with_device(|device| {
@@ -189,7 +189,7 @@ fn a_budget_of_memory_holds() {
     let device = Device::open(instance.clone(), &DeviceChoice::Any).unwrap();
     assert_eq!(device.candidate().memory, BUDGET);
     let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
+    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
     let scene = Scene::open("plate").unwrap();
     paint(&device, &window(&layers), &shading, &scene).unwrap();
     // 4096² pixels of geometry alone take four times as much.
@@ -206,7 +206,7 @@ fn a_budget_of_memory_holds() {
 #[test]
 fn a_device_that_is_lost_at_any_submission_is_told_and_stays_lost() {
     let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
+    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
     let scene = Scene::open("plate").unwrap();
     for n in (1..).step_by(7) {
         let mask = Mask { submission: Some(n), ..Mask::default() };

@@ -13,10 +13,10 @@ use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::scene::{Environment, Light, Scene};
 use diffract::setup::Method;
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use diffract::vk::access::Access;
 use diffract::vk::device::Device;
-use diffract::vk::hazards::{Event, check};
+use diffract::vk::hazards::{RecordedEvent, check};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ const SIZE: [u32; 2] = [24, 18];
 const SHOWN: Shown = Shown::plain(0.5, DVec3::new(0.1, 0.2, 0.3));
 
 /// What `work` records.
-fn recorded(device: &Arc<Device>, work: impl FnOnce()) -> Vec<Event> {
+fn recorded(device: &Arc<Device>, work: impl FnOnce()) -> Vec<RecordedEvent> {
     device.events().start();
     device.events().take();
     work();
@@ -33,11 +33,11 @@ fn recorded(device: &Arc<Device>, work: impl FnOnce()) -> Vec<Event> {
 
 /// Fails unless `events` have each of `accesses` and no finding.
 #[track_caller]
-fn assert_clean(events: &[Event], accesses: &[Access]) {
+fn assert_clean(events: &[RecordedEvent], accesses: &[Access]) {
     for access in accesses {
-        let has = |event: &Event| match event {
-            Event::Used(_, used, _) => used == access,
-            Event::Bound(bound) => bound.iter().any(|(_, used)| used == access),
+        let has = |event: &RecordedEvent| match event {
+            RecordedEvent::Used(_, used, _) => used == access,
+            RecordedEvent::Bound(bound) => bound.iter().any(|(_, used)| used == access),
             _ => false,
         };
         assert!(events.iter().any(has), "{access:?} is not in {} events", events.len());
@@ -47,21 +47,21 @@ fn assert_clean(events: &[Event], accesses: &[Access]) {
 
 /// Fails unless `events` without all barriers that `is` names have a finding.
 #[track_caller]
-fn assert_missed(events: &[Event], is: impl Fn(&Access, &Access) -> bool) {
+fn assert_missed(events: &[RecordedEvent], is: impl Fn(&Access, &Access) -> bool) {
     use Access::{
         ColorAttachment, ComputeWrite, HostRead, ShaderRead, TransferRead, TransferWrite, VertexRead,
     };
     let all = [ColorAttachment, ComputeWrite, HostRead, ShaderRead, TransferRead, TransferWrite, VertexRead];
     let pairs = || all.iter().flat_map(|from| all.iter().map(move |to| (from, to))).filter(|(a, b)| is(a, b));
-    let named = |event: &Event| match event {
-        Event::Barrier(scopes) => pairs().any(|(from, to)| {
+    let named = |event: &RecordedEvent| match event {
+        RecordedEvent::Barrier(scopes) => pairs().any(|(from, to)| {
             let barrier = from.memory_barrier(*to);
             scopes.source == (barrier.src_stage_mask, barrier.src_access_mask)
                 && scopes.destination == (barrier.dst_stage_mask, barrier.dst_access_mask)
         }),
         _ => false,
     };
-    let lacking: Vec<Event> = events.iter().filter(|event| !named(event)).cloned().collect();
+    let lacking: Vec<RecordedEvent> = events.iter().filter(|event| !named(event)).cloned().collect();
     assert!(lacking.len() < events.len(), "there is no such barrier");
     assert!(!check(&lacking).is_empty(), "nothing is missed");
 }
@@ -78,7 +78,7 @@ fn mean() -> Shading {
 #[test]
 fn an_evaluation_has_all_its_barriers() {
     let shading = shading(4.0, 1e-1);
-    let field = patch(Kind::Bumps, 2.0);
+    let field = patch(SurfaceKind::Bumps, 2.0);
     let layers = layers(&field, &shading);
     with_device(|device| {
         for source in [window(&layers), grating(&layers, [3, 2], &field)] {
@@ -97,7 +97,7 @@ fn an_evaluation_has_all_its_barriers() {
 
 #[test]
 fn pictures_from_spectra_tables_and_windows_have_all_their_barriers() {
-    let field = patch(Kind::Bumps, 2.0);
+    let field = patch(SurfaceKind::Bumps, 2.0);
     let scene = Scene::open("sphere").unwrap();
     let one = shading(4.0, 1e-1);
     let layers = layers(&field, &one);
@@ -142,7 +142,8 @@ fn pictures_from_spectra_tables_and_windows_have_all_their_barriers() {
                 assert_clean(events, &[&drawing[..], &[TransferWrite, TransferRead, HostRead]].concat());
                 assert_missed(events, |from, to| (*from, *to) == (TransferWrite, VertexRead));
                 assert_missed(events, |from, to| (*from, *to) == (TransferWrite, HostRead));
-                let without_source: Vec<Event> = events.iter().cloned().map(without_color_source).collect();
+                let without_source: Vec<RecordedEvent> =
+                    events.iter().cloned().map(without_color_source).collect();
                 assert!(!check(&without_source).is_empty(), "barriers from attachments are not looked at");
             }
         }
@@ -150,9 +151,9 @@ fn pictures_from_spectra_tables_and_windows_have_all_their_barriers() {
 }
 
 /// A barrier from a colour attachment without the scope that waits for it.
-fn without_color_source(mut event: Event) -> Event {
+fn without_color_source(mut event: RecordedEvent) -> RecordedEvent {
     use ash::vk::{AccessFlags2, PipelineStageFlags2};
-    if let Event::ImageBarrier(_, scopes, _) = &mut event
+    if let RecordedEvent::ImageBarrier(_, scopes, _) = &mut event
         && scopes.source.0 == PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT
     {
         scopes.source = (PipelineStageFlags2::NONE, AccessFlags2::NONE);
@@ -167,7 +168,7 @@ fn a_picture_before_its_surroundings_and_under_a_lamp_has_all_its_barriers() {
     let mut view = View::of(&scene, vec![lamp]);
     view.environment = Some(Environment::open("studio").unwrap());
     view.shows_surroundings = true;
-    let field = patch(Kind::Bumps, 2.0);
+    let field = patch(SurfaceKind::Bumps, 2.0);
     with_device(|device| {
         let source =
             source(device, &field, &mean(), Method::Table, FootprintSizes { shorter: 1e-2, longer: 1e-2 });
@@ -185,7 +186,7 @@ fn a_picture_before_its_surroundings_and_under_a_lamp_has_all_its_barriers() {
         };
         let drawing = [ColorAttachment, DepthAttachment, ShaderRead, VertexRead];
         assert_clean(&events, &[&drawing[..], &[TransferWrite, TransferRead, HostRead]].concat());
-        let without_source: Vec<Event> = events.iter().cloned().map(without_color_source).collect();
+        let without_source: Vec<RecordedEvent> = events.iter().cloned().map(without_color_source).collect();
         assert!(!check(&without_source).is_empty(), "barriers from attachments are not looked at");
     });
 }

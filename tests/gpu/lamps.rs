@@ -17,7 +17,7 @@ use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::environment::Placement;
 use diffract::scene::{Camera, Emitter, Environment, Lamp, Light, Scene};
 use diffract::setup::Method;
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -110,14 +110,14 @@ fn a_white_floor_is_as_bright_as_closed_forms_say() {
 
 /// Irradiance over π at `at` of a floor that faces up: of a sphere L r² cos θ/D², of a rectangle as a sum over its area.
 fn brightness(lamp: &Lamp, at: DVec3) -> f64 {
-    use diffract::scene::lamp::{Shape, Strength};
+    use diffract::scene::lamp::{LampShape, Strength};
     let Strength::Radiance(radiance) = lamp.strength else { panic!() };
     match lamp.shape {
-        Shape::Sphere { diameter } => {
+        LampShape::Sphere { diameter } => {
             let to = lamp.middle - at;
             radiance * (0.5 * diameter).powi(2) * to.z / to.length().powi(3)
         }
-        Shape::Rectangle { size, faces } => {
+        LampShape::Rectangle { size, faces } => {
             let normal = (faces.unwrap() - lamp.middle).normalize();
             let across = DVec3::Z.cross(normal).normalize();
             let up = normal.cross(across);
@@ -155,7 +155,7 @@ fn the_edge_of_a_lamp_s_shadow_is_as_soft_as_the_lamp_is_wide() {
 
 #[test]
 fn pictures_under_a_lamp_are_those_of_the_reference() {
-    let field = patch(Kind::Elaphe, 12.0);
+    let field = patch(SurfaceKind::Elaphe, 12.0);
     let scene = Scene::open("sphere").unwrap();
     let lights = ["sphere:0.4:0.5,-2,2", "rectangle:1x0.3:-2,0,1.5"].map(|text| Light::parse(text).unwrap());
     let view = View::of(&scene, lights.to_vec());

@@ -17,7 +17,7 @@ use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
 use diffract::setup::{Method, pigment_alone};
 use diffract::surface::HeightField;
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
 use glam::{DVec3, Vec3};
 use std::path::Path;
@@ -83,7 +83,7 @@ fn dark(illuminants: &[Illuminant]) -> ObjectSources {
 fn lights_of_several_spectra_add_up_to_pictures_under_each_alone() {
     let scene = Scene::parse(SCENE, Path::new("")).unwrap();
     let textures = ObjectTextures::of(&scene).unwrap();
-    let field = patch(Kind::Elaphe, 12.0);
+    let field = patch(SurfaceKind::Elaphe, 12.0);
     let every = [Illuminant::D65, Illuminant::A, Illuminant::Led];
     let sample = Sampling { count: 4, seed: 3 }.sample(1);
     let shown = Shown::plain(0.0, DVec3::ZERO);
@@ -189,7 +189,7 @@ fn a_white_surface_has_the_white_of_the_light() {
 
 #[test]
 fn pictures_under_several_spectra_are_those_of_the_reference() {
-    let field = patch(Kind::Elaphe, 10.0);
+    let field = patch(SurfaceKind::Elaphe, 10.0);
     let scene = Scene::open("sphere").unwrap();
     let lights = ["45,-40,2@a", "60,60,1", "30,170,1@led"].map(|text| Light::parse(text).unwrap());
     let view = View::of(&scene, lights.to_vec());

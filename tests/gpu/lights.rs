@@ -3,7 +3,7 @@
 use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::mean::source;
-use diffract::brdf::mean::{Mean, Orders, TabulatedMean};
+use diffract::brdf::mean::{MeanBrdf, SummedOrders, TabulatedMean};
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::color::{Tone, xyz_to_linear_srgb};
 use diffract::optics::footprint::{Covariance, FootprintSizes};
@@ -22,7 +22,7 @@ use diffract::scene::environment::Placement;
 use diffract::scene::{Camera, Corner, Environment, FarLight, Light, Mesh, Scene};
 use diffract::setup::Method;
 use diffract::surface::HeightField;
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::PI;
@@ -86,7 +86,7 @@ fn under_a_white_sky_a_surface_that_absorbs_nothing_is_as_bright_as_its_closed_f
     let white = Environment::of(&|_| Vec3::ONE);
     let shading = shading(8.0, MIRROR);
     with_device(|device| {
-        for (kind, theta, pictures) in [(Kind::Flat, 0.0f64, 1), (Kind::Blaze, 20.0, 6)] {
+        for (kind, theta, pictures) in [(SurfaceKind::Flat, 0.0f64, 1), (SurfaceKind::Blaze, 20.0, 6)] {
             let field = patch(kind, 10.0);
             let scene = plate(theta.to_radians() as f32, Vec::new(), Some(white.clone()));
             let samplings: Vec<_> = (0..pictures).map(|seed| Sampling { count: 512, seed }).collect();
@@ -97,7 +97,7 @@ fn under_a_white_sky_a_surface_that_absorbs_nothing_is_as_bright_as_its_closed_f
             let one = (found.iter().map(|f| relative(*f).powi(2)).sum::<f64>() / found.len() as f64).sqrt();
             let apart = relative(mean);
             eprintln!("{} at {theta}: {mean:.3} for {expected:.3}: {apart:.3}, one {one:.3}", kind.name());
-            if kind == Kind::Flat {
+            if kind == SurfaceKind::Flat {
                 // All of the light comes back, by the specular order alone.
                 assert!((expected - DVec3::ONE).length() < 0.005 && apart < 0.005, "{mean}, {expected}");
                 continue;
@@ -118,7 +118,7 @@ fn slow(direction: DVec3) -> Vec3 {
 
 #[test]
 fn a_flat_mirror_shows_the_surroundings_in_the_mirrored_direction_from_one_sample() {
-    let field = patch(Kind::Flat, 10.0);
+    let field = patch(SurfaceKind::Flat, 10.0);
     let shading = shading(16.0, MIRROR);
     let lamp = Light::point(10.0, 90.0, 1.0);
     with_device(|device| {
@@ -146,7 +146,7 @@ fn a_flat_mirror_shows_the_surroundings_in_the_mirrored_direction_from_one_sampl
 #[test]
 fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
     const SIZE: [u32; 2] = [80, 60];
-    let field = patch(Kind::Elaphe, 12.0);
+    let field = patch(SurfaceKind::Elaphe, 12.0);
     let shading = shading(16.0, 1.5);
     let scene = Scene::open("sphere").unwrap();
     let lamp = Light::point(45.0, -40.0, 1.0);
@@ -191,7 +191,7 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
 fn albedo(field: &HeightField, shading: &Shading, theta: f64) -> DVec3 {
     let sigma = shading.coherence.sigma().unwrap();
     let reflectance = shading.reflectance.clone();
-    let mean = Mean { field, sigma, beyond: shading.beyond, reflectance };
+    let mean = MeanBrdf { field, sigma, beyond: shading.beyond, reflectance };
     let table = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap();
     let view = direction(theta, 0.0);
     // Fine against the blur of the orders by coherence, λ/(√8 π σ) ≥ 0.02; the lattice adds its own.
@@ -204,7 +204,7 @@ fn albedo(field: &HeightField, shading: &Shading, theta: f64) -> DVec3 {
         .filter(|(x, y)| x * x + y * y < 1.0)
         .map(|(x, y)| (Pair::new(DVec3::new(x, y, (1.0 - x * x - y * y).sqrt()), view), own))
         .collect();
-    let weighted = table.xyz(&Illuminant::D65, &pairs, Orders::All, &|_, _| Ok(())).unwrap();
+    let weighted = table.xyz(&Illuminant::D65, &pairs, SummedOrders::All, &|_, _| Ok(())).unwrap();
     let sum: DVec3 =
         pairs.iter().zip(weighted).map(|((pair, _), xyz)| xyz / pair.light.z * (step * step)).sum();
     xyz_to_linear_srgb(sum)
@@ -212,7 +212,7 @@ fn albedo(field: &HeightField, shading: &Shading, theta: f64) -> DVec3 {
 
 #[test]
 fn a_disc_of_light_is_the_mean_over_its_points() {
-    let field = patch(Kind::Blaze, 10.0);
+    let field = patch(SurfaceKind::Blaze, 10.0);
     let shading = shading(16.0, MIRROR);
     let disc = FarLight::parse("disc:12deg:35,180").unwrap();
     with_device(|device| {
@@ -222,7 +222,7 @@ fn a_disc_of_light_is_the_mean_over_its_points() {
         // In f64, over directions spread evenly within the disc.
         let sigma = shading.coherence.sigma().unwrap();
         let reflectance = shading.reflectance.clone();
-        let mean = Mean { field: &field, sigma, beyond: shading.beyond, reflectance };
+        let mean = MeanBrdf { field: &field, sigma, beyond: shading.beyond, reflectance };
         let table = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap();
         let view = DVec3::new(0.3f64.sin(), 0.0, 0.3f64.cos());
         let centre = direction(disc.theta, disc.phi);
@@ -240,7 +240,7 @@ fn a_disc_of_light_is_the_mean_over_its_points() {
             })
             .collect();
         let sum: DVec3 =
-            table.xyz(&Illuminant::D65, &pairs, Orders::All, &|_, _| Ok(())).unwrap().into_iter().sum();
+            table.xyz(&Illuminant::D65, &pairs, SummedOrders::All, &|_, _| Ok(())).unwrap().into_iter().sum();
         let exact = xyz_to_linear_srgb(sum / POINTS as f64) * PI;
         let relative = |f: DVec3| (f - exact).length() / exact.length();
         let errors: Vec<f64> = found.iter().map(|f| relative(*f)).collect();
@@ -399,7 +399,7 @@ fn apart(a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
 
 #[test]
 fn no_single_sample_at_a_silhouette_outshines_all_others() {
-    let field = patch(Kind::Elaphe, 12.0);
+    let field = patch(SurfaceKind::Elaphe, 12.0);
     let scene = Scene::open("snake").unwrap();
     let view = View::of(&scene, scene.lights.clone());
     let shading = shading(65.0, 1.5);

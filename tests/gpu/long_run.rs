@@ -7,7 +7,7 @@ use diffract::render::frame::View;
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::scene::{Light, Scene};
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
 use diffract::vk::instance::Instance;
 use diffract::vk::selection::DeviceChoice;
@@ -36,7 +36,7 @@ fn resident() -> u64 {
 /// Draws `frames` frames, the light a little further each time, and looks `looks` times.
 fn run(device: &Arc<Device>, frames: usize, looks: usize) -> Vec<Sample> {
     let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(Kind::Bumps, 2.0), &shading);
+    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
     let scene = Scene::open("plate").unwrap();
     let mut view = View::of(&scene, vec![Light::point(40.0, 0.0, 1.0)]);
     let mut painter =

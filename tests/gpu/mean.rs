@@ -3,7 +3,7 @@
 use crate::device::with_device;
 use crate::evaluation::{FLOOR, colours, patch, queries};
 use crate::measure::{channel, per_direction};
-use diffract::brdf::mean::{Mean, Orders, TabulatedMean};
+use diffract::brdf::mean::{MeanBrdf, SummedOrders, TabulatedMean};
 use diffract::measure::error;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::footprint::{Covariance, FootprintSizes, MOST_SIDES};
@@ -26,7 +26,7 @@ use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::{Camera, Light, Scene};
 use diffract::setup::{self, InUse, Method};
 use diffract::surface::HeightField;
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
 use glam::{DVec3, Vec3, Vec4};
 use std::sync::Arc;
@@ -52,9 +52,9 @@ pub fn source(
         .source
 }
 
-fn mean<'a>(field: &'a HeightField, shading: &Shading) -> Mean<'a> {
+fn mean<'a>(field: &'a HeightField, shading: &Shading) -> MeanBrdf<'a> {
     let sigma = shading.coherence.sigma().unwrap();
-    Mean { field, sigma, beyond: shading.beyond, reflectance: shading.reflectance.clone() }
+    MeanBrdf { field, sigma, beyond: shading.beyond, reflectance: shading.reflectance.clone() }
 }
 
 /// Twice as high.
@@ -75,13 +75,15 @@ fn colours_meet_their_tolerance(method: Method, tolerances: &[f64]) {
     let queries = colours(21, 300);
     let asked: Vec<_> = queries.iter().map(|q| (q.pair, Covariance::default())).collect();
     with_device(|device| {
-        for (kind, side, length) in
-            [(Kind::Elaphe, 12.0, 16.0), (Kind::Blaze, 10.0, 16.0), (Kind::Bumps, 4.0, 12.0)]
-        {
+        for (kind, side, length) in [
+            (SurfaceKind::Elaphe, 12.0, 16.0),
+            (SurfaceKind::Blaze, 10.0, 16.0),
+            (SurfaceKind::Bumps, 4.0, 12.0),
+        ] {
             let field = patch(kind, side);
             let any = shading(length, 1.0);
             let table = TabulatedMean::new(mean(&field, &any), SHORTEST, &|_, _| Ok(())).unwrap();
-            let exact = table.xyz(&any.illuminant, &asked, Orders::All, &|_, _| Ok(())).unwrap();
+            let exact = table.xyz(&any.illuminant, &asked, SummedOrders::All, &|_, _| Ok(())).unwrap();
             for &tolerance in tolerances {
                 let shading = shading(length, tolerance);
                 let answers = |field: &HeightField| {
@@ -117,7 +119,7 @@ fn materials_and_films_keep_the_tolerance_by_every_source() {
     let film = |thickness, index| Some(Film { thickness, index });
     let queries = colours(22, 60);
     let asked: Vec<_> = queries.iter().map(|q| (q.pair, Covariance::default())).collect();
-    let field = patch(Kind::Elaphe, 8.0);
+    let field = patch(SurfaceKind::Elaphe, 8.0);
     let tolerance = 2e-2;
     with_device(|device| {
         for (name, film) in [("gold", None), ("glass", film(1.9, 1.33))] {
@@ -126,7 +128,7 @@ fn materials_and_films_keep_the_tolerance_by_every_source() {
                 |windows| Shading { windows, reflectance: reflectance.clone(), ..shading(8.0, tolerance) };
             let table =
                 TabulatedMean::new(mean(&field, &of(Windows::All)), SHORTEST, &|_, _| Ok(())).unwrap();
-            let exact = table.xyz(&Illuminant::D65, &asked, Orders::All, &|_, _| Ok(())).unwrap();
+            let exact = table.xyz(&Illuminant::D65, &asked, SummedOrders::All, &|_, _| Ok(())).unwrap();
             let one = Reference::new(&field, of(Windows::ONE).coherence, [1, 1], reflectance.clone());
             let of_window: Vec<DVec3> =
                 queries.iter().map(|q| one.cosine_weighted_xyz(&q.pair, &Illuminant::D65).unwrap()).collect();
@@ -152,7 +154,7 @@ fn materials_and_films_keep_the_tolerance_by_every_source() {
 
 #[test]
 fn single_wavelengths_by_power_spectra_meet_their_tolerance_and_tables_refuse_them() {
-    let field = patch(Kind::Elaphe, 12.0);
+    let field = patch(SurfaceKind::Elaphe, 12.0);
     let queries = queries(22, 400);
     let exact: Vec<f64> = {
         let shading = shading(16.0, 1.0);
@@ -193,7 +195,7 @@ fn directions(device: &Arc<Device>, scene: &Scene, view: &View) -> Vec<Direction
 
 /// Pictures over footprints by `method` are within `allowed` of the f64 picture; under another light, and without footprints, they are farther from it.
 fn pictures_are_the_reference_picture(method: Method, allowed: f64) {
-    let field = patch(Kind::Elaphe, 12.0);
+    let field = patch(SurfaceKind::Elaphe, 12.0);
     let scene = Scene::open("sphere").unwrap();
     let lights = vec![Light::point(45.0, -40.0, 2.0), Light::point(70.0, 60.0, 0.7)];
     let view = View::of(&scene, lights);
@@ -259,7 +261,7 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
     assert!(reflectance.is_spectral(), "the scene has a material");
     // A mirror is in closed form. Of a patch of few orders a Gaussian so wide is read from the coarsest level, by cubics that hold colours over |w|
     // at one place of (u, v).
-    for (kind, allowed) in [(Kind::Flat, [0.02, 0.002]), (Kind::Elaphe, [0.07, 0.04])] {
+    for (kind, allowed) in [(SurfaceKind::Flat, [0.02, 0.002]), (SurfaceKind::Elaphe, [0.07, 0.04])] {
         let field = patch(kind, 4.0);
         let shading = Shading { reflectance: reflectance.clone(), ..shading(8.0, 2e-2) }.for_pictures();
         with_device(|device| {
@@ -280,7 +282,7 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
 
 #[test]
 fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
-    let field = patch(Kind::Elaphe, 12.0);
+    let field = patch(SurfaceKind::Elaphe, 12.0);
     let scene = Scene::open("sphere").unwrap();
     let view = View::of(&scene, vec![Light::point(45.0, -40.0, 2.0)]);
     let shading = shading(16.0, 2e-2).for_pictures();
@@ -318,7 +320,7 @@ fn a_turntable_does_not_shimmer() {
     const FRAMES: usize = 24;
     const STEP: f64 = 1.5; // degrees, an order and more from frame to frame
     const COMPARED: usize = 60;
-    let field = patch(Kind::Elaphe, 12.0);
+    let field = patch(SurfaceKind::Elaphe, 12.0);
     let scene = Scene::open("sphere").unwrap();
     let shading = shading(16.0, 2e-2).for_pictures();
     let view_of = |frame: usize| {
@@ -362,7 +364,7 @@ fn a_turntable_does_not_shimmer() {
 
 #[test]
 fn the_work_of_a_table_is_three_samples_for_each_tap() {
-    let field = patch(Kind::Bumps, 4.0);
+    let field = patch(SurfaceKind::Bumps, 4.0);
     let scene = Scene::open("sphere").unwrap();
     let view = View::of(&scene, vec![Light::point(45.0, -40.0, 2.0)]);
     let shading = shading(8.0, 1e-1).for_pictures();

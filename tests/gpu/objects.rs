@@ -16,7 +16,7 @@ use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::{Grooves, Light, Scene};
 use diffract::setup::{Method, pigment_alone};
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
 use glam::DVec3;
 use std::path::Path;
@@ -74,8 +74,10 @@ fn each_object_of_a_scene_is_drawn_as_it_would_be_alone_where_nothing_stands_bef
         let footprints = FootprintSizes::default();
         // Sources of three kinds: a table, a sum over wavelengths, and none.
         let shadings = [shading(1.5), shading(2.0), Shading::default()];
-        let first = source(device, &patch(Kind::Elaphe, 12.0), &shadings[0], Method::Table, footprints);
-        let second = source(device, &patch(Kind::Blaze, 12.0), &shadings[1], Method::Spectral, footprints);
+        let first =
+            source(device, &patch(SurfaceKind::Elaphe, 12.0), &shadings[0], Method::Table, footprints);
+        let second =
+            source(device, &patch(SurfaceKind::Blaze, 12.0), &shadings[1], Method::Spectral, footprints);
         let sources = [first, second, pigment_alone()].into_iter().zip(shadings);
         let sources: Vec<_> = sources.map(|(source, shading)| ObjectSources::new(source, shading)).collect();
         let all = objects(&scene, &textures, &sources);

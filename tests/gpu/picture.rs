@@ -11,7 +11,7 @@ use diffract::render::reference_picture::reference_picture;
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
 use diffract::surface::HeightField;
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -44,7 +44,7 @@ fn paint(
 
 #[test]
 fn a_picture_is_the_reference_picture_within_its_tolerance() {
-    let field = patch(Kind::Elaphe, 6.0);
+    let field = patch(SurfaceKind::Elaphe, 6.0);
     let scene = Scene::open("sphere").unwrap();
     let lights = vec![Light::point(45.0, -40.0, 2.0), Light::point(70.0, 60.0, 0.7)];
     let view = View::of(&scene, lights);
@@ -76,7 +76,7 @@ fn a_picture_is_the_reference_picture_within_its_tolerance() {
 
 #[test]
 fn a_pigment_texture_of_one_colour_is_that_base_colour_under_one_light_and_under_four() {
-    let field = patch(Kind::Flat, 2.0);
+    let field = patch(SurfaceKind::Flat, 2.0);
     let scene = Scene::open("sphere").unwrap();
     let shading = shading(4.0, 1e-1);
     let light = |phi: f64| Light::point(40.0, phi, 1.0);
@@ -108,7 +108,7 @@ fn a_pigment_texture_of_one_colour_is_that_base_colour_under_one_light_and_under
 
 #[test]
 fn an_upright_sphere_is_lit_from_where_the_light_is() {
-    let field = patch(Kind::Flat, 4.0);
+    let field = patch(SurfaceKind::Flat, 4.0);
     let scene = Scene::open("sphere").unwrap();
     let shading = shading(4.0, 1e-1);
     let half = |light: Light| {
@@ -134,7 +134,7 @@ fn an_upright_sphere_is_lit_from_where_the_light_is() {
 
 #[test]
 fn directions_are_unit_vectors_where_the_mesh_covers_and_nothing_elsewhere() {
-    let field = patch(Kind::Flat, 4.0);
+    let field = patch(SurfaceKind::Flat, 4.0);
     let scene = Scene::open("snake").unwrap();
     let view = View::of(&scene, scene.lights.clone());
     with_device(|device| {
@@ -153,7 +153,7 @@ fn directions_are_unit_vectors_where_the_mesh_covers_and_nothing_elsewhere() {
 
 #[test]
 fn the_same_view_gives_the_same_bits_and_every_pixel_is_finite() {
-    let field = patch(Kind::Elaphe, 6.0);
+    let field = patch(SurfaceKind::Elaphe, 6.0);
     let scene = Scene::open("snake").unwrap();
     let view = View::of(&scene, scene.lights.clone());
     let shading = shading(16.0, 1e-1);
@@ -183,7 +183,8 @@ fn interpolated_tangent_space_directions_are_close_to_those_of_exact_frames() {
     let light = Light::point(45.0, -40.0, 1.0);
     let view = View::of(&scene, vec![light.clone()]);
     with_device(|device| {
-        let (_, directions) = paint(device, &patch(Kind::Flat, 4.0), &shading(4.0, 1e-1), &scene, &view);
+        let (_, directions) =
+            paint(device, &patch(SurfaceKind::Flat, 4.0), &shading(4.0, 1e-1), &scene, &view);
         let mut angles: Vec<f64> = Vec::new();
         for (pixel, (seen_light, seen_view)) in
             directions[0].light.iter().zip(&directions[0].view).enumerate()

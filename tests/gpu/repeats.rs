@@ -18,7 +18,7 @@ use diffract::render::reference_picture::reference_picture;
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
 use diffract::surface::HeightField;
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
 use glam::DVec3;
 use std::sync::Arc;
@@ -70,7 +70,7 @@ fn answers_through_repeats_are_the_reference_within_their_tolerance() {
         let scene = Scene::open("plate").unwrap();
         let mesh = &scene.mesh;
         for (copies, other) in [([3, 3], [3, 4]), ([20, 2], [19, 2])] {
-            let (field, tolerance) = (patch(Kind::Blaze, 7.0), 1e-2);
+            let (field, tolerance) = (patch(SurfaceKind::Blaze, 7.0), 1e-2);
             let exact: Vec<DVec3> = {
                 let reference = Reference::new(&field, Coherence::Repeats(copies), [1, 1], 1.5);
                 let pairs: Vec<_> = queries.iter().map(|query| query.pair).collect();
@@ -103,7 +103,7 @@ fn answers_through_repeats_are_the_reference_within_their_tolerance() {
 
 /// Pictures of a patch of `kind`, `side` \[µm\] long, through each of `copies` are the reference picture within each of `tolerances`,
 /// and through the others beside them are not.
-fn pictures_meet_their_tolerance(cases: &[(Kind, f64, [u32; 2], [u32; 2])], tolerances: &[f64]) {
+fn pictures_meet_their_tolerance(cases: &[(SurfaceKind, f64, [u32; 2], [u32; 2])], tolerances: &[f64]) {
     let scene = Scene::open("sphere").unwrap();
     let lights = vec![Light::point(45.0, -40.0, 2.0), Light::point(70.0, 60.0, 0.7)];
     let view = View::of(&scene, lights);
@@ -133,17 +133,17 @@ fn pictures_meet_their_tolerance(cases: &[(Kind, f64, [u32; 2], [u32; 2])], tole
 #[test]
 fn a_picture_through_repeats_is_the_reference_picture_within_its_tolerance() {
     let cases = [
-        (Kind::Elaphe, 7.0, [1, 1], [2, 1]),
-        (Kind::Blaze, 7.0, [3, 3], [4, 3]),
-        (Kind::Elaphe, 7.0, [2, 5], [2, 6]),
-        (Kind::Blaze, 7.0, [26, 1], [23, 1]),
-        (Kind::Elaphe, 7.0, [1, 40], [2, 40]),
-        (Kind::Blaze, 7.0, [60, 60], [50, 60]),
+        (SurfaceKind::Elaphe, 7.0, [1, 1], [2, 1]),
+        (SurfaceKind::Blaze, 7.0, [3, 3], [4, 3]),
+        (SurfaceKind::Elaphe, 7.0, [2, 5], [2, 6]),
+        (SurfaceKind::Blaze, 7.0, [26, 1], [23, 1]),
+        (SurfaceKind::Elaphe, 7.0, [1, 40], [2, 40]),
+        (SurfaceKind::Blaze, 7.0, [60, 60], [50, 60]),
     ];
     pictures_meet_their_tolerance(&cases, &[1e-1, 1e-2, 1e-3]);
 }
 
 #[test]
 fn a_picture_through_a_million_copies_is_the_reference_picture_within_its_tolerance() {
-    pictures_meet_their_tolerance(&[(Kind::Bumps, 2.0, [1000, 1000], [1000, 100])], &[1e-1, 1e-2]);
+    pictures_meet_their_tolerance(&[(SurfaceKind::Bumps, 2.0, [1000, 1000], [1000, 100])], &[1e-1, 1e-2]);
 }

@@ -17,7 +17,7 @@ use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::{Light, Scene};
 use diffract::setup::Method;
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use glam::{DVec3, Vec3};
 
 const SHOWN: Shown = Shown { exposure: 0.0, tone: Tone::None, background: DVec3::ZERO };
@@ -25,7 +25,7 @@ const SHOWN: Shown = Shown { exposure: 0.0, tone: Tone::None, background: DVec3:
 /// A picture.
 struct Case {
     scene: &'static str,
-    kind: Kind,
+    kind: SurfaceKind,
     size: [u32; 2],
     tolerance: f64,
     wavelengths: Option<usize>,
@@ -90,12 +90,12 @@ fn errors<const N: usize>(case: &Case, methods: [Method; N]) -> [f64; N] {
 fn pictures_of_few_orders_keep_their_colours() {
     // What was measured, and a quarter or more on top. For a single order, four rows of a table err by 0.009 across themselves, a hexagon by 0.024.
     for (scene, kind, size, tolerance, most) in [
-        ("sphere", Kind::Sinusoid, [60, 45], 1e-2, [0.016, 0.022]),
-        ("sphere", Kind::Sinusoid, [120, 90], 2e-2, [0.015, 0.024]),
-        ("sphere", Kind::Blaze, [120, 90], 1e-2, [0.013, 0.026]),
-        ("disc", Kind::Sinusoid, [60, 45], 1e-2, [0.006, 0.006]),
-        ("plate", Kind::Sinusoid, [60, 45], 1e-2, [0.008, 0.006]),
-        ("cd", Kind::Sinusoid, [64, 48], 2e-2, [0.02, 0.015]),
+        ("sphere", SurfaceKind::Sinusoid, [60, 45], 1e-2, [0.016, 0.022]),
+        ("sphere", SurfaceKind::Sinusoid, [120, 90], 2e-2, [0.015, 0.024]),
+        ("sphere", SurfaceKind::Blaze, [120, 90], 1e-2, [0.013, 0.026]),
+        ("disc", SurfaceKind::Sinusoid, [60, 45], 1e-2, [0.006, 0.006]),
+        ("plate", SurfaceKind::Sinusoid, [60, 45], 1e-2, [0.008, 0.006]),
+        ("cd", SurfaceKind::Sinusoid, [64, 48], 2e-2, [0.02, 0.015]),
     ] {
         let case = Case { scene, kind, size, tolerance, wavelengths: None, light: None, material: None };
         let [table, spectral] = errors(&case, [Method::Table, Method::Spectral]);
@@ -110,7 +110,7 @@ fn a_plate_that_is_lit_across_its_grooves_keeps_its_faint_colours() {
     let light = Some(Light::point(40.0, 90.0, 1.0));
     let case = Case {
         scene: "plate",
-        kind: Kind::Elaphe,
+        kind: SurfaceKind::Elaphe,
         size: [64, 48],
         tolerance: 1e-2,
         wavelengths: None,
@@ -128,7 +128,7 @@ fn a_plate_that_shows_two_orders_keeps_the_series_of_each() {
     let light = Some(Light::point(24.6, 155.8, 1.0));
     let case = Case {
         scene: "plate",
-        kind: Kind::Xenopeltis,
+        kind: SurfaceKind::Xenopeltis,
         size: [64, 48],
         tolerance: 2e-2,
         wavelengths: None,
@@ -145,7 +145,7 @@ fn a_sum_over_hundreds_of_wavelengths_and_taps_is_whole() {
     // At silhouettes 400 wavelengths at each of up to 603 taps: more iterations than software devices do in an invocation.
     let case = Case {
         scene: "sphere",
-        kind: Kind::Elaphe,
+        kind: SurfaceKind::Elaphe,
         size: [24, 18],
         tolerance: 2e-2,
         wavelengths: Some(400),
@@ -159,7 +159,7 @@ fn a_sum_over_hundreds_of_wavelengths_and_taps_is_whole() {
 
 #[test]
 fn parts_of_a_sum_that_are_drawn_one_by_one_make_the_same_picture() {
-    let field = patch(Kind::Elaphe, 10.0);
+    let field = patch(SurfaceKind::Elaphe, 10.0);
     let scene = Scene::open("sphere").unwrap();
     let view = View::of(&scene, vec![Light::point(70.0, 60.0, 1.0)]);
     let coherence = Coherence::Gaussian { length: 16.0 };
@@ -206,7 +206,7 @@ fn glass_reflects_as_fresnel_says_where_footprints_reach_far() {
     // Beside silhouettes a footprint reads R at other angles than the pixel's. Over Schlick's form it erred by 0.016, over its own mean by nothing.
     let case = Case {
         scene: "snake",
-        kind: Kind::Flat,
+        kind: SurfaceKind::Flat,
         size: [64, 48],
         tolerance: 1e-2,
         wavelengths: None,

@@ -14,7 +14,7 @@ use diffract::render::reference_picture::reference_picture;
 use diffract::render::shading::Shading;
 use diffract::render::source::{Source, Thesis};
 use diffract::scene::{Light, Scene};
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ fn the_thesis_sum_is_right_where_three_bins_hold_the_window() {
     let scene = Scene::open("sphere").unwrap();
     let view = View::of(&scene, vec![Light::point(45.0, -40.0, 2.0)]);
     with_device(|device| {
-        for kind in [Kind::Elaphe, Kind::Sinusoid] {
+        for kind in [SurfaceKind::Elaphe, SurfaceKind::Sinusoid] {
             let field = patch(kind, 7.0);
             let (low, high) = field.range();
             let error = |length: f64| {

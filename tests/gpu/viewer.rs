@@ -15,7 +15,7 @@ use diffract::render::shading::Shading;
 use diffract::render::source::Source;
 use diffract::scene::{Environment, Light, Scene};
 use diffract::setup::Method;
-use diffract::surface::synth::Kind;
+use diffract::surface::synth::SurfaceKind;
 use diffract::viewer::error_probe::{ProbeSamples, samples};
 use diffract::vk::device::Device;
 use glam::{DVec3, Vec3};
@@ -24,7 +24,7 @@ use std::sync::Arc;
 const SIZE: [u32; 2] = [96, 72];
 
 fn painter(device: &Arc<Device>, scene: &Scene, size: [u32; 2]) -> Painter {
-    let (field, shading) = (patch(Kind::Elaphe, 6.0), shading(8.0, 1e-1));
+    let (field, shading) = (patch(SurfaceKind::Elaphe, 6.0), shading(8.0, 1e-1));
     let layers = layers(&field, &shading);
     Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), size, 1).unwrap()
 }
@@ -38,7 +38,7 @@ fn view(scene: &Scene, intensity: f64) -> View {
 fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_picture() {
     let scene = Scene::open("sphere").unwrap();
     let view = view(&scene, 2.0);
-    let field = patch(Kind::Elaphe, 6.0);
+    let field = patch(SurfaceKind::Elaphe, 6.0);
     let before = shading(8.0, 1e-1).for_pictures();
     let layers = layers(&field, &before);
     let repeats = |layers: &Layers, n| grating(layers, [n, 2], &field);
@@ -83,7 +83,7 @@ fn pixels_that_are_compared_with_the_reference_keep_their_light_and_their_footpr
     let mut view = view(&scene, 2.0);
     view.base_color = Vec3::splat(0.2);
     view.environment = Some(Environment::open("studio").unwrap());
-    let field = patch(Kind::Elaphe, 12.0);
+    let field = patch(SurfaceKind::Elaphe, 12.0);
     let shading = Shading { windows: Windows::All, ..shading(16.0, 2e-2) }.for_pictures();
     with_device(|device| {
         let source = crate::mean::source(device, &field, &shading, Method::Table, FootprintSizes::default());
@@ -106,7 +106,7 @@ fn a_pixel_that_is_read_alone_is_that_of_the_whole_picture() {
     let scene = Scene::open("sphere").unwrap();
     let mut view = view(&scene, 2.0);
     view.environment = Some(Environment::open("studio").unwrap());
-    let field = patch(Kind::Elaphe, 12.0);
+    let field = patch(SurfaceKind::Elaphe, 12.0);
     let shading = Shading { windows: Windows::All, ..shading(16.0, 1e-1) }.for_pictures();
     with_device(|device| {
         let source = crate::mean::source(device, &field, &shading, Method::Table, FootprintSizes::default());
@@ -141,7 +141,7 @@ fn a_pixel_that_is_read_alone_is_that_of_the_whole_picture() {
 fn what_is_left_out_first_while_moving_costs_the_least_error() {
     let scene = Scene::open("sphere").unwrap();
     let view = view(&scene, 2.0);
-    let field = patch(Kind::Elaphe, 6.0);
+    let field = patch(SurfaceKind::Elaphe, 6.0);
     let own = shading(8.0, 1e-2).for_pictures();
     let wavelengths = Shading { looser_colours: 10.0, ..own.clone() };
     let coarse = Shading { tolerance: 1e-1, ..own.clone() };

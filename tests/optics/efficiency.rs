@@ -7,7 +7,7 @@ use diffract::optics::coherence::Coherence;
 use diffract::optics::geometry::Pair;
 use diffract::optics::reference::Reference;
 use diffract::surface::HeightField;
-use diffract::surface::synth::{Kind, Spec, generate};
+use diffract::surface::synth::{Spec, SurfaceKind, generate};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -48,8 +48,13 @@ fn gratings() -> [Grating; 2] {
         generate(&spec).unwrap()
     };
     [
-        Grating { name: "sinusoid", period: 2.0, field: make(Kind::Sinusoid, 2.0), power: sinusoid_power },
-        Grating { name: "blaze", period: 2.5, field: make(Kind::Blaze, 2.5), power: blaze_power },
+        Grating {
+            name: "sinusoid",
+            period: 2.0,
+            field: make(SurfaceKind::Sinusoid, 2.0),
+            power: sinusoid_power,
+        },
+        Grating { name: "blaze", period: 2.5, field: make(SurfaceKind::Blaze, 2.5), power: blaze_power },
     ]
 }
 

@@ -3,7 +3,7 @@
 use diffract::expansion::optimal::Optimal;
 use diffract::expansion::taylor::Taylor;
 use diffract::expansion::{Expansion, HeightScale};
-use diffract::optics::coherence::{Axis, Coherence};
+use diffract::optics::coherence::{Coherence, WindowedAxis};
 use diffract::optics::color::{Tone, display};
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::orders::Repeats;
@@ -61,7 +61,7 @@ fn field() -> impl Strategy<Value = HeightField> {
 fn most(field: &HeightField, coherence: &Coherence) -> f64 {
     let size = [field.columns(), field.rows()];
     let along = |i: usize| {
-        let axis = Axis { samples: size[i], spacing: field.pixel_size()[i], shift: 0.0 };
+        let axis = WindowedAxis { samples: size[i], spacing: field.pixel_size()[i], shift: 0.0 };
         let weights = match coherence {
             Coherence::Gaussian { length } => axis.gaussian_weights(length / 4.0, 0.0),
             Coherence::Repeats(copies) => axis.repeat_weights(copies[i], 0.0),

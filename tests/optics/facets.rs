@@ -7,7 +7,7 @@ use diffract::optics::geometry::Pair;
 use diffract::optics::reference::Reference;
 use diffract::surface::HeightField;
 use diffract::surface::files::{self, Wish, image};
-use diffract::surface::synth::{Kind, Spec, generate};
+use diffract::surface::synth::{Spec, SurfaceKind, generate};
 use glam::{DVec2, DVec3};
 
 /// 100 × 100 samples, close enough for |u| ≤ 2 at [`WAVELENGTH`].
@@ -129,7 +129,7 @@ fn strongest_order(field: &HeightField, wavelength: f64, period: f64) -> f64 {
 
 #[test]
 fn the_generated_blaze_sends_its_light_into_the_first_order_on_the_positive_side() {
-    let blaze = generate(&Spec { patch: Some([10.0, 1.0]), ..Spec::new(Kind::Blaze) }).unwrap();
+    let blaze = generate(&Spec { patch: Some([10.0, 1.0]), ..Spec::new(SurfaceKind::Blaze) }).unwrap();
     // Slope 0.24623/2.5: u = −w s = 0.195 is the first order of a period of 2.5 µm at 0.4878 µm.
     let (wavelength, u) = (0.4878, 0.1951);
     assert!((strongest_order(&blaze, wavelength, 2.5) - u).abs() < 1e-3);

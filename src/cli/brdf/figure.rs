@@ -1,11 +1,11 @@
 //! Maps as labelled figures.
 
 use super::Arguments;
-use super::map::Map;
+use super::map::HemisphereMap;
 use super::variant::Variant;
 use crate::cli::captions;
 use crate::cli::options::OpticsOptions;
-use crate::figure::{Axis, ColorScale, Figure, Mark, Panel, Raster, Shape, number, palette};
+use crate::figure::{Axis, ColorScale, Figure, Mark, MarkShape, Panel, Raster, number, palette};
 use crate::optics::color;
 use crate::optics::geometry::direction;
 use crate::surface::HeightField;
@@ -38,7 +38,13 @@ fn settings(arguments: &Arguments, field: &HeightField) -> String {
 }
 
 /// A map in false colour.
-fn panel(arguments: &Arguments, map: &Map, title: &str, values: &[f64], scale: ColorScale) -> Panel {
+fn panel(
+    arguments: &Arguments,
+    map: &HemisphereMap,
+    title: &str,
+    values: &[f64],
+    scale: ColorScale,
+) -> Panel {
     let panel = Panel::hemisphere(Raster::values(map.side as usize, values, scale));
     decorated(arguments, panel.titled(title))
 }
@@ -50,12 +56,12 @@ fn decorated(arguments: &Arguments, panel: Panel) -> Panel {
         [-toward.x, -toward.y]
     });
     let rings =
-        Mark::Points { points: mirrors.collect(), color: palette::SKY, shape: Shape::Ring, radius: 7.0 };
+        Mark::Points { points: mirrors.collect(), color: palette::SKY, shape: MarkShape::Ring, radius: 7.0 };
     panel.with_scale_bar(0.2, "Δ sin θ = 0.2").named("mirror direction", rings)
 }
 
 /// A map as a display shows it.
-fn colored(arguments: &Arguments, map: &Map) -> Panel {
+fn colored(arguments: &Arguments, map: &HemisphereMap) -> Panel {
     let pixel = |[r, g, b, inside]: &[f32; 4]| {
         let [r, g, b] = color::display(DVec3::new((*r).into(), (*g).into(), (*b).into()), arguments.exposure);
         [r, g, b, if *inside > 0.0 { 255 } else { 0 }]
@@ -75,7 +81,7 @@ fn quantity(arguments: &Arguments) -> &'static str {
 }
 
 /// One map: in colour and in luminance, or at its wavelength.
-pub fn of_map(arguments: &Arguments, field: &HeightField, map: &Map) -> Figure {
+pub fn of_map(arguments: &Arguments, field: &HeightField, map: &HemisphereMap) -> Figure {
     let albedo = map.albedo();
     let map = map.reduced(FINEST);
     let values = map.values();
@@ -103,12 +109,12 @@ pub fn of_two(
     field: &HeightField,
     variants: &[Variant; 2],
     optics: &[OpticsOptions; 2],
-    maps: &[Map; 2],
+    maps: &[HemisphereMap; 2],
 ) -> Figure {
-    let albedos = maps.each_ref().map(Map::albedo);
+    let albedos = maps.each_ref().map(HemisphereMap::albedo);
     let deviation = deviation(&maps[0].values(), &maps[1].values());
     let maps = maps.each_ref().map(|map| map.reduced(FINEST));
-    let values = maps.each_ref().map(Map::values);
+    let values = maps.each_ref().map(HemisphereMap::values);
     let both: Vec<f64> = values.iter().flatten().copied().collect();
     let scale = ColorScale::decades(quantity(arguments), DECADES, &both);
     let floor = FLOOR * scale.axis.high;

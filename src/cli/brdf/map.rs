@@ -21,14 +21,14 @@ const MANY_SUMS: usize = 5_000;
 /// A square map, row by row from the top: linear sRGB \[sr⁻¹\], alpha 1 in the disc, 0 outside. At a single wavelength the
 /// three channels are equal.
 #[derive(Clone, Debug)]
-pub struct Map {
+pub struct HemisphereMap {
     /// Pixels on a side.
     pub side: u32,
     /// All pixels.
     pub pixels: Vec<[f32; 4]>,
 }
 
-impl Map {
+impl HemisphereMap {
     /// The map that `arguments` ask for of `field`, by `optics`.
     pub fn of(arguments: &Arguments, optics: &OpticsOptions, field: &HeightField) -> Result<Self> {
         let side = arguments.size;
@@ -149,7 +149,7 @@ mod tests {
         let (side, white) = (512, std::f32::consts::FRAC_1_PI);
         let mut pixels = vec![[0.0; 4]; (side * side) as usize];
         views(side, 0..side).for_each(|(place, _)| pixels[place] = [white, white, white, 1.0]);
-        let map = Map { side, pixels };
+        let map = HemisphereMap { side, pixels };
         assert!((map.albedo() - 1.0).abs() < 1e-3, "{}", map.albedo());
         let small = map.reduced(100);
         assert_eq!(small.side, 86);

@@ -9,7 +9,7 @@ use super::options::{
 };
 use super::{captions, evaluation, say};
 use crate::error::{Error, Result};
-use crate::figure::Format;
+use crate::figure::FigureFormat;
 use crate::files::Files;
 use crate::optics::color;
 use crate::picture_file;
@@ -19,7 +19,7 @@ use crate::surface::HeightField;
 use crate::units;
 use clap::Args;
 use glam::DVec3;
-use map::Map;
+use map::HemisphereMap;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use variant::Variant;
@@ -106,8 +106,8 @@ fn wavelength(text: &str) -> Result<f64> {
 /// Evaluates and writes.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
-    let format = arguments.output.as_deref().map(picture_file::Format::of).transpose()?;
-    arguments.plot.as_deref().map(Format::of).transpose()?;
+    let format = arguments.output.as_deref().map(picture_file::PictureFormat::of).transpose()?;
+    arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
     Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()))
         .reads(arguments.colour.files())
@@ -126,7 +126,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let (Some(variants), Some(plot)) = (&arguments.compare, &arguments.plot) {
         return compare(arguments, &field, variants, plot);
     }
-    let map = Map::of(arguments, &arguments.optics, &field)?;
+    let map = HemisphereMap::of(arguments, &arguments.optics, &field)?;
     if let Some(plot) = &arguments.plot {
         figure::of_map(arguments, &field, &map).save(plot)?;
     }
@@ -140,7 +140,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn compare(arguments: &Arguments, field: &HeightField, variants: &[Variant; 2], plot: &Path) -> Result<()> {
     let [a, b] = variants.each_ref().map(|variant| variant.of(&arguments.optics));
     let optics = [a?, b?];
-    let maps = [Map::of(arguments, &optics[0], field)?, Map::of(arguments, &optics[1], field)?];
+    let maps =
+        [HemisphereMap::of(arguments, &optics[0], field)?, HemisphereMap::of(arguments, &optics[1], field)?];
     figure::of_two(arguments, field, variants, &optics, &maps).save(plot)?;
     let deviation = figure::deviation(&maps[0].values(), &maps[1].values());
     say(&format_args!("{} differs from {} by {deviation:.2e}", variants[0].name, variants[1].name));

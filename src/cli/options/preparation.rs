@@ -1,20 +1,20 @@
-//! The options that prepare a height field: one for each kind of [`Step`], applied in the order of the command line.
+//! The options that prepare a height field: one for each kind of [`PreparationStep`], applied in the order of the command line.
 //!
 //! Derived arguments forget their order, so these are built by hand: each step is parsed as one value of its option, and what clap remembers
 //! of their places puts the values of all options in order.
 
-use crate::surface::prepare::{Step, WORDS};
+use crate::surface::prepare::{PreparationStep, WORDS};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 
 /// The steps that the command line names.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PreparationOptions {
-    given: Vec<Step>,
+    given: Vec<PreparationStep>,
 }
 
 impl PreparationOptions {
     /// The steps in their order, `--level none` left out; `None` where no option names one.
-    pub fn steps(&self) -> Option<Vec<Step>> {
+    pub fn steps(&self) -> Option<Vec<PreparationStep>> {
         let all = self.given.iter().copied().filter(|step| !step.is_nothing()).collect();
         (!self.given.is_empty()).then_some(all)
     }
@@ -22,7 +22,7 @@ impl PreparationOptions {
 
 /// The options that repeat `steps`: `--level plane --crop 40um`.
 #[cfg(any(feature = "viewer", test))]
-pub fn as_options(steps: &[Step]) -> String {
+pub fn as_options(steps: &[PreparationStep]) -> String {
     steps.iter().map(|step| format!("--{step}")).collect::<Vec<_>>().join(" ")
 }
 
@@ -52,7 +52,7 @@ fn help(word: &str) -> &'static str {
 
 /// The option of a step.
 fn option(word: &'static str, value: &'static str) -> Arg {
-    let parse = move |text: &str| Step::from_option(word, text);
+    let parse = move |text: &str| PreparationStep::from_option(word, text);
     let arg = Arg::new(word)
         .long(word)
         .help(help(word))
@@ -77,10 +77,11 @@ impl Args for PreparationOptions {
 
 impl FromArgMatches for PreparationOptions {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let mut placed: Vec<(usize, Step)> = Vec::new();
+        let mut placed: Vec<(usize, PreparationStep)> = Vec::new();
         for (word, _) in WORDS {
             let places = matches.indices_of(word).into_iter().flatten();
-            placed.extend(places.zip(matches.get_many::<Step>(word).into_iter().flatten().copied()));
+            placed
+                .extend(places.zip(matches.get_many::<PreparationStep>(word).into_iter().flatten().copied()));
         }
         placed.sort_by_key(|(place, _)| *place);
         Ok(Self { given: placed.into_iter().map(|(_, step)| step).collect() })
@@ -97,7 +98,7 @@ mod tests {
     use super::*;
     use crate::surface::prepare;
 
-    fn parsed(line: &str) -> Result<Option<Vec<Step>>, clap::Error> {
+    fn parsed(line: &str) -> Result<Option<Vec<PreparationStep>>, clap::Error> {
         let command = PreparationOptions::augment_args(Command::new("test"));
         let matches = command.try_get_matches_from(["test"].into_iter().chain(line.split_whitespace()))?;
         Ok(PreparationOptions::from_arg_matches(&matches)?.steps())

@@ -7,8 +7,8 @@ use crate::error::{Error, Result};
 use crate::scene::Scene;
 use crate::surface::files::Topography;
 use crate::surface::files::plausible::OVERRIDDEN_BY_HEIGHT;
-use crate::surface::synth::Kind;
-use crate::surface::{HeightField, Source};
+use crate::surface::synth::SurfaceKind;
+use crate::surface::{HeightField, SurfaceSource};
 use crate::units;
 use clap::Args;
 use std::ffi::{OsStr, OsString};
@@ -40,7 +40,7 @@ pub struct SurfaceOptions {
 impl SurfaceOptions {
     /// The file that the options name, if it is one and not a built-in.
     pub fn files<'a>(&'a self, positional: Option<&'a OsStr>) -> Option<&'a OsStr> {
-        let built_in = |name: &OsStr| name.to_str().and_then(Kind::from_name).is_some();
+        let built_in = |name: &OsStr| name.to_str().and_then(SurfaceKind::from_name).is_some();
         positional.or(self.surface.as_deref()).filter(|name| !built_in(name))
     }
 
@@ -56,7 +56,7 @@ impl SurfaceOptions {
     }
 
     /// The heights of `source` as they are; tells what a user should know about them.
-    pub fn read(&self, source: &Source) -> Result<Topography> {
+    pub fn read(&self, source: &SurfaceSource) -> Result<Topography> {
         let scan = source.read()?;
         // What the user names is not asked about.
         let asked = |warning: &&String| !(self.height.is_some() && warning.ends_with(OVERRIDDEN_BY_HEIGHT));
@@ -72,7 +72,7 @@ impl SurfaceOptions {
         positional: Option<&OsStr>,
         scene: Option<&Scene>,
         fallback: &str,
-    ) -> Result<Source> {
+    ) -> Result<SurfaceSource> {
         if positional.is_some() && self.surface.is_some() {
             return Err(Error::usage(
                 "the surface is given twice",
@@ -88,6 +88,6 @@ impl SurfaceOptions {
         let steps_of_scene = || of_scene.map(|s| s.prepare.clone()).unwrap_or_default();
         let prepare = self.preparation.steps().unwrap_or_else(steps_of_scene);
         let channel = self.channel.clone();
-        Ok(Source { name: name.to_owned(), pixel_size, height, channel, prepare, seed: self.seed })
+        Ok(SurfaceSource { name: name.to_owned(), pixel_size, height, channel, prepare, seed: self.seed })
     }
 }

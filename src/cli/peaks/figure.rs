@@ -1,10 +1,10 @@
 //! Peaks as a labelled figure: wavelength against angle, and the period that each wavelength says.
 
 use super::report::Found;
-use super::sweep::Sweep;
-use super::{Arguments, Axis as Plane};
+use super::sweep::AngleSweep;
+use super::{Arguments, TangentAxis};
 use crate::cli::captions;
-use crate::figure::{Axis, ColorScale, Figure, Mark, Panel, Raster, Scale, Shape, palette};
+use crate::figure::{Axis, AxisScale, ColorScale, Figure, Mark, MarkShape, Panel, Raster, palette};
 use crate::optics::geometry::sin_cos_degrees;
 use crate::optics::grating;
 use crate::surface::HeightField;
@@ -15,7 +15,7 @@ const FINEST: [usize; 2] = [1200, 800];
 const DECADES: f64 = 5.0;
 
 /// The figure of a sweep and what was found in it.
-pub fn figure(arguments: &Arguments, field: &HeightField, sweep: &Sweep, found: &[Found]) -> Figure {
+pub fn figure(arguments: &Arguments, field: &HeightField, sweep: &AngleSweep, found: &[Found]) -> Figure {
     Figure::new("")
         .row(vec![map(arguments, sweep, found), periods(arguments, found)])
         .panel_size(680.0, 470.0)
@@ -23,15 +23,15 @@ pub fn figure(arguments: &Arguments, field: &HeightField, sweep: &Sweep, found: 
 }
 
 /// The response in false colour, the peaks, and where the grating equation has them.
-fn map(arguments: &Arguments, sweep: &Sweep, found: &[Found]) -> Panel {
+fn map(arguments: &Arguments, sweep: &AngleSweep, found: &[Found]) -> Panel {
     let half = |step: f64| step / 2.0;
     let ends = |values: &[f64], half: f64| (values[0] - half, values[values.len() - 1] + half);
     let (left, right) = ends(&sweep.angles, half(arguments.angles.step()));
     let nanometres: Vec<f64> = sweep.wavelengths.iter().map(|x| x * 1e3).collect();
     let (low, high) = ends(&nanometres, half(arguments.wavelengths.step()));
     let plane = match arguments.axis {
-        Plane::X => "+x",
-        Plane::Y => "+y",
+        TangentAxis::X => "+x",
+        TangentAxis::Y => "+y",
     };
     let x = Axis::linear(format!("view angle toward {plane} [°]"), left, right);
     let mut panel =
@@ -87,7 +87,7 @@ fn law(theta_i: f64, order: i32, period: f64, wavelengths: &[f64]) -> Vec<[f64; 
 
 /// The responses, the largest wavelength on top. Where they are finer than a figure, the largest of each block stays: a
 /// peak can be a single cell wide.
-fn raster(sweep: &Sweep) -> Raster {
+fn raster(sweep: &AngleSweep) -> Raster {
     let size = [sweep.angles.len(), sweep.wavelengths.len()];
     let shown = [size[0].min(FINEST[0]), size[1].min(FINEST[1])];
     let mut values = vec![0.0f64; shown[0] * shown[1]];
@@ -110,8 +110,8 @@ fn periods(arguments: &Arguments, found: &[Found]) -> Panel {
     let points: Vec<_> = found.iter().map(nanometres).collect();
     let all = || points.iter().flatten();
     let given = arguments.period.map(|d| d * 1e3);
-    let x = Axis::fit("wavelength [nm]", Scale::Linear, all().map(|p| p[0]));
-    let y = Axis::fit("period [nm]", Scale::Linear, all().map(|p| p[1]).chain(given));
+    let x = Axis::fit("wavelength [nm]", AxisScale::Linear, all().map(|p| p[0]));
+    let y = Axis::fit("period [nm]", AxisScale::Linear, all().map(|p| p[1]).chain(given));
     let mut panel = Panel::new(x.clone(), y).titled("Period that each wavelength says");
     for ((of, at), color) in found.iter().zip(points).zip(palette::SERIES) {
         let name = match of.spread.and_then(|spread| spread.half_interval) {
@@ -126,7 +126,7 @@ fn periods(arguments: &Arguments, found: &[Found]) -> Panel {
             }
             panel = panel.mark(Mark::dashed(vec![[x.low, mean], [x.high, mean]], color));
         }
-        let dots = Mark::Points { points: at, color, shape: Shape::Disc, radius: 2.2 };
+        let dots = Mark::Points { points: at, color, shape: MarkShape::Disc, radius: 2.2 };
         panel = panel.named(name, dots);
     }
     match given {

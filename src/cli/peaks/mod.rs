@@ -8,17 +8,17 @@ use super::options::{self, CacheOptions, DeviceOptions, OpticsOptions, SurfaceOp
 use super::range::Range;
 use super::{evaluation, say, write};
 use crate::error::{Error, Result};
-use crate::figure::Format;
+use crate::figure::FigureFormat;
 use crate::files::Files;
 use crate::measure::peaks::WindowSpread;
 use crate::optics::coherence::Windows;
 use crate::surface::HeightField;
 use clap::{Args, ValueEnum};
-use report::{Found, Report};
+use report::{Found, PeaksReport};
 use serde::Serialize;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use sweep::{Sweep, independent_windows};
+use sweep::{AngleSweep, independent_windows};
 
 /// Most evaluations: a software device makes them in minutes.
 const MAX_EVALUATIONS: usize = 50_000_000;
@@ -68,10 +68,10 @@ pub struct Arguments {
     angles: Range,
     /// The axis of the plane of incidence
     #[arg(long, value_enum, default_value_t)]
-    axis: Axis,
+    axis: TangentAxis,
     /// Order of diffraction that the peak is taken for; several, as in 1,2,3, need --period
     #[arg(long, value_name = "M[,M...]", value_parser = orders, allow_hyphen_values = true, default_value = "1")]
-    order: Orders,
+    order: OrderList,
     /// Period that is expected, as in 2.5um: its grating equation is drawn, and several orders are told apart by it
     #[arg(long, value_name = "LENGTH", value_parser = period, allow_hyphen_values = true)]
     period: Option<f64>,
@@ -97,7 +97,7 @@ pub struct Arguments {
 /// An axis of the tangent frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "lowercase")]
-enum Axis {
+enum TangentAxis {
     /// To the right in a height image
     #[default]
     X,
@@ -105,7 +105,7 @@ enum Axis {
     Y,
 }
 
-impl Axis {
+impl TangentAxis {
     /// Azimuth \[degrees\].
     fn azimuth(self) -> f64 {
         match self {
@@ -145,9 +145,9 @@ fn angles(text: &str) -> Result<Range> {
 
 /// Orders of diffraction, each once.
 #[derive(Clone, Debug)]
-struct Orders(Vec<u32>);
+struct OrderList(Vec<u32>);
 
-fn orders(text: &str) -> Result<Orders> {
+fn orders(text: &str) -> Result<OrderList> {
     let one = |word: &str| {
         word.trim().parse().ok().filter(|m| (1..=MAX_ORDER).contains(m)).ok_or_else(|| {
             Error::usage(
@@ -165,7 +165,7 @@ fn orders(text: &str) -> Result<Orders> {
             format!("give at most {MAX_ORDERS}"),
         ));
     }
-    Ok(Orders(orders))
+    Ok(OrderList(orders))
 }
 
 fn period(text: &str) -> Result<f64> {
@@ -175,7 +175,7 @@ fn period(text: &str) -> Result<f64> {
 /// Searches and reports.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
-    arguments.plot.as_deref().map(Format::of).transpose()?;
+    arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
     arguments.optics.check()?;
     Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()))
@@ -196,10 +196,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ));
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
-    let (sweep, alone) = Sweep::of(arguments, &field)?;
+    let (sweep, alone) = AngleSweep::of(arguments, &field)?;
     let mut found = find(arguments, &sweep);
     spread_over_windows(arguments, &field, &alone, &mut found);
-    let asked: &[Sweep] = if arguments.optics.windows() == Windows::All { &[] } else { &alone };
+    let asked: &[AngleSweep] = if arguments.optics.windows() == Windows::All { &[] } else { &alone };
     let windows: Vec<Vec<Found>> = asked.iter().map(|one| find(arguments, one)).collect();
     write::text(arguments.output.as_deref(), &report::table(&found)?)?;
     tell(&found, &windows);
@@ -210,7 +210,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// The peaks of every order that is asked for.
-fn find(arguments: &Arguments, sweep: &Sweep) -> Vec<Found> {
+fn find(arguments: &Arguments, sweep: &AngleSweep) -> Vec<Found> {
     let orders = &arguments.order.0;
     // One order has the whole range, as it always had.
     let apart = arguments.period.filter(|_| orders.len() > 1);
@@ -218,12 +218,17 @@ fn find(arguments: &Arguments, sweep: &Sweep) -> Vec<Found> {
 }
 
 /// Gives each of the peaks `found` its spread over the windows whose sweeps are `alone`.
-fn spread_over_windows(arguments: &Arguments, field: &HeightField, alone: &[Sweep], found: &mut [Found]) {
+fn spread_over_windows(
+    arguments: &Arguments,
+    field: &HeightField,
+    alone: &[AngleSweep],
+    found: &mut [Found],
+) {
     // A single wavelength or window, or a grating that is the same everywhere, has no spread.
     let Some(independent) = independent_windows(arguments, field).filter(|_| alone.len() > 1) else {
         return;
     };
-    let mean = Sweep::mean(alone);
+    let mean = AngleSweep::mean(alone);
     let leave_one_out: Vec<Vec<Found>> =
         alone.iter().map(|one| find(arguments, &mean.without(one, alone.len()))).collect();
     for (i, of) in found.iter_mut().enumerate() {
@@ -258,9 +263,9 @@ fn tell(found: &[Found], windows: &[Vec<Found>]) {
 fn json(arguments: &Arguments, path: &Path, found: &[Found], windows: &[Vec<Found>]) -> Result<()> {
     let report = |(i, of): (usize, &Found)| {
         let alone: Vec<&Found> = windows.iter().map(|window| &window[i]).collect();
-        Report::new(arguments.theta_i, arguments.axis, of, &alone)
+        PeaksReport::new(arguments.theta_i, arguments.axis, of, &alone)
     };
-    let reports: Vec<Report> = found.iter().enumerate().map(report).collect();
+    let reports: Vec<PeaksReport> = found.iter().enumerate().map(report).collect();
     match &reports[..] {
         [only] => write::json(path, only),
         all => write::json(path, &all),

@@ -1,6 +1,6 @@
 //! What the peaks say, as CSV, as a line and as JSON.
 
-use super::Axis;
+use super::TangentAxis;
 use crate::cli::write::Csv;
 use crate::error::Result;
 use crate::measure::peaks::{Peak, PeriodStatistics, WindowSpread};
@@ -88,9 +88,9 @@ fn nanometres(micrometres: f64) -> f64 {
 
 /// What is said about all wavelengths, as JSON has it.
 #[derive(Serialize)]
-pub struct Report {
+pub struct PeaksReport {
     theta_i: f64,
-    axis: Axis,
+    axis: TangentAxis,
     order: u32,
     /// Wavelengths that were asked for.
     wavelengths: usize,
@@ -99,25 +99,25 @@ pub struct Report {
     /// Those whose maximum lies inside the range of angles.
     clear: usize,
     /// Over those that have a period.
-    period_nm: Summary,
+    period_nm: PeriodSummary,
     /// Over windows, where several are averaged.
     #[serde(skip_serializing_if = "Option::is_none")]
-    over_windows: Option<Spread>,
+    over_windows: Option<PeriodSpread>,
     /// The same through each window alone, where several are averaged.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    windows: Vec<Window>,
+    windows: Vec<WindowReport>,
 }
 
 /// `None` where there are too few wavelengths \[nm\].
 #[derive(Serialize)]
-struct Summary {
+struct PeriodSummary {
     mean: Option<f64>,
     standard_deviation: Option<f64>,
 }
 
 /// The jackknife over windows \[nm\].
 #[derive(Serialize)]
-struct Spread {
+struct PeriodSpread {
     windows: usize,
     independent_windows: f64,
     standard_error_nm: f64,
@@ -125,7 +125,7 @@ struct Spread {
     interval_95_nm: Option<[f64; 2]>,
 }
 
-impl Spread {
+impl PeriodSpread {
     fn of(spread: &WindowSpread, mean: f64) -> Self {
         let nm = |micrometres: f64| micrometres * 1e3;
         Self {
@@ -139,12 +139,12 @@ impl Spread {
 
 /// What one window says.
 #[derive(Serialize)]
-struct Window {
+struct WindowReport {
     clear: usize,
-    period_nm: Summary,
+    period_nm: PeriodSummary,
 }
 
-impl Summary {
+impl PeriodSummary {
     fn of(statistics: &PeriodStatistics) -> Self {
         Self {
             mean: statistics.mean.map(|d| d * 1e3),
@@ -153,12 +153,14 @@ impl Summary {
     }
 }
 
-impl Report {
+impl PeaksReport {
     /// Of one order, and of the same order through each window alone.
-    pub fn new(theta_i: f64, axis: Axis, found: &Found, windows: &[&Found]) -> Self {
+    pub fn new(theta_i: f64, axis: TangentAxis, found: &Found, windows: &[&Found]) -> Self {
         let statistics = &found.statistics;
-        let window =
-            |of: &&Found| Window { clear: of.statistics.clear, period_nm: Summary::of(&of.statistics) };
+        let window = |of: &&Found| WindowReport {
+            clear: of.statistics.clear,
+            period_nm: PeriodSummary::of(&of.statistics),
+        };
         Self {
             theta_i,
             axis,
@@ -166,12 +168,12 @@ impl Report {
             wavelengths: found.peaks.len(),
             with_period: statistics.count,
             clear: statistics.clear,
-            period_nm: Summary::of(statistics),
+            period_nm: PeriodSummary::of(statistics),
             over_windows: found
                 .spread
                 .as_ref()
                 .zip(statistics.mean)
-                .map(|(spread, mean)| Spread::of(spread, mean)),
+                .map(|(spread, mean)| PeriodSpread::of(spread, mean)),
             windows: windows.iter().map(window).collect(),
         }
     }

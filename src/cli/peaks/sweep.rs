@@ -22,7 +22,7 @@ pub fn independent_windows(arguments: &Arguments, field: &HeightField) -> Option
 
 /// The response at every wavelength and angle.
 #[derive(Clone, Debug)]
-pub struct Sweep {
+pub struct AngleSweep {
     /// Wavelengths \[µm\], growing.
     pub wavelengths: Vec<f64>,
     /// View angles \[degrees\], growing.
@@ -31,7 +31,7 @@ pub struct Sweep {
     pub responses: Vec<f64>,
 }
 
-impl Sweep {
+impl AngleSweep {
     /// Averaged over the windows that `arguments` ask for, of the `field`, and the sweeps of windows alone that its spread follows from: of those that are
     /// asked for, or of some for the mean over all of them.
     pub fn of(arguments: &Arguments, field: &HeightField) -> Result<(Self, Vec<Self>)> {

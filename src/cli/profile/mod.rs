@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::files::Files;
 use crate::measure::profile::{measure, rates};
 use clap::Args;
-use report::Report;
+use report::ProfileReport;
 use std::path::PathBuf;
 
 /// Arguments of `profile`.
@@ -82,7 +82,11 @@ fn tuned_text(fps: f64, tuned: &TunedSetting) -> String {
     format!("{:<26}{fps} frames a second: {} {keeps}\n", "asked for", tuned.flags)
 }
 
-fn profile(scene: &BenchmarkScene, options: &BenchmarkOptions, arguments: &Arguments) -> Result<Report> {
+fn profile(
+    scene: &BenchmarkScene,
+    options: &BenchmarkOptions,
+    arguments: &Arguments,
+) -> Result<ProfileReport> {
     let mut benchmark = scene.prepare(options)?;
     let bar = prepare::progress_bar("frames");
     let progress = |done: usize, of: usize| {
@@ -98,5 +102,5 @@ fn profile(scene: &BenchmarkScene, options: &BenchmarkOptions, arguments: &Argum
         Some(count) => scene.compare(&mut benchmark, count)?,
         None => PictureErrors::default(),
     };
-    Ok(Report::new(scene, benchmark, &times, &rates, errors))
+    Ok(ProfileReport::new(scene, benchmark, &times, &rates, errors))
 }

@@ -3,7 +3,7 @@
 use crate::cli::benchmark::{Benchmark, BenchmarkScene, MORE_SAMPLES, PictureErrors};
 use crate::measure::budget::ErrorBudget;
 use crate::measure::error::PixelErrors;
-use crate::measure::profile::{Bound, NOISY, Rates, Summary, Times};
+use crate::measure::profile::{Bound, NOISY, Rates, TimeSummary, Times};
 use serde::Serialize;
 
 /// Lowest and highest frame rate of the thesis' shader on the GPU of its day [1/s].
@@ -13,7 +13,7 @@ const NAME_WIDTH: usize = 26;
 
 /// The report; its fields are those of the JSON.
 #[derive(Serialize)]
-pub struct Report {
+pub struct ProfileReport {
     device: String,
     driver: String,
     size: [u32; 2],
@@ -25,12 +25,12 @@ pub struct Report {
     kernel: String,
     wavelengths: f64,
     covered: f64,
-    gpu_ms: Summary,
-    geometry_ms: Summary,
-    shade_ms: Summary,
-    display_ms: Summary,
-    record_ms: Summary,
-    frame_ms: Summary,
+    gpu_ms: TimeSummary,
+    geometry_ms: TimeSummary,
+    shade_ms: TimeSummary,
+    display_ms: TimeSummary,
+    record_ms: TimeSummary,
+    frame_ms: TimeSummary,
     fps: f64,
     samples_per_covered_pixel: f64,
     sample_rate: f64,
@@ -48,7 +48,7 @@ pub struct Report {
     budget: ErrorBudget,
 }
 
-impl Report {
+impl ProfileReport {
     /// Frames of `benchmark` that took `times`, on a device that reads at `rates`.
     pub fn new(
         scene: &BenchmarkScene,
@@ -151,7 +151,7 @@ impl Report {
     }
 
     fn times(&self) -> String {
-        let ms = |s: &Summary| format!("{:.1} / {:.1} / {:.1} / {:.1} ms", s.min, s.p50, s.p95, s.max);
+        let ms = |s: &TimeSummary| format!("{:.1} / {:.1} / {:.1} / {:.1} ms", s.min, s.p50, s.p95, s.max);
         [
             ("frame (min/p50/p95/max)", &self.frame_ms),
             ("device: mesh", &self.geometry_ms),

@@ -6,7 +6,7 @@ use super::report;
 use crate::error::Result;
 use crate::files::Files;
 use crate::surface::files::Topography;
-use crate::surface::files::write::{Format, write as write_surface};
+use crate::surface::files::write::{ScanFormat, write as write_surface};
 use clap::Args;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub struct Convert {
 /// Reads, and writes what was read; steps are done first, on heights whose gaps are filled.
 pub fn run(arguments: &Convert) -> Result<()> {
     let path = &arguments.output;
-    let format = Format::of(path)?;
+    let format = ScanFormat::of(path)?;
     let name = arguments.surface_name.as_deref();
     Files::new().reads(arguments.surface.files(name)).writes([path]).check()?;
     let source = arguments.surface.source(name, None, "elaphe")?;
@@ -41,7 +41,7 @@ pub fn run(arguments: &Convert) -> Result<()> {
 }
 
 /// Writes `scan` and says how it is read back.
-pub(super) fn save(path: &Path, format: Format, scan: &Topography) -> Result<()> {
+pub(super) fn save(path: &Path, format: ScanFormat, scan: &Topography) -> Result<()> {
     write_surface(path, format, scan)?;
     let hint = if format.has_scale() {
         String::new()

@@ -12,13 +12,13 @@ use crate::setup;
 use crate::spectra::power::{Estimate, PowerSettings, estimate};
 use crate::surface::prepare;
 use crate::surface::statistics::{Period, notes};
-use crate::surface::{HeightField, Source, Statistics};
+use crate::surface::{HeightField, Statistics, SurfaceSource};
 
 /// A name and what stands behind it.
 type Line = (&'static str, String);
 
 /// `field`, which `source` gave, line by line.
-pub fn text(source: &Source, field: &HeightField, statistics: &Statistics) -> Result<String> {
+pub fn text(source: &SurfaceSource, field: &HeightField, statistics: &Statistics) -> Result<String> {
     let mut lines = grid(source, field, statistics);
     lines.extend(distributions(statistics));
     lines.extend(spectrum(statistics));
@@ -35,7 +35,7 @@ fn pair([x, y]: [f64; 2], unit: &str, factor: f64) -> String {
     format!("{:.4} x {:.4} {unit}", x * factor, y * factor)
 }
 
-fn grid(source: &Source, field: &HeightField, statistics: &Statistics) -> Vec<Line> {
+fn grid(source: &SurfaceSource, field: &HeightField, statistics: &Statistics) -> Vec<Line> {
     let tiling = &statistics.tiling;
     let [x, y] = tiling.ratio;
     let seams =

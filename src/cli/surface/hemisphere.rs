@@ -1,8 +1,8 @@
 //! The colours that a surface sends into each direction: a glance for the page of `surface info`, on the CPU alone.
 
-use crate::cli::brdf::map::{Map, views};
+use crate::cli::brdf::map::{HemisphereMap, views};
 use crate::error::Result;
-use crate::figure::{Mark, Panel, Raster, Shape, palette};
+use crate::figure::{Mark, MarkShape, Panel, Raster, palette};
 use crate::optics::coherence::Coherence;
 use crate::optics::color::{display, xyz_to_linear_srgb};
 use crate::optics::footprint::Covariance;
@@ -111,14 +111,14 @@ fn panel(table: &ColorTable, theta: f64, phi: f64, from: String) -> Panel {
     let raster = Raster::colors(SIDE as usize, map.pixels.iter().map(pixel).collect());
     let exposure = format!("{stops:+.1}").replace('-', "−");
     let mirror = vec![[-light.x, -light.y]];
-    let ring = Mark::Points { points: mirror, color: palette::SKY, shape: Shape::Ring, radius: 7.0 };
+    let ring = Mark::Points { points: mirror, color: palette::SKY, shape: MarkShape::Ring, radius: 7.0 };
     Panel::hemisphere(raster)
         .titled(format!("Colours, light from {from}, {exposure} EV"))
         .named("mirror direction", ring)
 }
 
 /// Linear sRGB of the BRDF \[sr⁻¹\] toward every direction.
-fn map(table: &ColorTable, light: DVec3) -> Map {
+fn map(table: &ColorTable, light: DVec3) -> HemisphereMap {
     let reader = TableReader::new(table);
     let around = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
     let views: Vec<(usize, DVec3)> = views(SIDE, 0..SIDE).collect();
@@ -130,11 +130,11 @@ fn map(table: &ColorTable, light: DVec3) -> Map {
     for (place, color) in views.par_iter().map(color).collect::<Vec<_>>() {
         pixels[place] = color;
     }
-    Map { side: SIDE, pixels }
+    HemisphereMap { side: SIDE, pixels }
 }
 
 /// Stops that bring what is typical beside the mirror's spot to middle brightness: a quarter of the scattered light is in fainter directions.
-fn exposure(map: &Map, light: DVec3) -> f64 {
+fn exposure(map: &HemisphereMap, light: DVec3) -> f64 {
     /// Directions nearer to the mirror's than this are its spot.
     const SPOT: f64 = 0.08;
     /// Luminance of the typical direction on the display.
@@ -168,10 +168,10 @@ fn exposure(map: &Map, light: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::mean::{Mean, Orders, TabulatedMean};
-    use crate::surface::synth::{Kind, Spec, generate};
+    use crate::brdf::mean::{MeanBrdf, SummedOrders, TabulatedMean};
+    use crate::surface::synth::{Spec, SurfaceKind, generate};
 
-    fn small(kind: Kind) -> HeightField {
+    fn small(kind: SurfaceKind) -> HeightField {
         generate(&Spec { patch: Some([20.0; 2]), ..Spec::new(kind) }).unwrap()
     }
 
@@ -179,19 +179,19 @@ mod tests {
     fn the_colours_are_those_of_the_mean_in_f64_averaged_alike() {
         /// A little above what was measured of *Elaphe*.
         const MEASURED: f64 = 0.125;
-        for kind in [Kind::Elaphe, Kind::Bumps] {
+        for kind in [SurfaceKind::Elaphe, SurfaceKind::Bumps] {
             let field = small(kind);
             let table = table(&field).unwrap();
             let light = direction(SLANTED, 20.0);
             let map = map(&table, light);
             let sigma = COHERENCE / 4.0;
             let mean =
-                Mean { field: &field, sigma, beyond: setup::beyond_of(&field), reflectance: IOR.into() };
+                MeanBrdf { field: &field, sigma, beyond: setup::beyond_of(&field), reflectance: IOR.into() };
             let exact = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap();
             let around = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
             let some: Vec<_> = views(SIDE, 0..SIDE).step_by(101).collect();
             let pairs: Vec<_> = some.iter().map(|(_, view)| (Pair::new(light, *view), around)).collect();
-            let colours = exact.xyz(&Illuminant::D65, &pairs, Orders::All, &|_, _| Ok(())).unwrap();
+            let colours = exact.xyz(&Illuminant::D65, &pairs, SummedOrders::All, &|_, _| Ok(())).unwrap();
             let (mut error, mut all) = (0.0, 0.0);
             for ((place, _), xyz) in some.iter().zip(colours) {
                 let expected = xyz_to_linear_srgb(xyz / light.z);
@@ -207,7 +207,7 @@ mod tests {
     #[test]
     fn the_orders_of_a_grating_stand_where_the_grating_equation_says() {
         // 2.5 µm along x in light from above: the first order of green, 550 nm, at sin θ = 0.22 on the x axis.
-        let field = small(Kind::Blaze);
+        let field = small(SurfaceKind::Blaze);
         let map = map(&table(&field).unwrap(), DVec3::Z);
         let at = |x: f64, y: f64| {
             let place = |s: f64| ((s + 1.0) / 2.0 * f64::from(SIDE)) as usize;
@@ -223,7 +223,7 @@ mod tests {
         let fields = [
             HeightField::new(1, 1, [0.1; 2], vec![0.0]).unwrap(),
             HeightField::new(9, 1, [0.1; 2], vec![0.02; 9]).unwrap(),
-            small(Kind::Flat),
+            small(SurfaceKind::Flat),
         ];
         for field in fields {
             let (panels, words) = panels(&field, &Statistics::of(&field).unwrap()).unwrap();

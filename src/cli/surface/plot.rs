@@ -2,14 +2,14 @@
 
 use super::hemisphere;
 use crate::error::Result;
-use crate::figure::{Axis, ColorMap, ColorScale, Figure, Mark, Panel, Raster, Scale, palette};
+use crate::figure::{Axis, AxisScale, ColorMap, ColorScale, Figure, Mark, Panel, Raster, palette};
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::optics::validity::Validity;
 use crate::surface::prepare;
 use crate::surface::statistics::picture::{self, PlotGrid, histogram};
 use crate::surface::statistics::slopes::gradients;
-use crate::surface::statistics::spectrum::{Spectrum, analysed_part};
-use crate::surface::{HeightField, Source, Statistics};
+use crate::surface::statistics::spectrum::{SurfaceSpectrum, analysed_part};
+use crate::surface::{HeightField, Statistics, SurfaceSource};
 
 /// The longest side of a picture in the page \[pixels\]; more would not be seen.
 const MOST_PIXELS: usize = 600;
@@ -19,8 +19,8 @@ const BINS: usize = 120;
 const PANEL: [f64; 2] = [600.0, 470.0];
 
 /// The page of `field`, which `source` gave.
-pub fn figure(source: &Source, field: &HeightField, statistics: &Statistics) -> Result<Figure> {
-    let spectrum = Spectrum::windowed(&analysed_part(field))?;
+pub fn figure(source: &SurfaceSource, field: &HeightField, statistics: &Statistics) -> Result<Figure> {
+    let spectrum = SurfaceSpectrum::windowed(&analysed_part(field))?;
     let name = std::path::Path::new(&source.name)
         .file_name()
         .map_or(source.name.to_string_lossy().into_owned(), |n| n.to_string_lossy().into_owned());
@@ -41,7 +41,7 @@ pub fn figure(source: &Source, field: &HeightField, statistics: &Statistics) -> 
         .caption(caption(source, field, statistics) + "\n" + &colours))
 }
 
-fn caption(source: &Source, field: &HeightField, statistics: &Statistics) -> String {
+fn caption(source: &SurfaceSource, field: &HeightField, statistics: &Statistics) -> String {
     let [width, height] = field.patch_size();
     let h = &statistics.heights;
     format!(
@@ -90,7 +90,7 @@ fn heights(field: &HeightField, statistics: &Statistics) -> Panel {
 }
 
 /// The power spectrum over both halves, with the circles of the orders that light from straight above sends to the horizon.
-fn power(spectrum: &Spectrum) -> Panel {
+fn power(spectrum: &SurfaceSpectrum) -> Panel {
     let side = picture::side_of_power(spectrum, SHORTEST);
     let grid = PlotGrid::of_power(spectrum, side, MOST_PIXELS);
     /// Decades below the peak that are shown.
@@ -125,8 +125,8 @@ fn profile(field: &HeightField) -> Panel {
     let along_y: Vec<[f64; 2]> =
         (0..rows).rev().map(|r| [field.y(r), field.row(r)[columns / 2] * 1e3]).collect();
     let all = || along_x.iter().chain(&along_y);
-    let x = Axis::fit("position [µm]", Scale::Linear, all().map(|p| p[0]));
-    let y = Axis::fit("height [nm]", Scale::Linear, all().map(|p| p[1]));
+    let x = Axis::fit("position [µm]", AxisScale::Linear, all().map(|p| p[0]));
+    let y = Axis::fit("height [nm]", AxisScale::Linear, all().map(|p| p[1]));
     Panel::new(x, y)
         .titled("Profiles through the middle")
         .named("along x", thin(along_x, palette::BLUE))
@@ -138,15 +138,15 @@ fn thin(points: Vec<[f64; 2]>, color: palette::Color) -> Mark {
 }
 
 /// The spectrum averaged over directions, the band that light sees, and the noise.
-fn radial(spectrum: &Spectrum, statistics: &Statistics) -> Panel {
+fn radial(spectrum: &SurfaceSpectrum, statistics: &Statistics) -> Panel {
     let rings: Vec<[f64; 2]> = spectrum.radial().iter().map(|[f, s]| [*f, s * 1e6]).collect();
-    let x = Axis::fit("|f| [1/µm]", Scale::Log, rings.iter().map(|p| p[0]));
+    let x = Axis::fit("|f| [1/µm]", AxisScale::Log, rings.iter().map(|p| p[0]));
     let noise = {
         let [columns, rows] = spectrum.samples;
         let power = statistics.noise.powi(2) / (columns * rows) as f64;
         power * spectrum.patch[0] * spectrum.patch[1] * 1e6
     };
-    let y = Axis::fit("power density [nm² µm²]", Scale::Log, rings.iter().map(|p| p[1].max(1e-12)));
+    let y = Axis::fit("power density [nm² µm²]", AxisScale::Log, rings.iter().map(|p| p[1].max(1e-12)));
     let (low, high) = (y.low, y.high);
     let upright = |f: f64| vec![[f, low], [f, high]];
     let mut panel = Panel::new(x, y)
@@ -197,7 +197,7 @@ fn height_histogram(field: &HeightField, statistics: &Statistics) -> Panel {
     let curve: Vec<[f64; 2]> =
         (0..=200).map(|i| low + (high - low) * f64::from(i) / 200.0).map(|x| [x, normal(x)]).collect();
     Panel::new(
-        Axis::fit("height [nm]", Scale::Linear, [low, high]),
+        Axis::fit("height [nm]", AxisScale::Linear, [low, high]),
         Axis::linear("probability density [1/nm]", 0.0, 1.08 * most),
     )
     .titled("Distribution of heights")
@@ -236,12 +236,12 @@ fn scale_bar(width: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::synth::Kind;
+    use crate::surface::synth::SurfaceKind;
 
     #[test]
     fn the_page_of_every_built_in_surface_has_all_panels_and_no_number_that_is_none() {
-        for kind in Kind::ALL {
-            let source = Source::built_in(kind);
+        for kind in SurfaceKind::ALL {
+            let source = SurfaceSource::built_in(kind);
             let field = source.load().unwrap();
             let svg = figure(&source, &field, &Statistics::of(&field).unwrap()).unwrap().svg().unwrap();
             for word in [

@@ -3,15 +3,15 @@
 use crate::error::{Error, Result};
 use crate::setup;
 use crate::surface::files::plausible::in_words;
-use crate::surface::files::{FileSummary, Origin, Topography, choose};
-use crate::surface::prepare::Step;
+use crate::surface::files::{FileSummary, ScanOrigin, Topography, choose};
+use crate::surface::prepare::PreparationStep;
 use crate::surface::statistics::notes;
-use crate::surface::{HeightField, Source, Statistics};
+use crate::surface::{HeightField, Statistics, SurfaceSource};
 use serde::Serialize;
 
 /// A channel of the file.
 #[derive(Serialize)]
-struct Channel {
+struct ChannelReport {
     name: String,
     unit: String,
     samples: [usize; 2],
@@ -20,7 +20,7 @@ struct Channel {
 
 /// What `surface info --json` prints.
 #[derive(Serialize)]
-pub struct Report {
+pub struct SurfaceReport {
     format: Option<&'static str>,
     samples: [usize; 2],
     spacing_m: [f64; 2],
@@ -29,7 +29,7 @@ pub struct Report {
     rms_m: f64,
     invalid: usize,
     quantisation_m: Option<f64>,
-    channels: Vec<Channel>,
+    channels: Vec<ChannelReport>,
     warnings: Vec<String>,
     prepare: Vec<String>,
     beyond: Option<&'static str>,
@@ -37,9 +37,9 @@ pub struct Report {
     statistics: Option<Statistics>,
 }
 
-impl Report {
+impl SurfaceReport {
     /// The numbers of `scan`, of which `invalid` samples were not measured in the file.
-    pub fn of(scan: &Topography, origin: Option<&Origin>, invalid: usize) -> Self {
+    pub fn of(scan: &Topography, origin: Option<&ScanOrigin>, invalid: usize) -> Self {
         let FileSummary { range, mean, rms } = scan.summary();
         Self {
             format: origin.map(|o| o.format),
@@ -65,12 +65,12 @@ impl Report {
     /// Heights so large that their sums are not finite numbers.
     pub fn with_statistics(
         self,
-        source: &Source,
+        source: &SurfaceSource,
         field: &HeightField,
         statistics: Statistics,
     ) -> Result<Self> {
         Ok(Self {
-            prepare: source.prepare.iter().map(Step::to_string).collect(),
+            prepare: source.prepare.iter().map(PreparationStep::to_string).collect(),
             beyond: Some(setup::beyond_of(field).name()),
             notes: notes(field, &statistics)?,
             statistics: Some(statistics),
@@ -95,8 +95,8 @@ impl Report {
     }
 }
 
-fn channels(origin: &Origin) -> Vec<Channel> {
-    let channel = |(i, c): (usize, &crate::surface::files::ChannelInfo)| Channel {
+fn channels(origin: &ScanOrigin) -> Vec<ChannelReport> {
+    let channel = |(i, c): (usize, &crate::surface::files::ChannelInfo)| ChannelReport {
         name: c.name.clone(),
         unit: c.unit.clone(),
         samples: c.size,

@@ -4,8 +4,8 @@
 use crate::cli::options::as_options;
 use crate::figure::{Axis, ColorMap, ColorScale, Figure, Panel, Raster};
 use crate::random::Random;
-use crate::surface::prepare::{Step, apply_all, describe};
-use crate::surface::synth::{Kind, Spec, generate};
+use crate::surface::prepare::{PreparationStep, apply_all, describe};
+use crate::surface::synth::{Spec, SurfaceKind, generate};
 use crate::surface::tiling::Verdict;
 use crate::surface::{HeightField, Statistics};
 use std::fmt::Write;
@@ -24,9 +24,13 @@ const STEPS: [&str; 7] = [
 
 /// Skin whose fingers stand 7° askew, over 20 µm.
 fn surface() -> HeightField {
-    let spec =
-        Spec { seed: 3, patch: Some([31.0; 2]), pixel_size: Some([0.1; 2]), ..Spec::new(Kind::Elaphe) };
-    let steps = ["rotate 7deg", "crop 20um"].map(|text| Step::parse(text).unwrap());
+    let spec = Spec {
+        seed: 3,
+        patch: Some([31.0; 2]),
+        pixel_size: Some([0.1; 2]),
+        ..Spec::new(SurfaceKind::Elaphe)
+    };
+    let steps = ["rotate 7deg", "crop 20um"].map(|text| PreparationStep::parse(text).unwrap());
     apply_all(generate(&spec).unwrap(), &steps).unwrap()
 }
 
@@ -61,7 +65,7 @@ fn scan(surface: &HeightField) -> HeightField {
 fn stages(mut field: HeightField) -> Vec<HeightField> {
     let mut all = vec![field.clone()];
     for text in STEPS {
-        field = Step::parse(text).unwrap().apply(&field).unwrap();
+        field = PreparationStep::parse(text).unwrap().apply(&field).unwrap();
         all.push(field.clone());
     }
     all
@@ -132,7 +136,8 @@ fn figure(stages: &[HeightField]) -> Figure {
 
 /// The page, with `table` in its place.
 fn page(table: &str) -> String {
-    let steps: Vec<Step> = STEPS.iter().map(|text| Step::parse(text).unwrap()).collect();
+    let steps: Vec<PreparationStep> =
+        STEPS.iter().map(|text| PreparationStep::parse(text).unwrap()).collect();
     let list = steps.iter().map(|step| format!("\"{step}\"")).collect::<Vec<_>>().join(", ");
     include_str!("worked_example.md")
         .replace("{table}", table.trim_end())

@@ -1,13 +1,14 @@
 //! The plot of `trade`: frame time against error.
 
-use crate::figure::{Axis, Figure, Mark, Panel, Scale, Shape, palette};
+use crate::figure::{Axis, AxisScale, Figure, Mark, MarkShape, Panel, palette};
 use crate::measure::trade::{Measurement, THESIS, pareto};
 
 /// Frame time against error, with the Pareto front and the baselines.
 pub fn figure(rows: &[Measurement], title: &str, caption: &str) -> Figure {
-    const SHAPES: [Shape; 5] = [Shape::Disc, Shape::Square, Shape::Triangle, Shape::Diamond, Shape::Ring];
+    const SHAPES: [MarkShape; 5] =
+        [MarkShape::Disc, MarkShape::Square, MarkShape::Triangle, MarkShape::Diamond, MarkShape::Ring];
     let place = |row: &Measurement| [row.frame_ms, row.relative_l2];
-    let fit = |label: &str, values: Vec<f64>| Axis::fit(label, Scale::Log, values);
+    let fit = |label: &str, values: Vec<f64>| Axis::fit(label, AxisScale::Log, values);
     let mut panel = Panel::new(
         fit("frame time [ms]", rows.iter().map(|r| r.frame_ms).collect()),
         fit("relative L2 error of linear RGB", rows.iter().map(|r| r.relative_l2).collect()),
@@ -32,7 +33,7 @@ pub fn figure(rows: &[Measurement], title: &str, caption: &str) -> Figure {
         let ring = Mark::Points {
             points: vec![place(thesis)],
             color: palette::INK,
-            shape: Shape::Ring,
+            shape: MarkShape::Ring,
             radius: 9.0,
         };
         panel = panel.named("the thesis: 37 terms, 81 wavelengths, 3 × 3 reads", ring);

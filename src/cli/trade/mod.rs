@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.folder.as_os_str().is_empty() {
         return Err(Error::usage("--folder: the name is empty", "give the results a folder"));
     }
-    let mut sweep = Sweep::open(arguments)?;
+    let mut sweep = TradeSweep::open(arguments)?;
     sweep.measure_settings()?;
     sweep.measure_baselines()?;
     prepare::finish(&sweep.scene.device)?;
@@ -99,7 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// A sweep in progress.
-struct Sweep<'a> {
+struct TradeSweep<'a> {
     arguments: &'a Arguments,
     scene: BenchmarkScene,
     // See `Measurement::frame`.
@@ -110,7 +110,7 @@ struct Sweep<'a> {
     impossible: Vec<(String, String)>,
 }
 
-impl<'a> Sweep<'a> {
+impl<'a> TradeSweep<'a> {
     /// Opens the scene, and reads the rows of a sweep that was interrupted.
     fn open(arguments: &'a Arguments) -> Result<Self> {
         let scene = BenchmarkScene::open(&setting(arguments, "")?)?;

@@ -60,10 +60,10 @@ impl TransformAxis {
                 (first, count, GAUSSIAN_RATIO * length / 4.0 / look.spacing)
             }
             Coherence::Repeats(_) => {
-                // As `coherence::Axis::repeat_weights` decides it, to the last bit: what stands before the window's
+                // As `coherence::WindowedAxis::repeat_weights` decides it, to the last bit: what stands before the window's
                 // begin comes from the copy after the last.
                 let (samples, spacing, shift) = (look.samples, look.spacing, look.shift);
-                let along = coherence::Axis { samples, spacing, shift };
+                let along = coherence::WindowedAxis { samples, spacing, shift };
                 let begin = along.position(0) - spacing / 2.0 + shift;
                 let first = (0..samples).take_while(|&i| along.position(i) < begin).count() as i64;
                 (first, patch, PATCH_RATIO * patch as f64)

@@ -5,9 +5,9 @@ use crate::optics::quadrature::SPAN;
 use crate::optics::spectrum::LONGEST;
 use crate::random::Random;
 use crate::surface::HeightField;
-use crate::surface::synth::{self, Kind, Spec};
+use crate::surface::synth::{self, Spec, SurfaceKind};
 
-fn patch(kind: Kind, size: f64) -> HeightField {
+fn patch(kind: SurfaceKind, size: f64) -> HeightField {
     synth::generate(&Spec { patch: Some([size; 2]), ..Spec::new(kind) }).unwrap()
 }
 
@@ -74,13 +74,13 @@ fn worst(field: &HeightField, coherence: Coherence, windows: [u32; 2], seed: u64
 fn the_fine_spectra_are_the_direct_sum_in_every_direction() {
     let gaussian = |length| Coherence::Gaussian { length };
     for (kind, size, coherence, windows) in [
-        (Kind::Elaphe, 12.0, gaussian(24.0), [1, 1]),
-        (Kind::Blaze, 7.5, gaussian(20.0), [1, 1]),
-        (Kind::Bumps, 4.0, gaussian(9.0), [1, 1]),
-        (Kind::Xenopeltis, 6.0, gaussian(16.0), [1, 1]),
-        (Kind::Elaphe, 6.0, gaussian(8.0), [3, 2]),
-        (Kind::Elaphe, 6.0, Coherence::Repeats([3, 2]), [1, 1]),
-        (Kind::Bumps, 3.0, Coherence::Repeats([2, 4]), [2, 3]),
+        (SurfaceKind::Elaphe, 12.0, gaussian(24.0), [1, 1]),
+        (SurfaceKind::Blaze, 7.5, gaussian(20.0), [1, 1]),
+        (SurfaceKind::Bumps, 4.0, gaussian(9.0), [1, 1]),
+        (SurfaceKind::Xenopeltis, 6.0, gaussian(16.0), [1, 1]),
+        (SurfaceKind::Elaphe, 6.0, gaussian(8.0), [3, 2]),
+        (SurfaceKind::Elaphe, 6.0, Coherence::Repeats([3, 2]), [1, 1]),
+        (SurfaceKind::Bumps, 3.0, Coherence::Repeats([2, 4]), [2, 3]),
     ] {
         let (rms, largest) = worst(&patch(kind, size), coherence, windows, 5);
         eprintln!("{kind:?} {coherence:?} {windows:?}: RMS {rms:.1e}, largest {largest:.1e}");
@@ -110,7 +110,7 @@ fn odd_and_even_numbers_of_samples_on_oblong_grids_agree_too() {
 
 #[test]
 fn colours_are_those_of_the_direct_sum() {
-    let field = patch(Kind::Elaphe, 10.0);
+    let field = patch(SurfaceKind::Elaphe, 10.0);
     let reference = Reference::new(&field, Coherence::Gaussian { length: 16.0 }, [1, 1], 1.5);
     let pairs = pairs(600, 9);
     let counts: Vec<usize> = pairs.iter().map(|p| node_count(&reference, p).unwrap()).collect();

@@ -22,7 +22,7 @@ pub struct ClassicalGrating {
 /// The `ClassicalGrating` block (std140).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-struct Block {
+struct ClassicalGratingBlock {
     normal_reflectance: f32,
     period: f32,
     strength: f32,
@@ -43,12 +43,12 @@ impl ClassicalGrating {
     }
 
     pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
-        let block = Block {
+        let block = ClassicalGratingBlock {
             normal_reflectance: shading.reflectance.luminous_normal() as f32,
             period: self.period as f32,
             strength: self.strength as f32,
             axis: self.axis.map(|x| x as f32),
-            ..Block::default()
+            ..ClassicalGratingBlock::default()
         };
         bound.replace(device, Vec::new(), vec![(0, uniform(device, "classical grating block", &block)?)])
     }

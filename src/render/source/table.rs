@@ -9,7 +9,7 @@ use crate::optics::footprint::TapRule;
 use crate::render::directions::Directions;
 use crate::render::shading::Shading;
 use crate::render::upload;
-use crate::table::{BANDS, ColorTable, Header, SPECULAR_SAMPLES, TableReader};
+use crate::table::{BANDS, ColorTable, SPECULAR_SAMPLES, TableHeader, TableReader};
 use crate::vk::device::Device;
 use crate::vk::image::{Description, Image};
 use crate::vk::sampler::Sampler;
@@ -146,7 +146,7 @@ impl Table {
 }
 
 /// The weights of each band over |w|, those of all bands together, and the mean R of a material over twice the cosine of the half angle.
-fn specular_rows(header: &Header) -> Vec<[f32; 4]> {
+fn specular_rows(header: &TableHeader) -> Vec<[f32; 4]> {
     let specular = &header.specular;
     let mean = (0..SPECULAR_SAMPLES).map(|sample| {
         let cosine = sample as f64 / (SPECULAR_SAMPLES - 1) as f64;

@@ -1,18 +1,18 @@
 //! Power spectra kept on disk.
 
-use super::make::{FEWEST_TERMS, Header, MOST_LEVELS, MOST_TERMS, PowerSpectra};
+use super::make::{FEWEST_TERMS, MOST_LEVELS, MOST_TERMS, PowerHeader, PowerSpectra};
 use super::texture::PER_TEXEL;
-use crate::cache::{Format, Kept, Payload, count, positive};
+use crate::cache::{EntryFormat, Kept, Payload, count, positive};
 
 /// Larger than any side of a texture.
 const LARGEST_SIDE: usize = 1 << 16;
 
 impl Kept for PowerSpectra {
     /// The version changes whenever the power spectra of the same key would change.
-    const FORMAT: Format = Format { name: "spectra", version: 5 };
-    type Header = Header;
+    const FORMAT: EntryFormat = EntryFormat { name: "spectra", version: 5 };
+    type Header = PowerHeader;
 
-    fn header(&self) -> Header {
+    fn header(&self) -> PowerHeader {
         self.header.clone()
     }
 
@@ -20,7 +20,7 @@ impl Kept for PowerSpectra {
         self.levels.iter().map(|level| bytemuck::cast_slice(level)).collect()
     }
 
-    fn build(header: Header, payload: &mut Payload<'_>) -> Option<Self> {
+    fn build(header: PowerHeader, payload: &mut Payload<'_>) -> Option<Self> {
         if !is_sound(&header) {
             return None;
         }
@@ -35,8 +35,8 @@ impl Kept for PowerSpectra {
 
 /// Whether `header` is such as this program makes: what follows divides by its numbers, counts with them and makes textures of its sizes.
 /// The check sum finds accidents; it does not know who wrote it.
-fn is_sound(header: &Header) -> bool {
-    let Header {
+fn is_sound(header: &PowerHeader) -> bool {
+    let PowerHeader {
         grid,
         terms,
         z_max,

@@ -59,7 +59,7 @@ impl PowerSettings {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PowerSpectra {
     /// Everything but the numbers of the texels.
-    pub header: Header,
+    pub header: PowerHeader,
     /// Coefficients of Σ|c_m|² γ̂(f − m/T)/z² over `unit`, without the specular order.
     pub levels: Levels,
 }
@@ -67,7 +67,7 @@ pub struct PowerSpectra {
 /// What the numbers of [`PowerSpectra`] mean.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Header {
+pub struct PowerHeader {
     /// Where the texels stand.
     pub grid: FrequencyGrid,
     /// Number of Chebyshev terms in z, a multiple of 4.
@@ -114,7 +114,7 @@ pub fn power_spectra(
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<PowerSpectra> {
     let z_max = 4.0 * PI / settings.shortest;
-    let Plan { orders_blur, orders, grid, reading_error } = Plan::new(field, settings);
+    let SpectraPlan { orders_blur, orders, grid, reading_error } = SpectraPlan::new(field, settings);
     let transform = Transform::new(field, orders, settings.beyond);
     transform.ensure_room()?;
     let [dx, dy] = field.pixel_size();
@@ -137,7 +137,7 @@ pub fn power_spectra(
         let (levels, unit) = texture::levels(&orders, &series, &grid);
         progress(terms, terms)?;
         let effective_orders = texture::effective_orders(&levels[0], &grid, z_max);
-        let header = Header {
+        let header = PowerHeader {
             grid,
             terms,
             z_max,
@@ -155,14 +155,14 @@ pub fn power_spectra(
 }
 
 /// Where orders and texels stand.
-struct Plan {
+struct SpectraPlan {
     orders_blur: Blur,
     orders: OrderGrid,
     grid: FrequencyGrid,
     reading_error: f64,
 }
 
-impl Plan {
+impl SpectraPlan {
     fn new(field: &HeightField, settings: &PowerSettings) -> Self {
         let orders_blur = Blur::of_orders(settings.sigma, field.patch_size(), settings.beyond);
         // What the kernel and the finest blur reach beyond the band.
@@ -191,7 +191,7 @@ pub fn estimate(field: &HeightField, settings: &PowerSettings) -> Option<Estimat
     if turns(field, z_max) > MOST_TERMS as f64 {
         return None;
     }
-    let (grid, terms) = (Plan::new(field, settings).grid, first_terms(field, z_max));
+    let (grid, terms) = (SpectraPlan::new(field, settings).grid, first_terms(field, z_max));
     Some(Estimate { terms, size: grid.size, bytes: grid.bytes(terms) })
 }
 
@@ -336,7 +336,7 @@ fn audit(series: &[Vec<f64>], audited: &[OrderPowers], z_max: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectra::power::read::{Reader, Square};
+    use crate::spectra::power::read::{SpectraReader, Square};
     use glam::DVec2;
 
     fn settings(tolerance: f64) -> PowerSettings {
@@ -403,7 +403,7 @@ mod tests {
         let field = rough(0.3);
         let tolerance = 1e-2;
         let spectra = power_spectra(&field, &settings(tolerance), &|_, _| Ok(())).unwrap();
-        let reader = Reader::new(&spectra);
+        let reader = SpectraReader::new(&spectra);
         // Every order's power by its transform, and its lobe, without the specular order.
         let orders = OrderGrid::new(&field, 100.0, 0.0);
         let transform = Transform::new(&field, orders, Beyond::Copies);

@@ -19,7 +19,7 @@ pub mod read;
 pub mod texture;
 
 pub use crate::optics::coherence::Beyond;
-pub use make::{Estimate, Header, PowerSettings, PowerSpectra, estimate, power_spectra};
+pub use make::{Estimate, PowerHeader, PowerSettings, PowerSpectra, estimate, power_spectra};
 pub use orders::{OrderGrid, OrderPowers, Transform};
 
 use std::f64::consts::PI;

@@ -1,18 +1,18 @@
 //! Reads power spectra between their texels, levels and nodes: the twin of `shaders/source_mean.glsl`.
 
-use super::make::{Header, PowerSpectra};
+use super::make::{PowerHeader, PowerSpectra};
 use super::texture::{PER_TEXEL, interleaved};
 use glam::{DVec2, Vec4};
 
 /// Power spectra in the layout that a processor reads fast.
-pub struct Reader {
+pub struct SpectraReader {
     /// What the numbers mean.
-    pub header: Header,
+    pub header: PowerHeader,
     // [level][row][column][layer][term of the layer]
     levels: Vec<Vec<Vec4>>,
 }
 
-impl Reader {
+impl SpectraReader {
     /// For `spectra`.
     pub fn new(spectra: &PowerSpectra) -> Self {
         let grid = &spectra.header.grid;

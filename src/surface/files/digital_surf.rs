@@ -34,7 +34,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let mut rest = bytes;
     let mut left = 1;
     while left > 0 {
-        let header = Header::read(rest)?;
+        let header = DigitalSurfHeader::read(rest)?;
         if channels.is_empty() {
             left = u32::from(header.objects.max(1));
         }
@@ -50,7 +50,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     Ok(Scan { format: "Digital Surf", channels })
 }
 
-struct Header {
+struct DigitalSurfHeader {
     order: Order,
     compressed: bool,
     objects: u16,
@@ -67,7 +67,7 @@ struct Header {
     data: usize,
 }
 
-impl Header {
+impl DigitalSurfHeader {
     fn read(bytes: &[u8]) -> Result<Self> {
         let format = bytes.get(12..14).ok_or_else(cut_short)?;
         let macintosh = u16::from_le_bytes([format[0], format[1]]) == MACINTOSH;
@@ -111,7 +111,7 @@ impl Header {
 }
 
 /// The surface that `bytes` begin with, and where it ends.
-fn surface<'a>(bytes: &'a [u8], header: &Header, i: usize) -> Result<(Channel<'a>, usize)> {
+fn surface<'a>(bytes: &'a [u8], header: &DigitalSurfHeader, i: usize) -> Result<(Channel<'a>, usize)> {
     header.check_kind()?;
     let [columns, rows] = header.counts.map(|n| u64::try_from(n).unwrap_or(0));
     let size = size(columns, rows)?;

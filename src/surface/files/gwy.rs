@@ -32,12 +32,12 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
         let mut parts = key.split('/');
         let (root, number) = (parts.next(), parts.next().and_then(|n| n.parse::<u32>().ok()));
         match (root, number, parts.next(), parts.next(), value) {
-            (Some(""), Some(n), Some("data"), None, Value::Object(object))
+            (Some(""), Some(n), Some("data"), None, GwyValue::Object(object))
                 if object.name == "GwyDataField" =>
             {
                 fields.insert(n, object.body);
             }
-            (Some(""), Some(n), Some("data"), Some("title"), Value::Text(title)) => {
+            (Some(""), Some(n), Some("data"), Some("title"), GwyValue::Text(title)) => {
                 titles.insert(n, decode_text(title));
             }
             _ => {}
@@ -60,13 +60,13 @@ fn field(body: &[u8], name: String) -> Result<Channel<'_>> {
     let mut unit_names = [String::new(), String::new()];
     let mut data = None;
     components(body, |key, value| match (key, value) {
-        ("xres", Value::Int(n)) => counts[0] = u64::try_from(n).ok(),
-        ("yres", Value::Int(n)) => counts[1] = u64::try_from(n).ok(),
-        ("xreal", Value::Double(x)) => sides[0] = Some(x),
-        ("yreal", Value::Double(x)) => sides[1] = Some(x),
-        ("si_unit_xy", Value::Object(unit)) => unit_names[0] = unit_name(&unit),
-        ("si_unit_z", Value::Object(unit)) => unit_names[1] = unit_name(&unit),
-        ("data", Value::Doubles(bytes)) => data = Some(bytes),
+        ("xres", GwyValue::Int(n)) => counts[0] = u64::try_from(n).ok(),
+        ("yres", GwyValue::Int(n)) => counts[1] = u64::try_from(n).ok(),
+        ("xreal", GwyValue::Double(x)) => sides[0] = Some(x),
+        ("yreal", GwyValue::Double(x)) => sides[1] = Some(x),
+        ("si_unit_xy", GwyValue::Object(unit)) => unit_names[0] = unit_name(&unit),
+        ("si_unit_z", GwyValue::Object(unit)) => unit_names[1] = unit_name(&unit),
+        ("data", GwyValue::Doubles(bytes)) => data = Some(bytes),
         _ => {}
     })?;
     let (Some(columns), Some(rows), Some(data)) = (counts[0], counts[1], data) else {
@@ -90,11 +90,11 @@ fn field(body: &[u8], name: String) -> Result<Channel<'_>> {
 }
 
 /// The text of a `GwySIUnit`.
-fn unit_name(unit: &Object) -> String {
+fn unit_name(unit: &GwyObject) -> String {
     let mut name = String::new();
     // A unit that is damaged is none.
     let _ = components(unit.body, |key, value| {
-        if let ("unitstr", Value::Text(text)) = (key, value) {
+        if let ("unitstr", GwyValue::Text(text)) = (key, value) {
             name = decode_text(text);
         }
     });
@@ -102,29 +102,29 @@ fn unit_name(unit: &Object) -> String {
 }
 
 /// An object: its type and the bytes of its components.
-struct Object<'a> {
+struct GwyObject<'a> {
     name: String,
     body: &'a [u8],
 }
 
-fn object<'a>(cursor: &mut Cursor<'a>) -> Result<Object<'a>> {
+fn object<'a>(cursor: &mut Cursor<'a>) -> Result<GwyObject<'a>> {
     let name = decode_text(string(cursor)?);
     let length = cursor.u32()? as usize;
-    Ok(Object { name, body: cursor.take(length)? })
+    Ok(GwyObject { name, body: cursor.take(length)? })
 }
 
 /// The value of a component, as far as it is of use here.
-enum Value<'a> {
+enum GwyValue<'a> {
     Int(i64),
     Double(f64),
     Text(&'a [u8]),
     Doubles(&'a [u8]),
-    Object(Object<'a>),
+    Object(GwyObject<'a>),
     Unused,
 }
 
 /// Calls `each` with the name and value of every component in `body`.
-fn components<'a>(body: &'a [u8], mut each: impl FnMut(&str, Value<'a>)) -> Result<()> {
+fn components<'a>(body: &'a [u8], mut each: impl FnMut(&str, GwyValue<'a>)) -> Result<()> {
     let mut cursor = Cursor::new(body, Order::Little);
     while cursor.left() > 0 {
         let key = decode_text(string(&mut cursor)?);
@@ -135,33 +135,33 @@ fn components<'a>(body: &'a [u8], mut each: impl FnMut(&str, Value<'a>)) -> Resu
     Ok(())
 }
 
-fn value<'a>(cursor: &mut Cursor<'a>, kind: u8) -> Result<Value<'a>> {
+fn value<'a>(cursor: &mut Cursor<'a>, kind: u8) -> Result<GwyValue<'a>> {
     let many = |cursor: &mut Cursor<'a>, width: usize| {
         let count = cursor.u32()? as usize;
         cursor.take(count.saturating_mul(width))
     };
     Ok(match kind {
-        b'b' | b'c' => cursor.u8().map(|_| Value::Unused)?,
-        b'i' => Value::Int(i64::from(cursor.i32()?)),
-        b'q' => cursor.take(8).map(|_| Value::Unused)?,
-        b'd' => Value::Double(cursor.f64()?),
-        b's' => Value::Text(string(cursor)?),
-        b'o' => Value::Object(object(cursor)?),
-        b'C' => many(cursor, 1).map(|_| Value::Unused)?,
-        b'I' => many(cursor, 4).map(|_| Value::Unused)?,
-        b'Q' => many(cursor, 8).map(|_| Value::Unused)?,
-        b'D' => Value::Doubles(many(cursor, 8)?),
+        b'b' | b'c' => cursor.u8().map(|_| GwyValue::Unused)?,
+        b'i' => GwyValue::Int(i64::from(cursor.i32()?)),
+        b'q' => cursor.take(8).map(|_| GwyValue::Unused)?,
+        b'd' => GwyValue::Double(cursor.f64()?),
+        b's' => GwyValue::Text(string(cursor)?),
+        b'o' => GwyValue::Object(object(cursor)?),
+        b'C' => many(cursor, 1).map(|_| GwyValue::Unused)?,
+        b'I' => many(cursor, 4).map(|_| GwyValue::Unused)?,
+        b'Q' => many(cursor, 8).map(|_| GwyValue::Unused)?,
+        b'D' => GwyValue::Doubles(many(cursor, 8)?),
         b'S' => {
             for _ in 0..cursor.u32()? {
                 string(cursor)?;
             }
-            Value::Unused
+            GwyValue::Unused
         }
         b'O' => {
             for _ in 0..cursor.u32()? {
                 object(cursor)?;
             }
-            Value::Unused
+            GwyValue::Unused
         }
         _ => return Err(damaged(format!("a component has the unknown type {kind:#x}"))),
     })

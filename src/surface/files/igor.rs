@@ -55,7 +55,7 @@ pub fn recognise(bytes: &[u8]) -> Option<Order> {
 }
 
 /// What is read of the headers.
-struct Wave {
+struct IgorWave {
     number: Number,
     dimensions: [u64; 4],
     /// Scaling of `x` and `y`.
@@ -97,7 +97,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     Ok(Scan { format: "Igor binary wave", channels })
 }
 
-fn header(cursor: &mut Cursor) -> Result<Wave> {
+fn header(cursor: &mut Cursor) -> Result<IgorWave> {
     // File header: version, check sum, size of the wave, then the lengths of what stands behind the data.
     cursor.take(2 + 4)?;
     let mut tail = [0; 11];
@@ -118,7 +118,7 @@ fn header(cursor: &mut Cursor) -> Result<Wave> {
     let data_unit = cursor.text(4)?;
     let lateral_units = [cursor.text(4)?, cursor.text(4)?];
     let number = sample_type(kind)?;
-    Ok(Wave { number, dimensions, steps, data_unit, lateral_units, tail })
+    Ok(IgorWave { number, dimensions, steps, data_unit, lateral_units, tail })
 }
 
 fn sample_type(kind: u16) -> Result<Number> {
@@ -152,7 +152,7 @@ struct Tail {
 }
 
 impl Tail {
-    fn read(rest: &mut Cursor, wave: &Wave) -> Result<Self> {
+    fn read(rest: &mut Cursor, wave: &IgorWave) -> Result<Self> {
         let [formula, note, data_unit, x, y, z, t, labels_x, labels_y, labels_z, _] = wave.tail;
         rest.take(formula)?;
         let note = text(rest.take(note)?);
@@ -172,7 +172,7 @@ fn channel<'a>(
     i: usize,
     order: Order,
     size: [usize; 2],
-    wave: &Wave,
+    wave: &IgorWave,
     tail: &Tail,
 ) -> Result<Channel<'a>> {
     let label = tail.labels.get(i).filter(|label| !label.is_empty());

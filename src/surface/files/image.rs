@@ -163,7 +163,12 @@ fn grey_codes(image: &DynamicImage) -> Result<Vec<f64>> {
 }
 
 /// The first of `channels` samples of every pixel as a share of the largest code, if the first `colours` are equal.
-fn shares<S: Code>(samples: &[S], channels: usize, colours: usize, columns: u32) -> Result<Vec<f64>> {
+fn shares<S: IntegerSample>(
+    samples: &[S],
+    channels: usize,
+    colours: usize,
+    columns: u32,
+) -> Result<Vec<f64>> {
     let share = |(i, pixel): (usize, &[S])| {
         let grey = pixel[0];
         if pixel[..colours].iter().all(|&c| c == grey) {
@@ -185,16 +190,16 @@ fn shares<S: Code>(samples: &[S], channels: usize, colours: usize, columns: u32)
 }
 
 /// A sample of an integer image.
-trait Code: Copy + PartialEq + Into<f64> {
+trait IntegerSample: Copy + PartialEq + Into<f64> {
     /// The code of white.
     const LARGEST: f64;
 }
 
-impl Code for u8 {
+impl IntegerSample for u8 {
     const LARGEST: f64 = u8::MAX as f64;
 }
 
-impl Code for u16 {
+impl IntegerSample for u16 {
     const LARGEST: f64 = LARGEST_CODE;
 }
 

@@ -37,7 +37,7 @@ use scan::{Quantity, Scan};
 use sidecar::Sidecar;
 use std::io::Read;
 use std::path::Path;
-pub use topography::{ChannelInfo, FileSummary, Origin, Spacing, Topography};
+pub use topography::{ChannelInfo, FileSummary, ScanOrigin, Spacing, Topography};
 
 /// The largest file that is read \[bytes\]: several channels of the largest field in double precision.
 pub const MAX_FILE: u64 = 8 << 30;
@@ -199,7 +199,7 @@ fn assemble(mut scan: Scan, wish: &Wish, sidecar: impl FnOnce() -> Result<Sideca
         Quantity::Code { largest } if largest <= f64::from(u8::MAX) => Some(unit / largest / UM),
         _ => None,
     };
-    let origin = Origin { format: scan.format, channels, chosen, quantisation, warnings: Vec::new() };
+    let origin = ScanOrigin { format: scan.format, channels, chosen, quantisation, warnings: Vec::new() };
     let mut topography = Topography::new(size, spacing, samples, unit, Some(origin))?;
     topography.warn();
     Ok(topography)

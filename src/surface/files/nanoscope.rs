@@ -11,7 +11,7 @@ use super::bytes::{Number, Order, damaged};
 use super::scan::{Block, Channel, Quantity, Rows, Scan, size, spacing};
 use super::units;
 use crate::error::{Error, Result};
-use header::{Header, Section, Value};
+use header::{NanoscopeHeader, ParameterValue, Section};
 
 /// How a file of images begins; older ones have a question mark for the backslash.
 pub const MAGICS: [&[u8]; 2] = [b"\\*File list", b"?*File list"];
@@ -29,7 +29,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     if bytes.starts_with(FORCE_MAGIC) {
         return Err(Error::failed("holds force curves and no image", "choose an image file"));
     }
-    let header = Header::parse(bytes)?;
+    let header = NanoscopeHeader::parse(bytes)?;
     let images = || header.sections.iter().filter(|s| s.is_image());
     if images().next().is_none() {
         return Err(Error::failed("holds no image", "choose a file with an image in it"));
@@ -38,7 +38,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     Ok(Scan { format: "Nanoscope", channels })
 }
 
-fn channel<'a>(bytes: &'a [u8], header: &Header, image: &Section) -> Result<Channel<'a>> {
+fn channel<'a>(bytes: &'a [u8], header: &NanoscopeHeader, image: &Section) -> Result<Channel<'a>> {
     let (columns, rows) = counts(image)?;
     let size = size(columns, rows)?;
     let place = image.count("data offset")?;
@@ -80,7 +80,7 @@ fn sample_type(version: Option<u32>, declared: u64, length: u64, count: u64) -> 
 }
 
 /// What one step of the stored integers is.
-struct Scale {
+struct SampleScale {
     /// In metres where it is a length, else in units of `unit`.
     factor: f64,
     /// The unit, for people.
@@ -89,40 +89,42 @@ struct Scale {
 }
 
 /// The scale of `image`, by the newest rule that its header follows.
-fn scale(header: &Header, image: &Section, bytes: u64) -> Result<Scale> {
+fn scale(header: &NanoscopeHeader, image: &Section, bytes: u64) -> Result<SampleScale> {
     let full = 2_f64.powi(8 * bytes as i32);
     let by_unit = |value: f64, unit: &str| {
         let metres = units::length(unit);
-        Scale {
+        SampleScale {
             factor: value * metres.unwrap_or(1.0) / full,
             unit: unit.to_owned(),
             is_length: metres.is_some(),
         }
     };
     if let Some(text) = image.numbered("z scale") {
-        let hard = Value::parse(text).ok_or_else(|| damaged("`Z scale` is no number"))?;
+        let hard = ParameterValue::parse(text).ok_or_else(|| damaged("`Z scale` is no number"))?;
         let Some(name) = &hard.soft_scale else { return Ok(by_unit(hard.number, &hard.unit)) };
-        let Some(soft) = header.lookup(&format!("@{name}")).and_then(Value::parse) else {
+        let Some(soft) = header.lookup(&format!("@{name}")).and_then(ParameterValue::parse) else {
             // A reference that leads nowhere: the numbers are volts at best.
-            return Ok(Scale { factor: hard.number / full, unit: hard.unit, is_length: false });
+            return Ok(SampleScale { factor: hard.number / full, unit: hard.unit, is_length: false });
         };
         let (unit, per) = soft.unit.split_once('/').unwrap_or((&soft.unit, ""));
         let value = hard.number * soft.number;
         // nm/V times mV are a thousandth of nm.
         return Ok(match ratio(&hard.unit, per) {
             Some(ratio) => by_unit(value * ratio, unit),
-            None => {
-                Scale { factor: value / full, unit: format!("{} {}", soft.unit, hard.unit), is_length: false }
-            }
+            None => SampleScale {
+                factor: value / full,
+                unit: format!("{} {}", soft.unit, hard.unit),
+                is_length: false,
+            },
         });
     }
     // Before version 4: a full scale with its unit.
-    if let Some(value) = image.text("z scale").and_then(Value::parse_plain) {
+    if let Some(value) = image.text("z scale").and_then(ParameterValue::parse_plain) {
         return Ok(by_unit(value.number, &value.unit));
     }
     /// Files without a version: the unit of `Z magnify image` over the whole range of codes \[m\].
     const MAGNIFIED: f64 = 1e-7;
-    let magnified = image.text("z magnify image").and_then(Value::parse_plain);
+    let magnified = image.text("z magnify image").and_then(ParameterValue::parse_plain);
     let value = magnified.ok_or_else(|| damaged("`Z scale` is missing"))?;
     Ok(by_unit(value.number * MAGNIFIED, "m"))
 }
@@ -139,7 +141,7 @@ fn ratio(hard: &str, per: &str) -> Option<f64> {
 
 /// Distances of samples and of lines. `Scan size` has one length or two. Where both axes have the same and the aspect ratio is
 /// not 1:1, it is the length of a line, and pixels are square.
-fn spacings(header: &Header, image: &Section, size: [usize; 2]) -> [Option<f64>; 2] {
+fn spacings(header: &NanoscopeHeader, image: &Section, size: [usize; 2]) -> [Option<f64>; 2] {
     let text = image.text("scan size").or_else(|| header.lookup("scan size"));
     let Some([x, y]) = text.and_then(lengths) else { return [None, None] };
     let aspect = image.text("aspect ratio").or_else(|| header.lookup("aspect ratio"));

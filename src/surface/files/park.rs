@@ -31,7 +31,7 @@ pub fn read(bytes: &[u8]) -> Result<Option<Scan<'_>>> {
     let header =
         tags.value(bytes, HEADER_TAG).ok_or_else(|| damaged("Park's header (tag 50435) is missing"))??;
     let version = tags.number(VERSION_TAG).unwrap_or_default();
-    let header = Header::read(header, version)?;
+    let header = ParkHeader::read(header, version)?;
     let metres = units::length(&header.unit);
     let unit = metres.unwrap_or(1.0);
     let size = size(u64::from(header.counts[0]), u64::from(header.counts[1]))?;
@@ -54,7 +54,7 @@ pub fn read(bytes: &[u8]) -> Result<Option<Scan<'_>>> {
     Ok(Some(Scan::single("Park TIFF", channel)))
 }
 
-struct Header {
+struct ParkHeader {
     name: String,
     counts: [u32; 2],
     /// Width and height of the whole image \[m\].
@@ -66,7 +66,7 @@ struct Header {
     number: Number,
 }
 
-impl Header {
+impl ParkHeader {
     fn read(header: &[u8], version: u32) -> Result<Self> {
         let mut cursor = Cursor::new(header, Order::Little);
         /// What `image type` calls a line profile.

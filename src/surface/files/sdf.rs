@@ -14,13 +14,13 @@ pub const TEXT_MAGICS: [&[u8]; 2] = [b"aISO-1.0", b"aBCR-1.0"];
 pub const BINARY_MAGICS: [&[u8]; 2] = [b"bISO-1.0", b"bBCR-1.0"];
 
 /// What both kinds of headers say.
-struct Header {
+struct SdfHeader {
     counts: [u64; 2],
     scales: [f64; 3],
     compression: u64,
 }
 
-impl Header {
+impl SdfHeader {
     fn size(&self) -> Result<[usize; 2]> {
         if self.compression != 0 {
             return Err(Error::failed(
@@ -59,7 +59,7 @@ pub fn read_binary(bytes: &[u8]) -> Result<Scan<'_>> {
     cursor.f64()?; // the resolution of heights
     let (compression, data_type) = (u64::from(cursor.u8()?), u64::from(cursor.u8()?));
     cursor.u8()?; // the kind of check sum
-    let header = Header { counts, scales, compression };
+    let header = SdfHeader { counts, scales, compression };
     let size = header.size()?;
     let number = sample_type(data_type)?;
     let data = cursor.take(cursor.left())?;
@@ -122,14 +122,14 @@ pub fn read_text(bytes: &[u8]) -> Result<Scan<'_>> {
     Ok(header.channel(size, Box::new(move || Ok(samples))))
 }
 
-fn text_header(entries: &[(String, String)]) -> Result<Header> {
+fn text_header(entries: &[(String, String)]) -> Result<SdfHeader> {
     let value = |key: &str| {
         let found = entries.iter().find(|(k, _)| *k == key.to_lowercase()).map(|(_, value)| value.as_str());
         found.ok_or_else(|| damaged(format!("{key} is missing")))
     };
     let whole = |key: &str| value(key)?.parse::<u64>().map_err(|_| damaged(format!("{key} is no count")));
     let number = |key: &str| value(key)?.parse::<f64>().map_err(|_| damaged(format!("{key} is no number")));
-    Ok(Header {
+    Ok(SdfHeader {
         counts: [whole("NumPoints")?, whole("NumProfiles")?],
         scales: [number("Xscale")?, number("Yscale")?, number("Zscale")?],
         compression: whole("Compression").unwrap_or(0),

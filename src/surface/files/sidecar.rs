@@ -19,7 +19,7 @@ pub struct Sidecar {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
+struct SidecarFields {
     pixel_size: Option<String>,
     height: Option<String>,
 }
@@ -53,7 +53,7 @@ impl Sidecar {
         if !ours || table.contains_key("mesh") {
             return Ok(None);
         }
-        let file: File = toml::from_str(text).map_err(|e| {
+        let file: SidecarFields = toml::from_str(text).map_err(|e| {
             Error::failed(e.message().to_owned(), "write pixel_size and height, as in \"10nm\"")
         })?;
         Ok(Some(Self {

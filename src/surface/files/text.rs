@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use std::io::{self, Write};
 
 /// What the head of Gwyddion's export says.
-struct Head {
+struct GwyddionHead {
     name: String,
     /// Width and height of the whole image \[m\].
     sides: [f64; 2],
@@ -47,7 +47,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
 }
 
 /// The four lines of Gwyddion's export, told by the two lengths.
-fn gwyddion(head: &[String]) -> Option<Head> {
+fn gwyddion(head: &[String]) -> Option<GwyddionHead> {
     let entries: Vec<&str> =
         head.iter().filter_map(|line| Some(line.strip_prefix('#')?.split_once(':')?.1.trim())).collect();
     let length = |text: &str| {
@@ -59,7 +59,7 @@ fn gwyddion(head: &[String]) -> Option<Head> {
         _ => None,
     });
     let (name, width, height, unit) = found?;
-    Some(Head { name, sides: [width, height], unit: (*unit).to_owned() })
+    Some(GwyddionHead { name, sides: [width, height], unit: (*unit).to_owned() })
 }
 
 /// Writes `scan` as Gwyddion exports it, with every digit that heights in metres have.

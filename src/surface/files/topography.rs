@@ -21,7 +21,7 @@ pub struct ChannelInfo {
 
 /// Where heights come from.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Origin {
+pub struct ScanOrigin {
     /// The format, for people.
     pub format: &'static str,
     /// All channels of the file.
@@ -47,7 +47,7 @@ pub struct Topography {
     /// What 1 in `samples` is \[µm\].
     unit: f64,
     missing: usize,
-    origin: Option<Origin>,
+    origin: Option<ScanOrigin>,
 }
 
 /// Sample spacing, as it was given.
@@ -80,7 +80,7 @@ impl Topography {
         spacing: Spacing,
         samples: Vec<f64>,
         unit: f64,
-        origin: Option<Origin>,
+        origin: Option<ScanOrigin>,
     ) -> Result<Self> {
         let (spacing, pixel_size) = match spacing {
             Spacing::Metres(m) => (m, m.map(|m| m * UM)),
@@ -129,7 +129,7 @@ impl Topography {
     }
 
     /// Where the heights come from; `None` for what was computed.
-    pub fn origin(&self) -> Option<&Origin> {
+    pub fn origin(&self) -> Option<&ScanOrigin> {
         self.origin.as_ref()
     }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// A format that is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum ScanFormat {
     /// Gwyddion simple field: 32-bit floats with units.
     Gsf,
     /// Gwyddion's own: float64 in metres. It has no place for samples that were not measured.
@@ -22,7 +22,7 @@ pub enum Format {
     X3p,
 }
 
-impl Format {
+impl ScanFormat {
     /// The format that a file name asks for.
     ///
     /// # Errors
@@ -57,7 +57,7 @@ impl Format {
 ///
 /// # Errors
 /// Heights that the format cannot hold; a place that cannot be written to.
-pub fn write(path: &Path, format: Format, scan: &Topography) -> Result<()> {
+pub fn write(path: &Path, format: ScanFormat, scan: &Topography) -> Result<()> {
     if format.is_single() && scan.metres().any(|h| h.abs() > f64::from(f32::MAX)) {
         return Err(Error::failed(
             "a height is too large for 32-bit floats",
@@ -65,7 +65,7 @@ pub fn write(path: &Path, format: Format, scan: &Topography) -> Result<()> {
         ));
     }
     let (missing, [columns, rows]) = (scan.missing(), scan.size());
-    if format == Format::Gwyddion && missing > 0 {
+    if format == ScanFormat::Gwyddion && missing > 0 {
         return Err(Error::failed(
             format!("{missing} of {} samples were not measured, for which .gwy has no mark", columns * rows),
             "write .gsf, .npy, .tif, .txt or .x3p",
@@ -74,12 +74,12 @@ pub fn write(path: &Path, format: Format, scan: &Topography) -> Result<()> {
     output::write_atomically(path, |file| {
         let failed = |e: std::io::Error| output::write_failed(path, &e);
         match format {
-            Format::Gsf => gsf::write(scan, file).map_err(failed),
-            Format::Gwyddion => gwy::write(scan, file).map_err(failed),
-            Format::Npy => npy::write(scan, file).map_err(failed),
-            Format::Tiff => tiff::write(scan, file).map_err(|e| e.at(path.display())),
-            Format::Text => text::write(scan, file).map_err(failed),
-            Format::X3p => x3p::write(scan, file).map_err(failed),
+            ScanFormat::Gsf => gsf::write(scan, file).map_err(failed),
+            ScanFormat::Gwyddion => gwy::write(scan, file).map_err(failed),
+            ScanFormat::Npy => npy::write(scan, file).map_err(failed),
+            ScanFormat::Tiff => tiff::write(scan, file).map_err(|e| e.at(path.display())),
+            ScanFormat::Text => text::write(scan, file).map_err(failed),
+            ScanFormat::X3p => x3p::write(scan, file).map_err(failed),
         }
     })
 }

@@ -35,7 +35,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     memory::ensure_room(xml.len() as u64 * 8, "the description of an X3P")?;
     let document = Document::parse(xml.trim_start_matches('\u{feff}')).map_err(damaged)?;
     let root = document.root_element();
-    let header = Header::read(root)?;
+    let header = X3pHeader::read(root)?;
     let mut linked = |name: &str, most: u64| {
         let name = name.trim().replace('\\', "/");
         let name = name.trim_start_matches("./").trim_start_matches('/');
@@ -65,7 +65,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
 }
 
 /// One channel for each layer; what `mask` leaves out was not measured.
-fn layers(header: &Header, mut samples: Vec<f64>, mask: Option<Vec<u8>>) -> Result<Vec<Channel<'static>>> {
+fn layers(header: &X3pHeader, mut samples: Vec<f64>, mask: Option<Vec<u8>>) -> Result<Vec<Channel<'static>>> {
     if let Some(mask) = mask {
         if mask.len() < samples.len().div_ceil(8) {
             return Err(damaged("its mask is shorter than its data"));
@@ -92,7 +92,7 @@ fn layers(header: &Header, mut samples: Vec<f64>, mask: Option<Vec<u8>>) -> Resu
 }
 
 /// What the description says.
-struct Header {
+struct X3pHeader {
     size: [usize; 2],
     layers: usize,
     spacing: [Option<f64>; 2],
@@ -101,7 +101,7 @@ struct Header {
     scale: [f64; 2],
 }
 
-impl Header {
+impl X3pHeader {
     fn read(root: Node) -> Result<Self> {
         let axis = |axis: &str, entry: &str| {
             at(root, &["Record1", "Axes", axis, entry])
@@ -163,7 +163,7 @@ fn at<'a>(node: Node<'a, 'a>, path: &[&str]) -> Option<Node<'a, 'a>> {
 }
 
 /// The heights in the description itself. An empty entry was not measured; of several numbers in one, the last is the height.
-fn listed(root: Node, header: &Header, count: usize) -> Result<Vec<f64>> {
+fn listed(root: Node, header: &X3pHeader, count: usize) -> Result<Vec<f64>> {
     let list = at(root, &["Record3", "DataList"]).ok_or_else(|| damaged("its description names no data"))?;
     let mut samples = Vec::new();
     for datum in list.children().filter(|c| c.tag_name().name() == "Datum") {

@@ -27,7 +27,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     }
     let points = table.numbers.len() / 3;
     memory::ensure_room(points as u64 * 3 * 8, "the points of a grid")?;
-    let axis = |i: usize| Axis::of(table.numbers.iter().skip(i).step_by(3).copied().collect());
+    let axis = |i: usize| XyzAxis::of(table.numbers.iter().skip(i).step_by(3).copied().collect());
     let [x, y] = [axis(0)?, axis(1)?];
     let size = size(x.count as u64, y.count as u64)?;
     let nodes = size[0] * size[1];
@@ -59,14 +59,14 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
 }
 
 /// Places along one axis: `count` of them, `step` apart.
-struct Axis {
+struct XyzAxis {
     low: f64,
     /// 0 where there is one place only.
     step: f64,
     count: usize,
 }
 
-impl Axis {
+impl XyzAxis {
     fn of(mut coordinates: Vec<f64>) -> Result<Self> {
         if coordinates.iter().any(|x| !x.is_finite()) {
             return Err(damaged("a coordinate is no number"));

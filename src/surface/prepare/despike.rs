@@ -79,7 +79,7 @@ fn large_step(field: &HeightField) -> f64 {
 mod tests {
     use super::*;
     use crate::surface::prepare::tests::field;
-    use crate::surface::synth::{Kind, Spec, generate};
+    use crate::surface::synth::{Spec, SurfaceKind, generate};
 
     #[test]
     fn a_spike_of_one_sample_is_replaced_and_nothing_else_moves() {
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn surfaces_without_spikes_keep_every_height() {
-        for kind in Kind::ALL {
+        for kind in SurfaceKind::ALL {
             let surface = generate(&Spec { patch: Some([10.0; 2]), ..Spec::new(kind) }).unwrap();
             assert_eq!(apply(&surface).unwrap(), surface, "{kind:?}: crests and walls are no spikes");
         }

@@ -1,6 +1,6 @@
 //! Streaks: runs of samples along a row that differ from the rows above and below, where the probe lost the surface for a moment.
 //!
-//! Offsets of whole rows are [`super::Level::Rows`]' matter. A surface whose own grooves run along the rows and are one to three samples
+//! Offsets of whole rows are [`super::Levelling::Rows`]' matter. A surface whose own grooves run along the rows and are one to three samples
 //! wide has such runs everywhere: leave this step out for it.
 
 use crate::error::Result;
@@ -110,7 +110,7 @@ impl Streak<'_> {
 mod tests {
     use super::*;
     use crate::surface::prepare::tests::field;
-    use crate::surface::synth::{Kind, Spec, generate};
+    use crate::surface::synth::{Spec, SurfaceKind, generate};
 
     #[test]
     fn a_streak_is_replaced_by_what_is_beside_it_and_nothing_else_moves() {
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn surfaces_without_streaks_keep_every_height() {
-        for kind in Kind::ALL {
+        for kind in SurfaceKind::ALL {
             let surface = generate(&Spec { patch: Some([10.0; 2]), ..Spec::new(kind) }).unwrap();
             assert_eq!(apply(&surface).unwrap(), surface, "{kind:?}");
         }

@@ -82,7 +82,7 @@ fn most_frequent(slopes: &[[f64; 2]]) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use crate::surface::prepare::tests::{difference, field};
-    use crate::surface::prepare::{Level, Step};
+    use crate::surface::prepare::{Levelling, PreparationStep};
 
     /// Terraces 1 µm wide, each 50 nm above the one before.
     fn staircase(x: f64) -> f64 {
@@ -92,9 +92,9 @@ mod tests {
     #[test]
     fn the_terraces_of_a_tilted_staircase_become_horizontal() {
         let tilted = field(100, 30, |x, y| staircase(x) + 0.02 * x - 0.01 * y);
-        let flat = field(100, 30, |x, _| staircase(x)).levelled(Level::Mean).unwrap();
-        assert!(difference(&tilted.levelled(Level::Facet).unwrap(), &flat) < 1e-9);
-        let by_plane = tilted.levelled(Level::Plane).unwrap();
+        let flat = field(100, 30, |x, _| staircase(x)).levelled(Levelling::Mean).unwrap();
+        assert!(difference(&tilted.levelled(Levelling::Facet).unwrap(), &flat) < 1e-9);
+        let by_plane = tilted.levelled(Levelling::Plane).unwrap();
         assert!(difference(&by_plane, &flat) > 0.1, "the plane of least squares follows the steps");
     }
 
@@ -102,7 +102,7 @@ mod tests {
     fn a_plane_vanishes_and_a_line_is_levelled_along_itself() {
         for (columns, rows) in [(30, 20), (30, 1), (1, 20), (1, 1)] {
             let plane = field(columns, rows, |x, y| 4.0 + 0.3 * x + 0.2 * y);
-            let left = Step::Level(Level::Facet).apply(&plane).unwrap();
+            let left = PreparationStep::Level(Levelling::Facet).apply(&plane).unwrap();
             assert!(left.heights().iter().all(|h| h.abs() < 1e-13), "{columns} x {rows}");
         }
     }

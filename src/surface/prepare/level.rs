@@ -7,7 +7,7 @@ use std::fmt;
 
 /// What is subtracted from a height field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Level {
+pub enum Levelling {
     /// Nothing.
     #[default]
     None,
@@ -15,7 +15,7 @@ pub enum Level {
     Mean,
     /// The plane of least squares through all heights.
     Plane,
-    /// The polynomial of least squares of this total degree in `x` and `y`, 1 … [`Level::MAX_DEGREE`]: a scanner's bow.
+    /// The polynomial of least squares of this total degree in `x` and `y`, 1 … [`Levelling::MAX_DEGREE`]: a scanner's bow.
     Polynomial(u8),
     /// The mean of each row: offsets between scan lines.
     Rows,
@@ -25,8 +25,8 @@ pub enum Level {
     Facet,
 }
 
-impl Level {
-    /// The largest degree of [`Level::Polynomial`]. Higher ones follow the structure itself.
+impl Levelling {
+    /// The largest degree of [`Levelling::Polynomial`]. Higher ones follow the structure itself.
     pub const MAX_DEGREE: u8 = 12;
 
     /// The choice that `text` names.
@@ -60,7 +60,7 @@ impl Level {
     }
 }
 
-impl fmt::Display for Level {
+impl fmt::Display for Levelling {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::None => f.write_str("none"),
@@ -79,15 +79,15 @@ impl HeightField {
     ///
     /// # Errors
     /// Heights so large that their sums are not finite numbers.
-    pub fn levelled(&self, level: Level) -> Result<Self> {
+    pub fn levelled(&self, level: Levelling) -> Result<Self> {
         match level {
-            Level::None => Ok(self.clone()),
-            Level::Mean => polynomial::subtract(self, 0),
-            Level::Plane => polynomial::subtract(self, 1),
-            Level::Polynomial(degree) => polynomial::subtract(self, usize::from(degree)),
-            Level::Rows => rows::subtract(self, rows::mean),
-            Level::RowsMedian => rows::subtract(self, rows::median),
-            Level::Facet => facet::level(self),
+            Levelling::None => Ok(self.clone()),
+            Levelling::Mean => polynomial::subtract(self, 0),
+            Levelling::Plane => polynomial::subtract(self, 1),
+            Levelling::Polynomial(degree) => polynomial::subtract(self, usize::from(degree)),
+            Levelling::Rows => rows::subtract(self, rows::mean),
+            Levelling::RowsMedian => rows::subtract(self, rows::median),
+            Levelling::Facet => facet::level(self),
         }
     }
 }
@@ -104,17 +104,17 @@ mod tests {
     #[test]
     fn a_plane_is_taken_away_to_rounding() {
         let tilted = field(33, 20, |x, y| 5.0 + 0.3 * x - 0.2 * y);
-        assert!(largest(&tilted.levelled(Level::Plane).unwrap()) < 1e-14);
-        assert!(largest(&tilted.levelled(Level::Mean).unwrap()) > 0.1);
-        assert_eq!(tilted.levelled(Level::None).unwrap(), tilted);
+        assert!(largest(&tilted.levelled(Levelling::Plane).unwrap()) < 1e-14);
+        assert!(largest(&tilted.levelled(Levelling::Mean).unwrap()) > 0.1);
+        assert_eq!(tilted.levelled(Levelling::None).unwrap(), tilted);
     }
 
     #[test]
     fn the_plane_leaves_what_is_orthogonal_to_it() {
         let ridge = |x: f64, _: f64| (x * 7.0).cos();
-        let bare = field(33, 20, ridge).levelled(Level::Mean).unwrap();
+        let bare = field(33, 20, ridge).levelled(Levelling::Mean).unwrap();
         let tilted =
-            field(33, 20, |x, y| ridge(x, y) + 1.0 + 0.4 * x + 0.1 * y).levelled(Level::Plane).unwrap();
+            field(33, 20, |x, y| ridge(x, y) + 1.0 + 0.4 * x + 0.1 * y).levelled(Levelling::Plane).unwrap();
         let worst =
             bare.heights().iter().zip(tilted.heights()).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
         assert!(worst < 1e-13, "{worst}");
@@ -124,13 +124,13 @@ mod tests {
     fn a_single_sample_row_or_column_levels_to_zero() {
         for (columns, rows) in [(1, 1), (1, 9), (9, 1)] {
             let line = field(columns, rows, |x, y| 2.0 + x + y);
-            assert!(largest(&line.levelled(Level::Plane).unwrap()) < 1e-14);
+            assert!(largest(&line.levelled(Levelling::Plane).unwrap()) < 1e-14);
         }
     }
 
     #[test]
     fn heights_too_large_to_sum_are_an_error() {
         let huge = HeightField::new(2, 1, [1.0; 2], vec![f64::MAX; 2]).unwrap();
-        assert!(huge.levelled(Level::Mean).is_err());
+        assert!(huge.levelled(Levelling::Mean).is_err());
     }
 }

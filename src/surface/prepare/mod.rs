@@ -1,8 +1,8 @@
 //! Preparing a height field: levelling, cleaning, cutting, and making its edges meet.
 //!
-//! A [`Step`] is one operation with its settings. Steps are applied in the order in which the user names them, each to the result of the
+//! A [`PreparationStep`] is one operation with its settings. Steps are applied in the order in which the user names them, each to the result of the
 //! one before. A step has the same words on the command line, in scene files (`"level plane"`) and in the record of what
-//! was done, and [`Step::parse`] reads what [`Step`]'s `Display` writes: the record repeats the preparation.
+//! was done, and [`PreparationStep::parse`] reads what [`PreparationStep`]'s `Display` writes: the record repeats the preparation.
 
 mod crop;
 mod despike;
@@ -21,7 +21,7 @@ mod tip;
 mod words;
 
 pub use crop::Crop;
-pub use level::Level;
+pub use level::Levelling;
 pub use rotate::Rotation;
 pub use tile::Tile;
 pub use words::WORDS;
@@ -32,9 +32,9 @@ use crate::memory;
 
 /// One operation on a height field. Lengths are micrometres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Step {
+pub enum PreparationStep {
     /// Subtracts an offset, a tilt, a bow, or the offsets of the scan lines.
-    Level(Level),
+    Level(Levelling),
     /// Replaces single samples that stand far out of their neighbours.
     Despike,
     /// Replaces streaks along rows: runs of samples that differ from the rows above and below.
@@ -55,7 +55,7 @@ pub enum Step {
     Invert,
 }
 
-impl Step {
+impl PreparationStep {
     /// The field after this step.
     ///
     /// # Errors
@@ -83,24 +83,24 @@ impl Step {
 
     /// Whether the step leaves every field as it is.
     pub fn is_nothing(&self) -> bool {
-        *self == Self::Level(Level::None)
+        *self == Self::Level(Levelling::None)
     }
 }
 
 /// The field after all `steps`, in their order.
 ///
 /// # Errors
-/// As [`Step::apply`]; names the step.
-pub fn apply_all(field: HeightField, steps: &[Step]) -> Result<HeightField> {
+/// As [`PreparationStep::apply`]; names the step.
+pub fn apply_all(field: HeightField, steps: &[PreparationStep]) -> Result<HeightField> {
     steps.iter().try_fold(field, |field, step| step.apply(&field))
 }
 
 /// The steps in words, as scene files list them: `level plane, crop 40um`; `none` where there are none.
-pub fn describe(steps: &[Step]) -> String {
+pub fn describe(steps: &[PreparationStep]) -> String {
     if steps.is_empty() {
         return "none".to_owned();
     }
-    steps.iter().map(Step::to_string).collect::<Vec<_>>().join(", ")
+    steps.iter().map(PreparationStep::to_string).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
@@ -123,7 +123,8 @@ mod tests {
     #[test]
     fn steps_act_in_their_order() {
         let slope = field(40, 40, |x, _| x * x);
-        let parse = |all: &[&str]| all.iter().map(|text| Step::parse(text).unwrap()).collect::<Vec<_>>();
+        let parse =
+            |all: &[&str]| all.iter().map(|text| PreparationStep::parse(text).unwrap()).collect::<Vec<_>>();
         let [first, second] = [["level mean", "crop 1um"], ["crop 1um", "level mean"]]
             .map(|steps| apply_all(slope.clone(), &parse(&steps)).unwrap());
         let mean = |f: &HeightField| f.heights().iter().sum::<f64>() / f.heights().len() as f64;
@@ -140,7 +141,7 @@ mod tests {
         for (columns, rows) in [(1, 1), (1, 7), (7, 1), (2, 2), (3, 3)] {
             let small = field(columns, rows, |x, y| x + y);
             for text in words::EXAMPLES {
-                match Step::parse(text).unwrap().apply(&small) {
+                match PreparationStep::parse(text).unwrap().apply(&small) {
                     Ok(field) => assert!(field.heights().iter().all(|h| h.is_finite()), "{text}"),
                     Err(e) => assert!(e.to_string().contains("; "), "{text}: {e}"),
                 }
@@ -150,7 +151,11 @@ mod tests {
 
     #[test]
     fn an_error_names_its_step() {
-        let e = Step::parse("crop 40um").unwrap().apply(&field(4, 4, |x, _| x)).unwrap_err().to_string();
+        let e = PreparationStep::parse("crop 40um")
+            .unwrap()
+            .apply(&field(4, 4, |x, _| x))
+            .unwrap_err()
+            .to_string();
         assert!(e.starts_with("crop 40um: "), "{e}");
     }
 }

@@ -136,12 +136,12 @@ fn inscribed(size: [f64; 2], angle: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::prepare::Step;
+    use crate::surface::prepare::PreparationStep;
     use crate::surface::prepare::tests::{difference, field};
     use std::f64::consts::TAU;
 
     fn rotate(text: &str, field: &HeightField) -> HeightField {
-        Step::parse(&format!("rotate {text}")).unwrap().apply(field).unwrap()
+        PreparationStep::parse(&format!("rotate {text}")).unwrap().apply(field).unwrap()
     }
 
     #[test]
@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn a_surface_without_grooves_asks_for_the_angle() {
-        let e = Step::parse("rotate auto").unwrap().apply(&field(60, 60, |x, y| x * x + y)).err();
+        let e = PreparationStep::parse("rotate auto").unwrap().apply(&field(60, 60, |x, y| x * x + y)).err();
         assert!(e.as_ref().is_some_and(|e| e.to_string().contains("rotate auto: no grooves")), "{e:?}");
     }
 }

@@ -40,7 +40,7 @@ pub(super) fn median(row: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::prepare::Level;
+    use crate::surface::prepare::Levelling;
     use crate::surface::prepare::tests::{difference, field};
 
     /// Ridges across the rows, each row with an offset of its own where there is one.
@@ -51,7 +51,7 @@ mod tests {
 
     #[test]
     fn offsets_of_rows_vanish_and_the_ridges_stay() {
-        for level in [Level::Rows, Level::RowsMedian] {
+        for level in [Levelling::Rows, Levelling::RowsMedian] {
             let [clean, streaky] = [0.0, 0.7].map(|offset| ridges(offset).levelled(level).unwrap());
             assert!(difference(&clean, &ridges(0.7)) > 0.1);
             assert!(difference(&clean, &streaky) < 1e-14, "{level}");
@@ -63,8 +63,8 @@ mod tests {
         let mut heights = vec![0.0; 9];
         heights[4] = 9.0;
         let particle = HeightField::new(9, 1, [0.1; 2], heights).unwrap();
-        assert_eq!(particle.levelled(Level::Rows).unwrap().row(0)[0], -1.0);
-        assert_eq!(particle.levelled(Level::RowsMedian).unwrap(), particle);
+        assert_eq!(particle.levelled(Levelling::Rows).unwrap().row(0)[0], -1.0);
+        assert_eq!(particle.levelled(Levelling::RowsMedian).unwrap(), particle);
     }
 
     #[test]

@@ -152,13 +152,14 @@ impl Crossfade {
 mod tests {
     use super::*;
     use crate::surface::prepare::tests::field;
-    use crate::surface::synth::{Kind, Spec, generate};
+    use crate::surface::synth::{Spec, SurfaceKind, generate};
     use crate::surface::tiling::{Verdict, tiles};
 
     /// A part of a skin, cut where nothing meets.
     fn part() -> HeightField {
-        let skin = generate(&Spec { patch: Some([20.0; 2]), seed: 4, ..Spec::new(Kind::Elaphe) }).unwrap();
-        crate::surface::prepare::Step::parse("crop 13.3umx12.1um").unwrap().apply(&skin).unwrap()
+        let skin =
+            generate(&Spec { patch: Some([20.0; 2]), seed: 4, ..Spec::new(SurfaceKind::Elaphe) }).unwrap();
+        crate::surface::prepare::PreparationStep::parse("crop 13.3umx12.1um").unwrap().apply(&skin).unwrap()
     }
 
     #[test]

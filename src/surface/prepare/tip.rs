@@ -25,7 +25,7 @@ pub(super) fn apply(field: &HeightField, radius: f64) -> Result<HeightField> {
         let bend = spacing * spacing / (2.0 * radius);
         lines
             .par_chunks_mut(length)
-            .for_each_init(Envelope::default, |envelope, line| envelope.erode(line, bend));
+            .for_each_init(ParabolaEnvelope::default, |envelope, line| envelope.erode(line, bend));
     };
     let mut heights = field.heights().to_vec();
     along(&mut heights, columns, dx);
@@ -36,13 +36,13 @@ pub(super) fn apply(field: &HeightField, radius: f64) -> Result<HeightField> {
 
 /// The lower envelope of parabolas that stand at the samples of a line.
 #[derive(Default)]
-struct Envelope {
+struct ParabolaEnvelope {
     line: Vec<f64>,
     /// The samples whose parabolas are seen from below, and where each begins to be.
     seen: Vec<(usize, f64)>,
 }
 
-impl Envelope {
+impl ParabolaEnvelope {
     /// Replaces each height `h_i` of `line` by min_j h_j + `bend` (i − j)².
     fn erode(&mut self, line: &mut [f64], bend: f64) {
         self.line.clear();

@@ -1,6 +1,6 @@
 //! Steps in words: `level plane`, `crop 40umx20um`, `invert`.
 
-use super::{Crop, Level, Rotation, Step, Tile};
+use super::{Crop, Levelling, PreparationStep, Rotation, Tile};
 use crate::error::{Error, Result};
 use crate::units;
 use std::fmt;
@@ -45,7 +45,7 @@ pub(super) const EXAMPLES: [&str; 21] = [
     "invert",
 ];
 
-impl Step {
+impl PreparationStep {
     /// The step that `text` names, its word first: `level plane`.
     ///
     /// # Errors
@@ -59,14 +59,14 @@ impl Step {
     /// The step of `word` with `value`; `value` is empty where the step takes none.
     ///
     /// # Errors
-    /// As [`Step::parse`].
+    /// As [`PreparationStep::parse`].
     pub fn from_option(word: &str, value: &str) -> Result<Self> {
         let without = |step| {
             let refuse = || Error::usage(format!("`{word}` takes no value"), format!("write `{word}` alone"));
             value.is_empty().then_some(step).ok_or_else(refuse)
         };
         match word {
-            "level" => Level::parse(value).map(Self::Level),
+            "level" => Levelling::parse(value).map(Self::Level),
             "despike" => without(Self::Despike),
             "destripe" => without(Self::Destripe),
             "deconvolve-tip" => units::length(value).map(Self::DeconvolveTip),
@@ -84,7 +84,7 @@ impl Step {
     }
 }
 
-impl fmt::Display for Step {
+impl fmt::Display for PreparationStep {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Level(level) => write!(f, "level {level}"),
@@ -138,12 +138,12 @@ mod tests {
     #[test]
     fn what_is_written_is_read_again() {
         for text in EXAMPLES {
-            let step = Step::parse(text).unwrap();
+            let step = PreparationStep::parse(text).unwrap();
             assert_eq!(step.to_string(), text);
-            assert_eq!(Step::parse(&step.to_string()).unwrap(), step);
+            assert_eq!(PreparationStep::parse(&step.to_string()).unwrap(), step);
         }
-        assert_eq!(Step::parse("  crop   40um ").unwrap().to_string(), "crop 40um");
-        assert_eq!(Step::parse("taper 0.5mm").unwrap().to_string(), "taper 500um");
+        assert_eq!(PreparationStep::parse("  crop   40um ").unwrap().to_string(), "crop 40um");
+        assert_eq!(PreparationStep::parse("taper 0.5mm").unwrap().to_string(), "taper 500um");
     }
 
     #[test]
@@ -151,8 +151,8 @@ mod tests {
         let mut random = Random::new(2);
         for _ in 0..1000 {
             let length = 10f64.powf(4.0 * random.signed());
-            let step = Step::Resample([length, 1.0]);
-            assert_eq!(Step::parse(&step.to_string()).unwrap(), step, "{step}");
+            let step = PreparationStep::Resample([length, 1.0]);
+            assert_eq!(PreparationStep::parse(&step.to_string()).unwrap(), step, "{step}");
         }
     }
 
@@ -216,7 +216,7 @@ mod tests {
             "tile blend:0um",
             "tile mirror:5um",
         ] {
-            let e = Step::parse(text).unwrap_err();
+            let e = PreparationStep::parse(text).unwrap_err();
             assert_eq!(e.exit_code(), 2, "{text}");
             assert!(e.to_string().contains("; "), "{text}: {e}");
         }

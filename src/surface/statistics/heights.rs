@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// Height parameters of ISO 25178-2:2021, section 4.2, about the mean height, and what the data look like.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Heights {
+pub struct HeightParameters {
     /// Lowest and highest height \[µm\].
     #[serde(rename = "range_m", serialize_with = "metres_of_both")]
     pub range: [f64; 2],
@@ -39,10 +39,10 @@ pub struct Heights {
 
 /// Standard deviations from the mean beyond which a sample counts as an outlier.
 const OUTLIER: f64 = 3.0;
-/// Share of the samples that is left out at each end of [`Heights::core_range`].
+/// Share of the samples that is left out at each end of [`HeightParameters::core_range`].
 pub(super) const CORE: f64 = 5e-4;
 
-impl Heights {
+impl HeightParameters {
     /// Measures the heights of `field`.
     pub fn of(field: &HeightField) -> Self {
         let heights = field.heights();
@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn a_sinusoid_has_its_closed_form_parameters() {
-        let h = Heights::of(&field(200, 40, |x, _| 3.0 + 0.2 * (TAU * x / 20.0).sin()));
+        let h = HeightParameters::of(&field(200, 40, |x, _| 3.0 + 0.2 * (TAU * x / 20.0).sin()));
         assert!((h.mean - 3.0).abs() < 1e-12);
         assert!((h.sq - 0.2 / 2_f64.sqrt()).abs() < 1e-12);
         assert!((h.sa - 0.2 * 2.0 / PI).abs() < 1e-4, "200 samples a period: {}", h.sa);
@@ -157,7 +157,7 @@ mod tests {
     #[test]
     fn a_pillar_on_a_plane_has_the_moments_of_two_heights() {
         // A share p at height 1, the rest at 0: Sq² = p(1 − p), Ssk = (1 − 2p)/Sq, Sku = 1/(p(1 − p)) − 3.
-        let h = Heights::of(&field(100, 10, |x, _| f64::from(u8::from(x < 0.95))));
+        let h = HeightParameters::of(&field(100, 10, |x, _| f64::from(u8::from(x < 0.95))));
         let p: f64 = 0.1;
         let variance = p * (1.0 - p);
         assert!((h.sq - variance.sqrt()).abs() < 1e-12);
@@ -168,11 +168,12 @@ mod tests {
 
     #[test]
     fn levels_and_outliers_are_counted() {
-        let steps = Heights::of(&field(100, 10, |x, _| (x / 2.5 + 1e-9).floor()));
+        let steps = HeightParameters::of(&field(100, 10, |x, _| (x / 2.5 + 1e-9).floor()));
         assert_eq!((steps.levels, steps.quantisation), (4, Some(1.0)));
-        let dusty = Heights::of(&field(100, 40, |x, y| if x == 0.0 && y == 0.0 { 9.0 } else { 0.0 }));
+        let dusty =
+            HeightParameters::of(&field(100, 40, |x, y| if x == 0.0 && y == 0.0 { 9.0 } else { 0.0 }));
         assert_eq!((dusty.outliers, dusty.core_range), (2.5e-4, 0.0));
-        let flat = Heights::of(&field(30, 30, |_, _| 0.3));
+        let flat = HeightParameters::of(&field(30, 30, |_, _| 0.3));
         assert_eq!((flat.levels, flat.outliers, flat.ssk, flat.sku), (1, 0.0, 0.0, 0.0));
     }
 
@@ -180,9 +181,9 @@ mod tests {
     fn a_step_of_quantisation_is_found_where_there_is_one() {
         let codes = |step: f64| field(64, 64, |x, y| 5.0 + step * (40.0 * (x + 2.0 * y).sin()).round());
         for step in [0.43472 / 255.0, 1e-4, 3.0] {
-            let found = Heights::of(&codes(step)).quantisation.unwrap();
+            let found = HeightParameters::of(&codes(step)).quantisation.unwrap();
             assert!((found / step - 1.0).abs() < 1e-9, "{found} and not {step}");
         }
-        assert_eq!(Heights::of(&field(64, 64, |x, y| (x + 2.0 * y).sin())).quantisation, None);
+        assert_eq!(HeightParameters::of(&field(64, 64, |x, y| (x + 2.0 * y).sin())).quantisation, None);
     }
 }

@@ -12,7 +12,7 @@ pub mod slopes;
 pub mod spectrum;
 mod texture;
 
-pub use heights::{Heights, deviation, mean};
+pub use heights::{HeightParameters, deviation, mean};
 pub use line_periods::line_periods;
 pub use notes::notes;
 pub(in crate::surface) use periods::wave_vector;
@@ -25,7 +25,7 @@ use super::si::{metres, metres_of_both, metres_of_some, per_metre_of_both};
 use super::tiling::{Tiling, tiles};
 use crate::error::Result;
 use serde::Serialize;
-use spectrum::Spectrum;
+use spectrum::SurfaceSpectrum;
 
 /// The numbers of `surface info`. Serialised, lengths are metres and angles degrees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -37,7 +37,7 @@ pub struct Statistics {
     #[serde(rename = "largest_frequency_per_m", serialize_with = "per_metre_of_both")]
     pub largest_frequency: [f64; 2],
     /// The height distribution.
-    pub heights: Heights,
+    pub heights: HeightParameters,
     /// The slope distribution.
     pub slopes: Slopes,
     /// Autocorrelation length and direction.
@@ -66,11 +66,11 @@ impl Statistics {
     pub fn of(field: &HeightField) -> Result<Self> {
         let [dx, dy] = field.pixel_size();
         let part = spectrum::analysed_part(field);
-        let power = Spectrum::windowed(&part)?;
+        let power = SurfaceSpectrum::windowed(&part)?;
         Ok(Self {
             patch: field.patch_size(),
             largest_frequency: [0.5 / dx, 0.5 / dy],
-            heights: Heights::of(field),
+            heights: HeightParameters::of(field),
             slopes: Slopes::of(field),
             texture: Texture::of(&part, &power)?,
             periods: dominant_periods(&part, &power)?,

@@ -3,7 +3,7 @@
 use super::Statistics;
 use super::heights::{CORE, core_range};
 use crate::error::Result;
-use crate::surface::{HeightField, Level};
+use crate::surface::{HeightField, Levelling};
 
 /// A range this many times that of almost all samples is set by dust.
 const DUSTY: f64 = 1.25;
@@ -49,7 +49,7 @@ fn dust(statistics: &Statistics) -> Option<String> {
 /// Levelling by a plane narrows the range of a tilted scan, unless a few samples set it that stand out elsewhere.
 fn levelling(field: &HeightField, statistics: &Statistics) -> Result<Option<String>> {
     let [low, high] = statistics.heights.range;
-    let levelled = field.levelled(Level::Plane)?;
+    let levelled = field.levelled(Levelling::Plane)?;
     let (lowest, highest) = levelled.range();
     let dusty = highest - lowest > DUSTY * core_range(levelled.heights());
     Ok((dusty && highest - lowest > RAISED * (high - low)).then(|| {

@@ -1,6 +1,6 @@
 //! The periods that stand out of the power spectrum of a field, with their directions and their uncertainty.
 
-use super::spectrum::Spectrum;
+use super::spectrum::SurfaceSpectrum;
 use crate::error::Result;
 use crate::surface::HeightField;
 use crate::surface::si::{metres, metres_of_option};
@@ -47,7 +47,7 @@ const NEAR: f64 = 0.25;
 ///
 /// # Errors
 /// Where the memory does not hold the spectra of half fields.
-pub fn dominant_periods(field: &HeightField, spectrum: &Spectrum) -> Result<Vec<Period>> {
+pub fn dominant_periods(field: &HeightField, spectrum: &SurfaceSpectrum) -> Result<Vec<Period>> {
     let peaks = peaks(field, spectrum);
     if peaks.is_empty() {
         return Ok(Vec::new());
@@ -56,7 +56,7 @@ pub fn dominant_periods(field: &HeightField, spectrum: &Spectrum) -> Result<Vec<
     let mut asked = 0;
     for half in halves(field) {
         asked += 1;
-        let spectrum = Spectrum::windowed(&half?)?;
+        let spectrum = SurfaceSpectrum::windowed(&half?)?;
         for (peak, found) in peaks.iter().zip(&mut in_halves) {
             let near = |f: [f64; 2]| distance(f, peak.frequency) < NEAR * length(peak.frequency);
             if let Some((place, _)) = strongest(&spectrum, near) {
@@ -80,12 +80,12 @@ pub fn dominant_periods(field: &HeightField, spectrum: &Spectrum) -> Result<Vec<
 /// Where the memory does not hold the spectrum.
 pub(in crate::surface) fn wave_vector(field: &HeightField) -> Result<Option<[f64; 2]>> {
     let part = super::spectrum::analysed_part(field);
-    let spectrum = Spectrum::windowed(&part)?;
+    let spectrum = SurfaceSpectrum::windowed(&part)?;
     Ok(peaks(&part, &spectrum).first().map(|peak| peak.frequency))
 }
 
 /// A peak of the spectrum.
-struct Peak {
+struct SpectralPeak {
     /// Refined between the bins \[1/µm\]; `f_x ≥ 0`, apart from the refinement.
     frequency: [f64; 2],
     /// Amplitude of the sinusoid \[µm\].
@@ -101,12 +101,12 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1]).min((a[0] + b[0]).hypot(a[1] + b[1]))
 }
 
-fn peaks(field: &HeightField, spectrum: &Spectrum) -> Vec<Peak> {
+fn peaks(field: &HeightField, spectrum: &SurfaceSpectrum) -> Vec<SpectralPeak> {
     // Rounding leaves this much of the heights behind.
     let (low, high) = field.range();
     let rounding = (1e-12 * low.abs().max(high.abs())).powi(2);
     let bin = (1.0 / spectrum.patch[0]).max(1.0 / spectrum.patch[1]);
-    let mut found: Vec<Peak> = Vec::new();
+    let mut found: Vec<SpectralPeak> = Vec::new();
     let mut first_power = 0.0;
     while found.len() < MOST {
         let free = |f: [f64; 2]| {
@@ -118,14 +118,20 @@ fn peaks(field: &HeightField, spectrum: &Spectrum) -> Vec<Peak> {
         if power <= rounding || power < STRONG * first_power || power < CLEAR * spectrum.background(f) {
             break;
         }
-        found.push(Peak { frequency: refined(spectrum, place), amplitude: amplitude(spectrum, place) });
+        found.push(SpectralPeak {
+            frequency: refined(spectrum, place),
+            amplitude: amplitude(spectrum, place),
+        });
     }
     found
 }
 
 /// The place of the strongest frequency that is `allowed`, of at least [`FEWEST_CYCLES`] over the field and stronger than those around it,
 /// and its power. The flank of something longer is no period.
-fn strongest(spectrum: &Spectrum, allowed: impl Fn([f64; 2]) -> bool + Sync) -> Option<([usize; 2], f64)> {
+fn strongest(
+    spectrum: &SurfaceSpectrum,
+    allowed: impl Fn([f64; 2]) -> bool + Sync,
+) -> Option<([usize; 2], f64)> {
     use rayon::prelude::*;
     let of_column = |i: usize| {
         let candidates = (0..spectrum.samples[1]).filter_map(|j| {
@@ -146,7 +152,7 @@ fn strongest(spectrum: &Spectrum, allowed: impl Fn([f64; 2]) -> bool + Sync) -> 
 }
 
 /// Whether no frequency beside `place` is stronger.
-fn is_summit(spectrum: &Spectrum, place: [usize; 2]) -> bool {
+fn is_summit(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> bool {
     let [i, j] = place.map(|n| n as isize);
     let here = spectrum.power(place[0], place[1]);
     let around = (-1..=1).flat_map(|di| (-1..=1).map(move |dj| (di, dj)));
@@ -158,7 +164,7 @@ fn is_summit(spectrum: &Spectrum, place: [usize; 2]) -> bool {
 /// For one sinusoid under a Hann window the ratio α of the amplitudes at the larger neighbour and at the peak gives the distance exactly,
 /// δ = (2α − 1)/(α + 1) [Grandke 1983, "Interpolation algorithms for discrete Fourier transforms of weighted signals"]; the window is a
 /// product, so that each axis has its own.
-fn refined(spectrum: &Spectrum, place: [usize; 2]) -> [f64; 2] {
+fn refined(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> [f64; 2] {
     let [i, j] = place.map(|n| n as isize);
     let at = |di: isize, dj: isize| spectrum.value(i + di, j + dj).norm();
     let offset = |below: f64, above: f64, peak: f64| {
@@ -176,7 +182,7 @@ fn refined(spectrum: &Spectrum, place: [usize; 2]) -> [f64; 2] {
 }
 
 /// Amplitude of the sinusoid whose power is that of the main lobe around `place`: A²/2 is twice the power of one sign's lobe.
-fn amplitude(spectrum: &Spectrum, place: [usize; 2]) -> f64 {
+fn amplitude(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> f64 {
     let [i, j] = place.map(|n| n as isize);
     let reach = |samples: usize| {
         let reach = (LOBE as isize).min((samples as isize - 1) / 2);
@@ -206,11 +212,11 @@ fn halves(field: &HeightField) -> impl Iterator<Item = Result<HeightField>> + '_
 ///
 /// A Hann window's transform at d bins is 1/(πd(d² − 1)) of its peak at the most. A share ε of the amplitude in each of the two
 /// bins that [`refined`] takes the ratio of moves the ratio by up to 2ε, and the peak by up to 1.5 times as many bins.
-fn leaked(spectrum: &Spectrum, peak: &Peak, peaks: &[Peak]) -> f64 {
+fn leaked(spectrum: &SurfaceSpectrum, peak: &SpectralPeak, peaks: &[SpectralPeak]) -> f64 {
     const BINS_PER_SHARE: f64 = 3.0;
     let bins = |f: [f64; 2]| (f[0] * spectrum.patch[0]).hypot(f[1] * spectrum.patch[1]);
     let [x, y] = peak.frequency;
-    let side_lobe = |other: &Peak, sign: f64| {
+    let side_lobe = |other: &SpectralPeak, sign: f64| {
         // Nearer than the main lobe nothing is told apart; the nearest bin of the peak is one nearer.
         let d = (bins([x - sign * other.frequency[0], y - sign * other.frequency[1]]) - 1.0).max(LOBE);
         other.amplitude / peak.amplitude / (PI * d * (d * d - 1.0))
@@ -222,7 +228,7 @@ fn leaked(spectrum: &Spectrum, peak: &Peak, peaks: &[Peak]) -> f64 {
 }
 
 /// A peak with the spread of `in_halves`, the frequencies that half fields have in its place, and the relative error `leaked` of its length.
-fn period(peak: &Peak, in_halves: &[[f64; 2]], leaked: f64) -> Period {
+fn period(peak: &SpectralPeak, in_halves: &[[f64; 2]], leaked: f64) -> Period {
     let [x, y] = peak.frequency;
     let direction = (y / x).atan().to_degrees(); // ±90 where x is 0
     let lengths: Vec<f64> = in_halves.iter().map(|f| 1.0 / length(*f)).collect();
@@ -253,7 +259,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     fn periods(field: &HeightField) -> Vec<Period> {
-        dominant_periods(field, &Spectrum::windowed(field).unwrap()).unwrap()
+        dominant_periods(field, &SurfaceSpectrum::windowed(field).unwrap()).unwrap()
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Heights and spectra reduced to what a picture shows, and their distribution.
 
-use super::spectrum::Spectrum;
+use super::spectrum::SurfaceSpectrum;
 use crate::surface::HeightField;
 
 /// Values on a grid, row by row from the top.
@@ -20,7 +20,7 @@ impl PlotGrid {
 
     /// The power density of `spectrum` \[nm² µm²\] over both halves, f from −`side` to `side` \[1/µm\] along both axes, averaged down until no side is
     /// longer than `most`.
-    pub fn of_power(spectrum: &Spectrum, side: f64, most: usize) -> Self {
+    pub fn of_power(spectrum: &SurfaceSpectrum, side: f64, most: usize) -> Self {
         let [columns, rows] = spectrum.samples;
         let cells = [0, 1].map(|axis| (2.0 * side * spectrum.patch[axis]).round().max(1.0) as usize);
         reduced(cells, most, |c, r| {
@@ -43,7 +43,7 @@ impl PlotGrid {
 
 /// How far a picture of a power spectrum reaches along each axis \[1/µm\]: as far as it is sampled, or as light of the wavelength `shortest` \[µm\] can
 /// see, |f| ≤ 2/λ, with room around.
-pub fn side_of_power(spectrum: &Spectrum, shortest: f64) -> f64 {
+pub fn side_of_power(spectrum: &SurfaceSpectrum, shortest: f64) -> f64 {
     let largest = [0, 1].map(|axis| spectrum.samples[axis] as f64 / 2.0 / spectrum.patch[axis]);
     largest[0].min(largest[1]).min(2.2 / shortest)
 }

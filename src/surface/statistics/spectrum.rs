@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::memory;
-use crate::surface::{HeightField, Level};
+use crate::surface::{HeightField, Levelling};
 use rayon::prelude::*;
 use rustfft::{FftPlanner, num_complex::Complex};
 use std::f64::consts::{LN_2, TAU};
@@ -15,13 +15,13 @@ const NOISE_BAND: f64 = 0.8;
 const FINE_BAND: f64 = 0.5;
 
 /// The power of heights over spatial frequency. Heights are real, so that the half with f_x ≥ 0 is kept.
-pub struct Spectrum {
+pub struct SurfaceSpectrum {
     /// Columns and rows of the field.
     pub samples: [usize; 2],
     /// Side lengths of the field \[µm\].
     pub patch: [f64; 2],
     /// The transform divided so that the squares of all frequencies, both halves, sum to the mean square height \[µm\]; for each f_x
-    /// all f_y, as [`Spectrum::frequency`] has them.
+    /// all f_y, as [`SurfaceSpectrum::frequency`] has them.
     transform: Vec<Complex<f64>>,
 }
 
@@ -37,13 +37,13 @@ pub fn analysed_part(field: &HeightField) -> std::borrow::Cow<'_, HeightField> {
     HeightField::new(columns, rows, field.pixel_size(), heights).map_or(Cow::Borrowed(field), Cow::Owned)
 }
 
-impl Spectrum {
+impl SurfaceSpectrum {
     /// The spectrum of `field` less its plane under a Hann window along each axis, in units of the mean square height.
     ///
     /// # Errors
     /// Where the memory does not hold it, and for heights whose sums are not finite numbers.
     pub fn windowed(field: &HeightField) -> Result<Self> {
-        let level = field.levelled(Level::Plane)?;
+        let level = field.levelled(Levelling::Plane)?;
         let [across, down] = [level.columns(), level.rows()].map(hann);
         Self::of(&level, |row, column| down[row] * across[column])
     }
@@ -51,9 +51,9 @@ impl Spectrum {
     /// The spectrum of `field` less its mean, as one period.
     ///
     /// # Errors
-    /// As [`Spectrum::windowed`].
+    /// As [`SurfaceSpectrum::windowed`].
     pub fn of_one_period(field: &HeightField) -> Result<Self> {
-        let level = field.levelled(Level::Mean)?;
+        let level = field.levelled(Levelling::Mean)?;
         Self::of(&level, |_, _| 1.0)
     }
 
@@ -293,9 +293,9 @@ mod tests {
     fn all_power_together_is_the_mean_square_height() {
         for (columns, rows) in [(32, 20), (33, 21)] {
             let f = noise(columns, rows, 0.5);
-            let spectrum = Spectrum::of_one_period(&f).unwrap();
+            let spectrum = SurfaceSpectrum::of_one_period(&f).unwrap();
             let all = spectrum.sum(|| 0.0, |sum, i, j, w| *sum += w * spectrum.power(i, j), |a, b| a + b);
-            let sq = super::super::Heights::of(&f).sq;
+            let sq = super::super::HeightParameters::of(&f).sq;
             assert!((all / (sq * sq) - 1.0).abs() < 1e-12, "{columns} x {rows}");
             assert_eq!(spectrum.value(-3, 2), spectrum.value(3, -2).conj());
         }
@@ -304,11 +304,11 @@ mod tests {
     #[test]
     fn white_noise_is_found_beside_a_grating_and_not_without_it() {
         let clean = field(256, 256, |x, _| 0.3 * (TAU * x / 0.8).sin());
-        assert!(Spectrum::windowed(&clean).unwrap().noise() < 1e-6);
+        assert!(SurfaceSpectrum::windowed(&clean).unwrap().noise() < 1e-6);
         let rough = noise(256, 256, 2e-3);
         let both = clean.heights().iter().zip(rough.heights()).map(|(a, b)| a + b).collect();
         let both = HeightField::new(256, 256, clean.pixel_size(), both).unwrap();
-        let found = Spectrum::windowed(&both).unwrap().noise();
+        let found = SurfaceSpectrum::windowed(&both).unwrap().noise();
         assert!((found / 2e-3 - 1.0).abs() < 0.03, "{found}");
     }
 
@@ -316,14 +316,14 @@ mod tests {
     fn structure_of_three_samples_a_period_is_undersampled_and_of_eight_is_not() {
         let share = |period: f64| {
             let wave = field(240, 60, |x, _| (TAU * x / 0.1 / period).sin());
-            Spectrum::windowed(&wave).unwrap().undersampled_share()
+            SurfaceSpectrum::windowed(&wave).unwrap().undersampled_share()
         };
         assert!(share(3.0) > 0.99 && share(8.0) < 1e-3, "{} {}", share(3.0), share(8.0));
     }
 
     #[test]
     fn the_radial_density_of_white_noise_is_flat_and_integrates_to_its_variance() {
-        let rings = Spectrum::windowed(&noise(200, 200, 0.1)).unwrap().radial();
+        let rings = SurfaceSpectrum::windowed(&noise(200, 200, 0.1)).unwrap().radial();
         // σ² over the area of the band, (1/0.1 µm)².
         let expected = 0.01 * 0.01;
         let outer = &rings[rings.len() / 2..];

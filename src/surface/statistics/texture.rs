@@ -1,9 +1,9 @@
 //! How heights at a distance are related: autocorrelation length and texture direction.
 
-use super::spectrum::{Spectrum, half_transform};
+use super::spectrum::{SurfaceSpectrum, half_transform};
 use crate::error::Result;
 use crate::surface::si::metres_of_option;
-use crate::surface::{HeightField, Level};
+use crate::surface::{HeightField, Levelling};
 use rayon::prelude::*;
 use rustfft::{FftPlanner, num_complex::Complex};
 use serde::Serialize;
@@ -32,7 +32,7 @@ impl Texture {
     ///
     /// # Errors
     /// Where the memory does not hold the autocorrelation.
-    pub fn of(field: &HeightField, spectrum: &Spectrum) -> Result<Self> {
+    pub fn of(field: &HeightField, spectrum: &SurfaceSpectrum) -> Result<Self> {
         let (low, high) = field.range();
         if low == high {
             return Ok(Self { sal: None, std: None }); // what rounding leaves has a direction, too
@@ -42,7 +42,7 @@ impl Texture {
 }
 
 /// The centre of the strongest bin of the angular amplitude density \[degrees\].
-fn direction(spectrum: &Spectrum) -> Option<f64> {
+fn direction(spectrum: &SurfaceSpectrum) -> Option<f64> {
     /// Below this many cycles over the field an angle is not resolved and the window's main lobe is in the way.
     const FEWEST_CYCLES: f64 = 3.0;
     let [columns, rows] = spectrum.samples;
@@ -79,7 +79,7 @@ struct Autocorrelation {
 impl Autocorrelation {
     /// By the transform of the field padded with zeros as far as the distances reach, so that nothing is taken for periodic.
     fn of(field: &HeightField) -> Result<Self> {
-        let level = field.levelled(Level::Mean)?;
+        let level = field.levelled(Levelling::Mean)?;
         let (columns, rows) = (field.columns(), field.rows());
         let reach = [columns / 4, rows / 4];
         let padded = [fast_length(columns + reach[0]), fast_length(rows + reach[1])];
@@ -230,7 +230,7 @@ mod tests {
         let mut random = Random::new(12);
         let heights: Vec<f64> = (0..20 * 15).map(|_| random.signed()).collect();
         let f = HeightField::new(20, 15, [0.1, 0.2], heights).unwrap();
-        let level = f.levelled(Level::Mean).unwrap();
+        let level = f.levelled(Levelling::Mean).unwrap();
         let found = Autocorrelation::of(&f).unwrap();
         let plain = |lag_x: isize, lag_y: usize| {
             let mut products = Vec::new();
@@ -254,7 +254,7 @@ mod tests {
         // The autocorrelation is cos(2π t/d): 0.2 at d·acos(0.2)/2π.
         // Of 200 periods, so that a part of one at the end hardly counts.
         let wave = field(4000, 8, |x, _| (TAU * x / 2.0).sin());
-        let texture = Texture::of(&wave, &Spectrum::windowed(&wave).unwrap()).unwrap();
+        let texture = Texture::of(&wave, &SurfaceSpectrum::windowed(&wave).unwrap()).unwrap();
         let expected = 2.0 * 0.2_f64.acos() / TAU;
         assert!((texture.sal.unwrap() / expected - 1.0).abs() < 3e-3, "{texture:?} and not {expected}");
     }
@@ -291,7 +291,7 @@ mod tests {
         for degrees in [0.0, 30.0, 77.0, 90.0, 135.0] {
             let (sin, cos) = f64::to_radians(degrees).sin_cos();
             let wave = field(200, 400, |x, y| (TAU * (x * cos - y * sin) / 0.9).sin());
-            let std = direction(&Spectrum::windowed(&wave).unwrap()).unwrap();
+            let std = direction(&SurfaceSpectrum::windowed(&wave).unwrap()).unwrap();
             let off = (std - degrees + 90.0).rem_euclid(180.0) - 90.0;
             assert!(off.abs() < 1.1, "{std} and not {degrees}");
         }
@@ -300,7 +300,7 @@ mod tests {
     #[test]
     fn flat_fields_have_neither_and_a_slope_does_not_decay() {
         let flat = field(40, 40, |_, _| 0.3);
-        let texture = Texture::of(&flat, &Spectrum::windowed(&flat).unwrap()).unwrap();
+        let texture = Texture::of(&flat, &SurfaceSpectrum::windowed(&flat).unwrap()).unwrap();
         assert_eq!(texture, Texture { sal: None, std: None });
         assert_eq!(Autocorrelation::of(&field(40, 40, |x, _| x)).unwrap().shortest_decay(), None);
     }

@@ -10,7 +10,7 @@
 //! hairline typically has 0.2 µm to 0.4 µm and No. 4 has 0.4 µm to 0.6 µm. A patch of 65 µm is too small for enough of
 //! their scratches. Pits, and the metal that a grain throws up beside its scratch, are left out.
 
-use super::grid::{Grid, to_full_height};
+use super::grid::{SampleGrid, to_full_height};
 use crate::error::Result;
 use crate::random::Random;
 use crate::surface::HeightField;
@@ -30,7 +30,7 @@ const SHALLOWEST: f64 = 0.4;
 const LEAN: f64 = 0.052;
 
 /// One scratch. Lengths are in µm, the depth is a share.
-struct Scratch {
+struct ScratchMark {
     middle: [f64; 2],
     half_length: f64,
     half_width: f64,
@@ -40,7 +40,7 @@ struct Scratch {
 }
 
 /// Scratches on `grid`, scaled in the plane to its mean distance along `x`, and to the full height \[µm\].
-pub(super) fn make(grid: &Grid, height: f64, seed: u64) -> Result<HeightField> {
+pub(super) fn make(grid: &SampleGrid, height: f64, seed: u64) -> Result<HeightField> {
     let patch = grid.patch();
     let scratches = scratch(patch, patch[0] / grid.periods[0] as f64, seed);
     let raw = grid.sample_lines(|y, line| {
@@ -52,7 +52,7 @@ pub(super) fn make(grid: &Grid, height: f64, seed: u64) -> Result<HeightField> {
 }
 
 /// Scratches that a line along `x` meets every `distance`, on average.
-fn scratch(patch: [f64; 2], distance: f64, seed: u64) -> Vec<Scratch> {
+fn scratch(patch: [f64; 2], distance: f64, seed: u64) -> Vec<ScratchMark> {
     let mut random = Random::new(seed);
     let mut scratches = Vec::new();
     let mut left = patch[0] * patch[1] / distance;
@@ -61,7 +61,7 @@ fn scratch(patch: [f64; 2], distance: f64, seed: u64) -> Vec<Scratch> {
         left -= length;
         let half_width = between(&mut random, HALF_WIDTH);
         let depth = SHALLOWEST + (1.0 - SHALLOWEST) * random.share();
-        scratches.push(Scratch {
+        scratches.push(ScratchMark {
             middle: patch.map(|side| side * random.share()),
             half_length: 0.5 * length,
             half_width: half_width * distance,
@@ -77,7 +77,7 @@ fn between(random: &mut Random, [least, most]: [f64; 2]) -> f64 {
     least * (most / least).powf(random.share())
 }
 
-impl Scratch {
+impl ScratchMark {
     /// Cuts the scratch, as often as it goes around the patch, into the `line` of samples at `y` \[µm\].
     fn cut(&self, patch: [f64; 2], y: f64, line: &mut [f64]) {
         let off = y - self.middle[1];
@@ -110,14 +110,18 @@ impl Scratch {
 
 #[cfg(test)]
 mod tests {
-    use crate::surface::statistics::{Heights, Slopes};
-    use crate::surface::synth::{Kind, Spec, generate};
+    use crate::surface::statistics::{HeightParameters, Slopes};
+    use crate::surface::synth::{Spec, SurfaceKind, generate};
 
     #[test]
     fn scratches_run_along_y() {
-        let field = generate(&Spec::new(Kind::Brushed)).unwrap();
+        let field = generate(&Spec::new(SurfaceKind::Brushed)).unwrap();
         let Slopes { rms, .. } = Slopes::of(&field);
         assert!(rms[0] > 20.0 * rms[1] && rms[1] > 0.0, "{rms:?}");
-        assert!((0.08..0.12).contains(&Heights::of(&field).sa), "{}", Heights::of(&field).sa);
+        assert!(
+            (0.08..0.12).contains(&HeightParameters::of(&field).sa),
+            "{}",
+            HeightParameters::of(&field).sa
+        );
     }
 }

@@ -17,14 +17,14 @@
 //! itself is not part of a height field. It leaves the directions of the orders in air as they are, but multiplies the
 //! phase by about its index: a height of 0.186 µm has the phase near the normal that 0.12 µm have under polycarbonate.
 
-use super::grid::Grid;
+use super::grid::SampleGrid;
 use super::smooth_step;
 use crate::error::{Error, Result};
 use crate::random::Random;
 use crate::surface::HeightField;
 
 /// The dimensions of one format \[µm\].
-pub(super) struct Format {
+pub(super) struct DiscFormat {
     /// Distance of neighbouring tracks.
     pitch: f64,
     /// Length of a channel bit, T.
@@ -35,8 +35,8 @@ pub(super) struct Format {
     pub(super) height: f64,
 }
 
-pub(super) const CD: Format = Format { pitch: 1.6, bit: 1.2 / 4.3218, width: 0.5, height: 0.12 };
-pub(super) const DVD: Format = Format { pitch: 0.74, bit: 0.1333, width: 0.32, height: 0.105 };
+pub(super) const CD: DiscFormat = DiscFormat { pitch: 1.6, bit: 1.2 / 4.3218, width: 0.5, height: 0.12 };
+pub(super) const DVD: DiscFormat = DiscFormat { pitch: 0.74, bit: 0.1333, width: 0.32, height: 0.105 };
 
 /// Shortest and longest pit or land, in channel bits.
 const SHORTEST: usize = 3;
@@ -53,7 +53,7 @@ const WALL: f64 = 0.1;
 /// Sample spacing that puts a sample on the middle of every wall \[µm\].
 pub(super) const SPACING: f64 = WALL / 2.0;
 
-impl Format {
+impl DiscFormat {
     /// What the patch holds a whole number of: tracks along `x`, shortest pits along `y`.
     pub(super) fn period(&self) -> [f64; 2] {
         [self.pitch, SHORTEST as f64 * self.bit]
@@ -64,7 +64,7 @@ impl Format {
 ///
 /// # Errors
 /// A patch too short for a pit and a land.
-pub(super) fn make(grid: &Grid, height: f64, seed: u64, format: &Format) -> Result<HeightField> {
+pub(super) fn make(grid: &SampleGrid, height: f64, seed: u64, format: &DiscFormat) -> Result<HeightField> {
     let [_, length] = grid.patch();
     let [_, shortest_runs] = grid.periods;
     if shortest_runs < 2 {
@@ -102,7 +102,7 @@ struct Pit {
 }
 
 impl Tracks {
-    fn write(grid: &Grid, seed: u64, format: &Format) -> Self {
+    fn write(grid: &SampleGrid, seed: u64, format: &DiscFormat) -> Self {
         let [width, length] = grid.patch();
         let [tracks, shortest_runs] = grid.periods;
         let pitch = width / tracks as f64;
@@ -185,7 +185,7 @@ fn run(random: &mut Random) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::synth::{Kind, Spec, generate};
+    use crate::surface::synth::{Spec, SurfaceKind, generate};
     use rustfft::num_complex::Complex64;
     use std::f64::consts::TAU;
 
@@ -209,7 +209,7 @@ mod tests {
 
     #[test]
     fn pits_and_lands_have_permitted_lengths_and_share_the_track() {
-        for (kind, format, width) in [(Kind::Cd, &CD, 0.5), (Kind::Dvd, &DVD, 0.32)] {
+        for (kind, format, width) in [(SurfaceKind::Cd, &CD, 0.5), (SurfaceKind::Dvd, &DVD, 0.32)] {
             let field = generate(&Spec::new(kind)).unwrap();
             let [dx, dy] = field.pixel_size();
             let half = 0.5 * format.height;
@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn the_strongest_frequency_across_the_tracks_is_one_cycle_a_track() {
-        for (kind, format) in [(Kind::Cd, &CD), (Kind::Dvd, &DVD)] {
+        for (kind, format) in [(SurfaceKind::Cd, &CD), (SurfaceKind::Dvd, &DVD)] {
             let field = generate(&Spec::new(kind)).unwrap();
             let columns = field.columns();
             let means: Vec<f64> = (0..columns)
@@ -272,7 +272,7 @@ mod tests {
 
     #[test]
     fn pits_are_up_and_no_wall_falls_between_two_samples() {
-        for (kind, format) in [(Kind::Cd, &CD), (Kind::Dvd, &DVD)] {
+        for (kind, format) in [(SurfaceKind::Cd, &CD), (SurfaceKind::Dvd, &DVD)] {
             let field = generate(&Spec::new(kind)).unwrap();
             assert_eq!(field.range(), (0.0, format.height), "{kind:?}");
             let up = field.heights().iter().filter(|h| **h > 0.5 * format.height).count();
@@ -286,10 +286,10 @@ mod tests {
 
     #[test]
     fn a_patch_without_room_for_a_pit_and_a_land_is_refused() {
-        let short = Spec { patch: Some([9.0, 0.9]), ..Spec::new(Kind::Cd) };
+        let short = Spec { patch: Some([9.0, 0.9]), ..Spec::new(SurfaceKind::Cd) };
         let e = generate(&short).unwrap_err();
         assert!(e.exit_code() == 2 && e.to_string().contains("a pit and a land"), "{e}");
         assert!(generate(&Spec { patch: Some([9.0, 1.7]), ..short }).is_ok());
-        assert!(generate(&Spec { period: Some(200.0), ..Spec::new(Kind::Dvd) }).is_err());
+        assert!(generate(&Spec { period: Some(200.0), ..Spec::new(SurfaceKind::Dvd) }).is_err());
     }
 }

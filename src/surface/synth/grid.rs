@@ -13,14 +13,14 @@ const FINE_ENOUGH: f64 = 0.095;
 const WHOLE: f64 = 1e-6;
 
 /// A patch of whole periods and its samples.
-pub(super) struct Grid {
+pub(super) struct SampleGrid {
     samples: [usize; 2],
     patch: [f64; 2],
     /// Periods in the patch; 0 along an axis without.
     pub(super) periods: [usize; 2],
 }
 
-impl Grid {
+impl SampleGrid {
     pub(super) fn new(spec: &Spec, dimensions: &Dimensions) -> Result<Self> {
         let mut grid = Self { samples: [0; 2], patch: [0.0; 2], periods: [0; 2] };
         for axis in 0..2 {

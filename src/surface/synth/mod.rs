@@ -13,11 +13,11 @@ mod waves;
 
 use super::HeightField;
 use crate::error::{Error, Result};
-use grid::Grid;
+use grid::SampleGrid;
 
 /// Which surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum SurfaceKind {
     /// A mirror: height 0.
     Flat,
     /// h = a sin(2πx/d), d = 2 µm, full height 2a = 0.2 µm.
@@ -44,9 +44,9 @@ pub enum Kind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spec {
     /// Which surface.
-    pub kind: Kind,
+    pub kind: SurfaceKind,
     /// Chooses among the many surfaces of one kind; the same seed is the same surface, bit for bit, on one platform. The
-    /// surfaces with a formula have one form only ([`Kind::is_random`]).
+    /// surfaces with a formula have one form only ([`SurfaceKind::is_random`]).
     pub seed: u64,
     /// Wished side lengths of the patch \[µm\]; the nearest whole periods are made.
     pub patch: Option<[f64; 2]>,
@@ -69,7 +69,7 @@ struct Dimensions {
     spacing: f64,
 }
 
-impl Kind {
+impl SurfaceKind {
     /// Every kind, from simple to rich.
     pub const ALL: [Self; 10] = [
         Self::Flat,
@@ -147,7 +147,7 @@ impl Dimensions {
 
 impl Spec {
     /// The default surface of `kind`.
-    pub fn new(kind: Kind) -> Self {
+    pub fn new(kind: SurfaceKind) -> Self {
         Self { kind, seed: 0, patch: None, pixel_size: None, period: None, height: None }
     }
 }
@@ -165,18 +165,18 @@ pub fn generate(spec: &Spec) -> Result<HeightField> {
         dimensions = dimensions.with_period(period);
     }
     let height = spec.height.unwrap_or(dimensions.height);
-    let grid = Grid::new(spec, &dimensions)?;
+    let grid = SampleGrid::new(spec, &dimensions)?;
     match spec.kind {
-        Kind::Flat => analytic::flat(&grid),
-        Kind::Sinusoid => analytic::sinusoid(&grid, height),
-        Kind::Blaze => analytic::blaze(&grid, height),
-        Kind::Bumps => analytic::bumps(&grid, height),
-        Kind::Elaphe => ridges::make(&grid, height, spec.seed, &ridges::ELAPHE),
-        Kind::Xenopeltis => ridges::make(&grid, height, spec.seed, &ridges::XENOPELTIS),
-        Kind::Cd => disc_tracks::make(&grid, height, spec.seed, &disc_tracks::CD),
-        Kind::Dvd => disc_tracks::make(&grid, height, spec.seed, &disc_tracks::DVD),
-        Kind::Brushed => brushed::make(&grid, height, spec.seed),
-        Kind::Tulip => tulip::make(&grid, height, spec.seed),
+        SurfaceKind::Flat => analytic::flat(&grid),
+        SurfaceKind::Sinusoid => analytic::sinusoid(&grid, height),
+        SurfaceKind::Blaze => analytic::blaze(&grid, height),
+        SurfaceKind::Bumps => analytic::bumps(&grid, height),
+        SurfaceKind::Elaphe => ridges::make(&grid, height, spec.seed, &ridges::ELAPHE),
+        SurfaceKind::Xenopeltis => ridges::make(&grid, height, spec.seed, &ridges::XENOPELTIS),
+        SurfaceKind::Cd => disc_tracks::make(&grid, height, spec.seed, &disc_tracks::CD),
+        SurfaceKind::Dvd => disc_tracks::make(&grid, height, spec.seed, &disc_tracks::DVD),
+        SurfaceKind::Brushed => brushed::make(&grid, height, spec.seed),
+        SurfaceKind::Tulip => tulip::make(&grid, height, spec.seed),
     }
 }
 
@@ -196,7 +196,7 @@ fn check(spec: &Spec) -> Result<()> {
             "give a length above zero",
         ));
     }
-    if spec.kind == Kind::Flat && (spec.period.is_some() || spec.height.is_some()) {
+    if spec.kind == SurfaceKind::Flat && (spec.period.is_some() || spec.height.is_some()) {
         return Err(Error::usage(
             "a flat surface has neither period nor height",
             "leave them out or take sinusoid",

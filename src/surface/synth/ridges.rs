@@ -6,7 +6,7 @@
 //! proportions follow cross-sections of an atomic force microscope scan (*Elaphe*); *Xenopeltis* is the same
 //! construction, longer and more regular. Dust, scratches and tilt are left out.
 
-use super::grid::{Grid, to_full_height};
+use super::grid::{SampleGrid, to_full_height};
 use super::smooth_step;
 use super::waves::Waves;
 use crate::error::Result;
@@ -96,13 +96,13 @@ struct Fingers<'a> {
 }
 
 /// The skin on `grid`, scaled to the full height \[µm\], its lowest point at 0.
-pub(super) fn make(grid: &Grid, height: f64, seed: u64, skin: &Skin) -> Result<HeightField> {
+pub(super) fn make(grid: &SampleGrid, height: f64, seed: u64, skin: &Skin) -> Result<HeightField> {
     let fingers = Fingers::grow(grid, seed, skin);
     to_full_height(&grid.sample(|x, y| fingers.height(x, y))?, height)
 }
 
 impl<'a> Fingers<'a> {
-    fn grow(grid: &Grid, seed: u64, skin: &'a Skin) -> Self {
+    fn grow(grid: &SampleGrid, seed: u64, skin: &'a Skin) -> Self {
         let [columns, rows] = grid.periods;
         let mut random = Random::new(seed);
         /// A wave that bends columns or rows is longer than this \[µm\].

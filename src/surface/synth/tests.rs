@@ -1,7 +1,7 @@
 use super::*;
 use crate::surface::statistics::line_periods;
 
-fn made(kind: Kind) -> HeightField {
+fn made(kind: SurfaceKind) -> HeightField {
     generate(&Spec::new(kind)).unwrap()
 }
 
@@ -25,15 +25,15 @@ fn steps(field: &HeightField) -> [[f64; 2]; 2] {
 
 #[test]
 fn every_name_means_its_kind() {
-    for kind in Kind::ALL {
-        assert_eq!(Kind::from_name(kind.name()), Some(kind));
+    for kind in SurfaceKind::ALL {
+        assert_eq!(SurfaceKind::from_name(kind.name()), Some(kind));
     }
-    assert_eq!(Kind::from_name("snake"), None);
+    assert_eq!(SurfaceKind::from_name("snake"), None);
 }
 
 #[test]
 fn every_surface_meets_itself_at_its_edges() {
-    for kind in Kind::ALL {
+    for kind in SurfaceKind::ALL {
         for [inside, seam] in steps(&made(kind)) {
             assert!(
                 seam <= inside * (1.0 + 1e-9) + 1e-15,
@@ -46,7 +46,7 @@ fn every_surface_meets_itself_at_its_edges() {
 
 #[test]
 fn the_seam_check_sees_a_patch_that_does_not_close() {
-    let whole = made(Kind::Sinusoid);
+    let whole = made(SurfaceKind::Sinusoid);
     let columns = whole.columns() - 7;
     let heights = (0..whole.rows()).flat_map(|row| whole.row(row)[..columns].to_vec()).collect();
     let cut = HeightField::new(columns, whole.rows(), whole.pixel_size(), heights).unwrap();
@@ -57,16 +57,16 @@ fn the_seam_check_sees_a_patch_that_does_not_close() {
 #[test]
 fn every_surface_has_its_published_height_and_spacing() {
     for (kind, height) in [
-        (Kind::Flat, 0.0),
-        (Kind::Sinusoid, 0.2),
-        (Kind::Blaze, 0.246_23 * 26.0 / 27.0), // 27 samples a period
-        (Kind::Bumps, 0.15),
-        (Kind::Elaphe, 0.43),
-        (Kind::Xenopeltis, 0.82),
-        (Kind::Cd, 0.12),
-        (Kind::Dvd, 0.105),
-        (Kind::Brushed, 0.5),
-        (Kind::Tulip, 0.5),
+        (SurfaceKind::Flat, 0.0),
+        (SurfaceKind::Sinusoid, 0.2),
+        (SurfaceKind::Blaze, 0.246_23 * 26.0 / 27.0), // 27 samples a period
+        (SurfaceKind::Bumps, 0.15),
+        (SurfaceKind::Elaphe, 0.43),
+        (SurfaceKind::Xenopeltis, 0.82),
+        (SurfaceKind::Cd, 0.12),
+        (SurfaceKind::Dvd, 0.105),
+        (SurfaceKind::Brushed, 0.5),
+        (SurfaceKind::Tulip, 0.5),
     ] {
         let field = made(kind);
         let (low, high) = field.range();
@@ -79,11 +79,11 @@ fn every_surface_has_its_published_height_and_spacing() {
 #[test]
 fn the_design_periods_are_found_again() {
     for (kind, expected, within) in [
-        (Kind::Sinusoid, [Some(2.0), None], 1e-6),
-        (Kind::Blaze, [Some(2.5), None], 1e-6),
-        (Kind::Bumps, [Some(0.5), Some(1.0)], 1e-6),
-        (Kind::Elaphe, [Some(1.14), Some(3.1)], 0.02),
-        (Kind::Xenopeltis, [Some(1.55), Some(6.5)], 0.02),
+        (SurfaceKind::Sinusoid, [Some(2.0), None], 1e-6),
+        (SurfaceKind::Blaze, [Some(2.5), None], 1e-6),
+        (SurfaceKind::Bumps, [Some(0.5), Some(1.0)], 1e-6),
+        (SurfaceKind::Elaphe, [Some(1.14), Some(3.1)], 0.02),
+        (SurfaceKind::Xenopeltis, [Some(1.55), Some(6.5)], 0.02),
     ] {
         let found = line_periods(&made(kind));
         for axis in 0..2 {
@@ -100,7 +100,8 @@ fn the_design_periods_are_found_again() {
 fn tracks_and_striations_repeat_along_x() {
     // Tracks repeat exactly, but the pits on them differ: that moves the centre of a band of frequencies a little. Along y,
     // pits have lengths of few values, which the search may take for a period or not.
-    for (kind, expected, within) in [(Kind::Cd, 1.6, 0.02), (Kind::Dvd, 0.74, 0.02), (Kind::Tulip, 1.2, 0.12)]
+    for (kind, expected, within) in
+        [(SurfaceKind::Cd, 1.6, 0.02), (SurfaceKind::Dvd, 0.74, 0.02), (SurfaceKind::Tulip, 1.2, 0.12)]
     {
         let found = line_periods(&made(kind))[0].unwrap();
         assert!((found / expected - 1.0).abs() < within, "{}: {found}", kind.name());
@@ -109,7 +110,7 @@ fn tracks_and_striations_repeat_along_x() {
 
 #[test]
 fn a_seed_is_one_surface_and_another_seed_another_where_chance_shapes_it() {
-    for kind in Kind::ALL {
+    for kind in SurfaceKind::ALL {
         let made = |seed| generate(&Spec { seed, patch: Some([10.0, 10.0]), ..Spec::new(kind) }).unwrap();
         assert_eq!(made(3), made(3), "{kind:?}");
         assert_eq!(made(3) != made(4), kind.is_random(), "{kind:?}");
@@ -118,7 +119,7 @@ fn a_seed_is_one_surface_and_another_seed_another_where_chance_shapes_it() {
 
 #[test]
 fn lengths_in_the_plane_scale_with_the_period_and_heights_with_the_height() {
-    for kind in Kind::ALL.into_iter().filter(|kind| kind.is_random()) {
+    for kind in SurfaceKind::ALL.into_iter().filter(|kind| kind.is_random()) {
         let patch = kind.dimensions().period.map(|period| if period > 0.0 { 8.0 * period } else { 10.0 });
         let small = Spec { patch: Some(patch), pixel_size: Some([0.05; 2]), ..Spec::new(kind) };
         let doubled = Spec {
@@ -131,7 +132,7 @@ fn lengths_in_the_plane_scale_with_the_period_and_heights_with_the_height() {
         let [small, doubled] = [small, doubled].map(|spec| generate(&spec).unwrap());
         assert!((doubled.pixel_size()[1] / small.pixel_size()[1] - 2.0).abs() < 1e-12);
         // The waves that bend a skin have lengths of their own.
-        if matches!(kind, Kind::Elaphe | Kind::Xenopeltis) {
+        if matches!(kind, SurfaceKind::Elaphe | SurfaceKind::Xenopeltis) {
             continue;
         }
         for (a, b) in small.heights().iter().zip(doubled.heights()) {
@@ -144,7 +145,7 @@ fn lengths_in_the_plane_scale_with_the_period_and_heights_with_the_height() {
 fn fine_walls_are_sampled_finely_at_any_period() {
     for (period, spacing) in [(None, 0.05), (Some(0.8), 0.025), (Some(160.0), 0.095)] {
         let patch = period.map(|period| [4.0 * period; 2]);
-        let field = generate(&Spec { period, patch, ..Spec::new(Kind::Cd) }).unwrap();
+        let field = generate(&Spec { period, patch, ..Spec::new(SurfaceKind::Cd) }).unwrap();
         for d in field.pixel_size() {
             assert!(d <= spacing * (1.0 + 1e-9) && d > 0.8 * spacing, "{period:?}: {d}");
         }
@@ -153,7 +154,7 @@ fn fine_walls_are_sampled_finely_at_any_period() {
 
 #[test]
 fn the_blaze_rises_along_x_with_its_slope_and_falls_at_once() {
-    let field = made(Kind::Blaze);
+    let field = made(SurfaceKind::Blaze);
     let slope = 0.246_23 / 2.5;
     let row = field.row(0);
     for (column, pair) in row.windows(2).enumerate() {
@@ -170,7 +171,7 @@ fn a_wished_patch_is_rounded_to_whole_periods_and_a_spacing_never_grows() {
         pixel_size: Some([0.07, 0.09]),
         period: Some(3.0),
         height: Some(0.5),
-        ..Spec::new(Kind::Sinusoid)
+        ..Spec::new(SurfaceKind::Sinusoid)
     };
     let field = generate(&spec).unwrap();
     assert!((field.patch_size()[0] - 9.0).abs() < 1e-12 && (field.patch_size()[1] - 4.0).abs() < 1e-12);
@@ -180,10 +181,10 @@ fn a_wished_patch_is_rounded_to_whole_periods_and_a_spacing_never_grows() {
 
 #[test]
 fn what_cannot_be_made_is_refused_with_exit_code_2() {
-    let base = Spec::new(Kind::Elaphe);
+    let base = Spec::new(SurfaceKind::Elaphe);
     let mut wrong = vec![
-        Spec { period: Some(1.0), ..Spec::new(Kind::Flat) },
-        Spec { height: Some(1.0), ..Spec::new(Kind::Flat) },
+        Spec { period: Some(1.0), ..Spec::new(SurfaceKind::Flat) },
+        Spec { height: Some(1.0), ..Spec::new(SurfaceKind::Flat) },
         Spec { patch: Some([0.2, 65.0]), ..base },
         Spec { pixel_size: Some([0.9, 0.1]), ..base },
         Spec { pixel_size: Some([1e-9, 0.1]), ..base },

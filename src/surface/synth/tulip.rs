@@ -9,7 +9,7 @@
 //! acts as a cue for animal pollinators", Science 323, 130–133]. Chosen: the height, how straight the striations are,
 //! and their round profile. The arched cells below the cuticle are left out.
 
-use super::grid::{Grid, to_full_height};
+use super::grid::{SampleGrid, to_full_height};
 use crate::error::Result;
 use crate::random::Random;
 use crate::surface::HeightField;
@@ -31,8 +31,8 @@ const REACH: f64 = 3.0;
 const FULL: f64 = 1.0;
 
 /// Striations on `grid`, at its mean distance along `x`, scaled to the full height \[µm\].
-pub(super) fn make(grid: &Grid, height: f64, seed: u64) -> Result<HeightField> {
-    let wave = Wave::new(grid, seed);
+pub(super) fn make(grid: &SampleGrid, height: f64, seed: u64) -> Result<HeightField> {
+    let wave = RandomWave::new(grid, seed);
     let raw = grid.sample_lines(|y, line| {
         let amplitudes = wave.amplitudes(y);
         let n = line.len() as f64;
@@ -46,7 +46,7 @@ pub(super) fn make(grid: &Grid, height: f64, seed: u64) -> Result<HeightField> {
 
 /// A complex random wave of the patch, Σ c e^{2πi(nx + my)} with n > 0: its real part is the sum of plane waves, its
 /// magnitude their envelope. The mean square of the magnitude is 1.
-struct Wave {
+struct RandomWave {
     /// The least n and the most m.
     first: i64,
     most: i64,
@@ -54,8 +54,8 @@ struct Wave {
     coefficients: Vec<Vec<Complex64>>,
 }
 
-impl Wave {
-    fn new(grid: &Grid, seed: u64) -> Self {
+impl RandomWave {
+    fn new(grid: &SampleGrid, seed: u64) -> Self {
         let patch = grid.patch();
         let mean = grid.periods[0] as f64 / patch[0];
         let first = ((mean * (1.0 - REACH * SPREAD) * patch[0]).ceil() as i64).max(1);
@@ -100,7 +100,7 @@ fn horner(coefficients: &[Complex64], z: Complex64) -> Complex64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::synth::{Kind, Spec, generate};
+    use crate::surface::synth::{Spec, SurfaceKind, generate};
 
     /// Distances of neighbouring crests on the lines along `x` \[µm\].
     fn distances(field: &HeightField) -> Vec<f64> {
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn striations_are_as_far_apart_as_on_the_petal() {
         for seed in [0, 7] {
-            let distances = distances(&generate(&Spec { seed, ..Spec::new(Kind::Tulip) }).unwrap());
+            let distances = distances(&generate(&Spec { seed, ..Spec::new(SurfaceKind::Tulip) }).unwrap());
             let count = distances.len() as f64;
             let mean = distances.iter().sum::<f64>() / count;
             let deviation = (distances.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / count).sqrt();
@@ -131,9 +131,9 @@ mod tests {
 
     #[test]
     fn a_wave_is_the_sum_of_its_parts() {
-        let spec = Spec { patch: Some([10.0, 30.0]), ..Spec::new(Kind::Tulip) };
-        let grid = Grid::new(&spec, &Kind::Tulip.dimensions()).unwrap();
-        let wave = Wave::new(&grid, 3);
+        let spec = Spec { patch: Some([10.0, 30.0]), ..Spec::new(SurfaceKind::Tulip) };
+        let grid = SampleGrid::new(&spec, &SurfaceKind::Tulip.dimensions()).unwrap();
+        let wave = RandomWave::new(&grid, 3);
         let (x, y) = (0.37, 0.81);
         let mut sum = Complex64::ZERO;
         for (n, row) in (wave.first..).zip(&wave.coefficients) {

@@ -5,8 +5,8 @@ use super::{optics, section, short, surface};
 use crate::optics::color::Tone;
 use crate::optics::spectrum::BUILT_IN as BUILT_IN_SPECTRA;
 use crate::scene::environment::Placement;
-use crate::scene::lamp::{Lamp, Shape, Strength};
-use crate::scene::light::{Spectrum, most_lights};
+use crate::scene::lamp::{Lamp, LampShape, Strength};
+use crate::scene::light::{LightSpectrum, most_lights};
 use crate::scene::scene_file::BUILT_IN;
 use crate::scene::{Emitter, FarLight, Light, Room};
 use crate::viewer::compare::Compare;
@@ -130,7 +130,7 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
             let round = |x: f64| (x * digits).round() / digits;
             let middle =
                 (room.centre + glam::DVec3::new(0.0, -1.0, 1.5) * radius).to_array().map(round).into();
-            let shape = Shape::Sphere { diameter: round(0.3 * radius) };
+            let shape = LampShape::Sphere { diameter: round(0.3 * radius) };
             Lamp { shape, middle, strength: Strength::Suited }.into()
         };
         let new: [(&rows::SettingRow, &dyn Fn() -> Light); 2] =
@@ -161,8 +161,8 @@ fn surroundings(ui: &mut Ui, placement: &mut Placement) {
 }
 
 /// Shows the spectrum of a light, and lets another be chosen.
-fn spectrum(ui: &mut Ui, spectrum: &mut Option<Spectrum>) {
-    let is_built_in = |own: &Spectrum| own.file().is_none();
+fn spectrum(ui: &mut Ui, spectrum: &mut Option<LightSpectrum>) {
+    let is_built_in = |own: &LightSpectrum| own.file().is_none();
     let name = match spectrum {
         None => "λ".to_owned(),
         Some(own) if is_built_in(own) => own.name().to_uppercase(),
@@ -176,7 +176,7 @@ fn spectrum(ui: &mut Ui, spectrum: &mut Option<Spectrum>) {
             chosen = Some(None);
         }
         for name in BUILT_IN_SPECTRA {
-            let own = Spectrum::built_in(name);
+            let own = LightSpectrum::built_in(name);
             if button(ui, own.is_some() && own == *spectrum, name.to_uppercase()) {
                 chosen = Some(own);
             }
@@ -195,8 +195,8 @@ fn place(ui: &mut Ui, lamp: &mut Lamp, room: &Room, radius: f64) {
         ui.add(number(value).speed(0.005 * radius).range(-1e6..=1e6).max_decimals(4).prefix(name));
     }
     let sizes: &mut [(&str, &mut f64)] = match &mut lamp.shape {
-        Shape::Sphere { diameter } => &mut [("⌀ ", diameter)],
-        Shape::Rectangle { size: [width, height], .. } => &mut [("w ", width), ("h ", height)],
+        LampShape::Sphere { diameter } => &mut [("⌀ ", diameter)],
+        LampShape::Rectangle { size: [width, height], .. } => &mut [("w ", width), ("h ", height)],
     };
     for (name, value) in sizes {
         ui.add(number(*value).speed(0.002 * radius).range(1e-6..=1e6).max_decimals(4).prefix(*name));

@@ -4,8 +4,8 @@ use super::rows::{self, MICROMETRES, NANOMETRES, number, quantity};
 use super::{section, short};
 use crate::optics::coherence::Coherence;
 use crate::optics::reflectance::Reflectance;
-use crate::surface::synth::Kind;
-use crate::surface::{Level, Source};
+use crate::surface::synth::SurfaceKind;
+use crate::surface::{Levelling, SurfaceSource};
 use crate::viewer::model::{LastCoherence, Model};
 use crate::viewer::settings::ViewSettings;
 use crate::viewer::style;
@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         let kind = source.kind();
         if kind.is_none() {
             units(ui, source);
-        } else if kind.is_some_and(Kind::is_random) {
+        } else if kind.is_some_and(SurfaceKind::is_random) {
             rows::show(ui, &rows::SEED, |ui| {
                 ui.add(number(&mut source.seed).range(0..=9999));
             });
@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 }
 
 /// Shows the list of surfaces: those of the files that were opened, then the generated ones.
-fn name(ui: &mut Ui, source: &mut Source, files: &[Source]) {
+fn name(ui: &mut Ui, source: &mut SurfaceSource, files: &[SurfaceSource]) {
     let text = source.name.to_string_lossy().into_owned();
     let list = ComboBox::from_id_salt("surface name").selected_text(short(&text)).truncate();
     list.width(ui.available_width()).show_ui(ui, |ui| {
@@ -51,7 +51,7 @@ fn name(ui: &mut Ui, source: &mut Source, files: &[Source]) {
 }
 
 /// Shows the same list for what the picture is compared with, which may be its own surface.
-pub fn other(ui: &mut Ui, other: &mut Option<Source>, files: &[Source]) {
+pub fn other(ui: &mut Ui, other: &mut Option<SurfaceSource>, files: &[SurfaceSource]) {
     const SAME: &str = "same";
     let text = other.as_ref().map_or(SAME.to_owned(), |other| other.name.to_string_lossy().into_owned());
     let list = ComboBox::from_id_salt("other surface name").selected_text(short(&text)).truncate();
@@ -66,7 +66,7 @@ pub fn other(ui: &mut Ui, other: &mut Option<Source>, files: &[Source]) {
 }
 
 /// Shows the entries of a list of surfaces, of which `now` is chosen; another one that the user chooses.
-fn choice(ui: &mut Ui, now: Option<&Source>, files: &[Source]) -> Option<Source> {
+fn choice(ui: &mut Ui, now: Option<&SurfaceSource>, files: &[SurfaceSource]) -> Option<SurfaceSource> {
     let mut chosen = None;
     for file in files {
         let path = file.name.to_string_lossy();
@@ -75,18 +75,18 @@ fn choice(ui: &mut Ui, now: Option<&Source>, files: &[Source]) -> Option<Source>
             chosen = Some(file.clone());
         }
     }
-    for kind in Kind::ALL {
+    for kind in SurfaceKind::ALL {
         let is_now = now.is_some_and(|now| now.kind() == Some(kind));
         if ui.selectable_label(is_now, kind.name()).clicked() && !is_now {
-            chosen = Some(Source::built_in(kind));
+            chosen = Some(SurfaceSource::built_in(kind));
         }
     }
     chosen
 }
 
 /// Shows what is subtracted from the heights of `source`.
-pub fn level(ui: &mut Ui, source: &mut Source) {
-    for level in [Level::None, Level::Mean, Level::Plane] {
+pub fn level(ui: &mut Ui, source: &mut SurfaceSource) {
+    for level in [Levelling::None, Levelling::Mean, Levelling::Plane] {
         if ui.selectable_label(source.level() == level, level.to_string()).clicked() {
             source.set_level(level);
         }
@@ -124,7 +124,7 @@ fn coherence(ui: &mut Ui, settings: &mut ViewSettings, last: &mut LastCoherence)
 }
 
 /// Shows the units of a height image, which has none of its own.
-fn units(ui: &mut Ui, source: &mut Source) {
+fn units(ui: &mut Ui, source: &mut SurfaceSource) {
     rows::show(ui, &rows::SPACING, |ui| {
         let mut nm = source.pixel_size.unwrap_or([0.1; 2]).map(|um| um * 1e3);
         let mut changed = false;

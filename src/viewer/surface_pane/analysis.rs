@@ -5,7 +5,7 @@ use crate::optics::spectrum::SHORTEST;
 use crate::surface::HeightField;
 use crate::surface::statistics::periods::{Period, dominant_periods};
 use crate::surface::statistics::picture::{PlotGrid, histogram, side_of_power};
-use crate::surface::statistics::spectrum::{Spectrum, analysed_part};
+use crate::surface::statistics::spectrum::{SurfaceSpectrum, analysed_part};
 use std::sync::Arc;
 
 /// The longest side of pictures \[pixels\]; more is not seen.
@@ -54,7 +54,7 @@ impl Analysis {
         let count = field.heights().len() as f64;
         let mean = values.clone().sum::<f64>() / count;
         let rms = (values.clone().map(|h| (h - mean).powi(2)).sum::<f64>() / count).sqrt();
-        let spectrum = Spectrum::windowed(&analysed_part(field))?;
+        let spectrum = SurfaceSpectrum::windowed(&analysed_part(field))?;
         let side = side_of_power(&spectrum, SHORTEST);
         Ok(Self {
             field: field.clone(),

@@ -47,11 +47,11 @@ pub struct SurfacePane {
     /// What the pointer was on at the last pass.
     pub pointed: Option<Pointed>,
     /// Of the heights as they are shown, and of the power spectrum.
-    pub pictures: Option<Pictures>,
+    pub pictures: Option<SurfacePictures>,
 }
 
 /// Textures, and what they show.
-pub struct Pictures {
+pub struct SurfacePictures {
     /// Of what.
     pub analysis: Arc<Analysis>,
     /// How heights are shown.

@@ -3,9 +3,9 @@
 use super::{PendingSave, Tried, ViewerWindow};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
-use crate::surface::Source;
-use crate::surface::synth::Kind;
-use crate::viewer::changes::Step;
+use crate::surface::SurfaceSource;
+use crate::surface::synth::SurfaceKind;
+use crate::viewer::changes::StepDirection;
 use crate::viewer::controls::in_controls;
 use crate::viewer::event::{Event, OpenedScene};
 use crate::viewer::folder::{self, Neighbour};
@@ -115,7 +115,7 @@ impl ViewerWindow {
         }
         // Microscopes' files have units. Images have none: they start with those of a scan of a skin.
         let image = matches!(extension.as_str(), "png" | "tif" | "tiff");
-        let Source { pixel_size, height, .. } = self.model.settings.surface;
+        let SurfaceSource { pixel_size, height, .. } = self.model.settings.surface;
         if image && (pixel_size.is_none() || height.is_none()) {
             self.model
                 .say("a height image carries no units: set sample spacing and full height in the panel");
@@ -180,16 +180,16 @@ impl ViewerWindow {
     }
 
     /// Goes to another surface: of the same folder, or another generated one.
-    fn step_surface(&mut self, step: Step) {
+    fn step_surface(&mut self, step: StepDirection) {
         let surface = &self.model.settings.surface;
         if let Some(kind) = surface.kind() {
-            let all = Kind::ALL;
+            let all = SurfaceKind::ALL;
             let place = all.iter().position(|other| *other == kind).unwrap_or(0);
             let next = match step {
-                Step::Forward => (place + 1) % all.len(),
-                Step::Back => (place + all.len() - 1) % all.len(),
+                StepDirection::Forward => (place + 1) % all.len(),
+                StepDirection::Back => (place + all.len() - 1) % all.len(),
             };
-            self.model.settings.surface = Source::built_in(all[next]);
+            self.model.settings.surface = SurfaceSource::built_in(all[next]);
             self.model.say(format!("{} of {}: {}", next + 1, all.len(), all[next].name()));
             return self.window.request_redraw();
         }

@@ -2,7 +2,7 @@
 
 use super::{PendingSave, PreparationRequest, ViewerWindow};
 use crate::error::{Error, Result};
-use crate::picture_file::{self, Format, Notes};
+use crate::picture_file::{self, Notes, PictureFormat};
 use crate::render::picture::Picture;
 use crate::viewer::controls::in_controls;
 use crate::viewer::error_probe::{ErrorProbe, ProbeTask};
@@ -275,8 +275,8 @@ impl ViewerWindow {
         let (as_png, as_exr) = (stem.with_extension("png"), stem.with_extension("exr"));
         let saved = drawn.and_then(|(picture, scalar_theory)| {
             let notes = Notes::new(command, scalar_theory);
-            picture_file::write(&as_png, Format::Png, &picture, &notes)?;
-            if with_exr { picture_file::write(&as_exr, Format::Exr, &picture, &notes) } else { Ok(()) }
+            picture_file::write(&as_png, PictureFormat::Png, &picture, &notes)?;
+            if with_exr { picture_file::write(&as_exr, PictureFormat::Exr, &picture, &notes) } else { Ok(()) }
         });
         match saved {
             Ok(()) if is_recorded => self.recorded(),

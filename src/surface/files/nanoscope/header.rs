@@ -16,14 +16,14 @@ pub struct Section {
 }
 
 /// All sections, in the order of the file.
-pub struct Header {
+pub struct NanoscopeHeader {
     /// The file's version, as in 0x09300000; `None` for the oldest files.
     pub version: Option<u32>,
     /// The sections.
     pub sections: Vec<Section>,
 }
 
-impl Header {
+impl NanoscopeHeader {
     /// The header at the start of `bytes`.
     ///
     /// # Errors
@@ -120,7 +120,7 @@ impl Section {
 }
 
 /// A value of a parameter: `V [Sens. Zsens] (0.0067 V/LSB) 440.0 V`.
-pub struct Value {
+pub struct ParameterValue {
     /// The number behind the parentheses.
     pub number: f64,
     /// Its unit; empty where it has none.
@@ -129,7 +129,7 @@ pub struct Value {
     pub soft_scale: Option<String>,
 }
 
-impl Value {
+impl ParameterValue {
     /// Reads a value or scale (`V` or `C`).
     pub fn parse(text: &str) -> Option<Self> {
         let mut rest = text.strip_prefix(['V', 'C']).unwrap_or(text).trim_start();
