@@ -20,8 +20,9 @@ void main() {
     mat3 tangent_from_world = transpose(mat3(tangent.xyz, tangent.w * cross(normal, tangent.xyz), normal));
     view = tangent_from_world * normalize(frame.eye.xyz - position);
     for (int i = 0; i < LIGHTS; ++i) {
-        bool far_away = frame.emitters[i].w == FAR_AWAY;
-        lights[i] = tangent_from_world * (far_away ? frame.lights[i].xyz : frame.lights[i].xyz - position);
+        // 0 of a light that is FAR_AWAY, else 1. Where this branches, lavapipe compiles the stage anew for every frame, with what is in `frame`.
+        float near = min(frame.emitters[i].w, 1.0);
+        lights[i] = tangent_from_world * (frame.lights[i].xyz - near * position);
     }
     pigment_uv = vec2(uv.x, 1.0 - uv.y); // v grows upward in meshes, rows of a texture downward
     world = position;

@@ -18,4 +18,7 @@ export VK_DRIVER_FILES="$driver" # what loaders since 1.3.207 read
 export VK_ICD_FILENAMES="$driver" # what older ones read
 export DIFFRACT_VALIDATION=1
 export XDG_CACHE_HOME="$cache"
+# Tests of the program wait for its processes, windows and displays. More tests at once than cores keep the cores busy meanwhile.
+cores=$(getconf _NPROCESSORS_ONLN)
+export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$((2 * cores))}"
 cargo test --locked "$@"

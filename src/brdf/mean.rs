@@ -289,9 +289,9 @@ impl<'a> TabulatedMean<'a> {
             let y = row as f64 / points.y - f.y;
             let Some([left, right]) = spread.row(y) else { continue };
             let columns = ((f.x + left) * points.x).ceil() as i64..=((f.x + right) * points.x).floor() as i64;
-            for column in columns {
+            let from = DVec2::new(*columns.start() as f64 / points.x - f.x, y);
+            for (column, weight) in columns.zip(spread.densities(from, 1.0 / points.x)) {
                 if let Some(series) = at(column, row) {
-                    let weight = spread.density(DVec2::new(column as f64 / points.x - f.x, y));
                     sum += weight * f64::from(dot(series, t));
                 }
             }

@@ -47,6 +47,20 @@ impl Spread {
         self.peak * (-0.5 * squares / self.determinant).exp()
     }
 
+    /// Its densities at `from`, and then every `step` along x \[µm²\].
+    pub fn densities(&self, from: DVec2, step: f64) -> impl Iterator<Item = f64> {
+        // Each is the one before times a factor that itself grows by a constant one.
+        let along = (self.yy * (2.0 * from.x + step) - 2.0 * self.xy * from.y) * step;
+        let mut factor = (-0.5 * along / self.determinant).exp();
+        let growth = (-self.yy * step * step / self.determinant).exp();
+        let next = move |density: &f64| {
+            let next = density * factor;
+            factor *= growth;
+            Some(next)
+        };
+        std::iter::successors(Some(self.density(from)), next)
+    }
+
     /// Between which x, relative to the centre, a row `y` is within [`CUT`] standard deviations; `None` where it is nowhere.
     pub fn row(&self, y: f64) -> Option<[f64; 2]> {
         let left = CUT * CUT - y * y / self.yy;
@@ -55,5 +69,24 @@ impl Spread {
             let half = (left * self.determinant / self.yy).sqrt();
             [middle - half, middle + half]
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn densities_along_a_row_are_those_of_each_point() {
+        let spread = Spread::of(0.3, -0.2, 0.5);
+        for (steps, y) in [(3, 0.1), (40, -1.3), (400, 2.9)] {
+            let [left, right] = spread.row(y).unwrap();
+            let step = (right - left) / f64::from(steps);
+            let row = spread.densities(DVec2::new(left, y), step).take(steps as usize + 1);
+            for (i, found) in row.enumerate() {
+                let exact = spread.density(DVec2::new(left + i as f64 * step, y));
+                assert!((found / exact - 1.0).abs() < 1e-10, "step {i} of {steps}: {found}, {exact}");
+            }
+        }
     }
 }

@@ -143,22 +143,20 @@ impl WindowedAxis {
     /// W_u(x_i) for every sample, for κ = k·u \[rad/µm\]: the Gaussian of standard deviation `sigma` \[µm\] over all
     /// copies of the patch with |x + mT − shift| ≤ 7σ.
     pub fn gaussian_weights(&self, sigma: f64, kappa: f64) -> Vec<Complex64> {
-        let period = self.period();
-        let cut = GAUSSIAN_CUT * sigma;
-        (0..self.samples)
-            .map(|i| {
-                let x = self.position(i) - self.shift;
-                let first = ((-cut - x) / period).ceil() as i64;
-                let last = ((cut - x) / period).floor() as i64;
-                (first..=last)
-                    .map(|m| {
-                        let place = x + m as f64 * period;
-                        let g = (-0.5 * (place / sigma).powi(2)).exp();
-                        Complex64::from_polar(g, kappa * place)
-                    })
-                    .sum()
-            })
-            .collect()
+        self.gaussian(sigma).weights(kappa)
+    }
+
+    /// What [`WindowedAxis::gaussian_weights`] needs for any κ.
+    pub fn gaussian(&self, sigma: f64) -> GaussianWindow {
+        let (period, cut) = (self.period(), GAUSSIAN_CUT * sigma);
+        let place = |i: usize| self.position(i) - self.shift;
+        let first = ((-cut - place(self.samples.saturating_sub(1))) / period).ceil();
+        let last = ((cut - place(0)) / period).floor();
+        let copies: Vec<f64> = (first as i64..=last as i64).map(|m| m as f64 * period).collect();
+        let value = |x: f64| if x.abs() <= cut { (-0.5 * (x / sigma).powi(2)).exp() } else { 0.0 };
+        let values =
+            (0..self.samples).flat_map(|i| copies.iter().map(move |copy| place(i) + copy)).map(value);
+        GaussianWindow { axis: *self, values: values.collect(), copies }
     }
 
     /// W_u(x_i) for `copies` copies side by side: e^{iκx} Σ_{m<n} e^{iκmT}. With a shifted window the copies begin at
@@ -174,6 +172,29 @@ impl WindowedAxis {
                 factor * Complex64::cis(kappa * (x + wrapped))
             })
             .collect()
+    }
+}
+
+/// A Gaussian window at every sample of an axis.
+#[derive(Clone, Debug)]
+pub struct GaussianWindow {
+    axis: WindowedAxis,
+    /// Where the copies of the patch that it reaches stand \[µm\].
+    copies: Vec<f64>,
+    /// Its height, sample by sample, at each copy.
+    values: Vec<f64>,
+}
+
+impl GaussianWindow {
+    /// [`WindowedAxis::gaussian_weights`] for `kappa`.
+    pub fn weights(&self, kappa: f64) -> Vec<Complex64> {
+        let turns: Vec<Complex64> = self.copies.iter().map(|copy| Complex64::cis(kappa * copy)).collect();
+        let weight = |i: usize| -> Complex64 {
+            let values = &self.values[i * turns.len()..][..turns.len()];
+            let sum: Complex64 = turns.iter().zip(values).map(|(turn, value)| turn * value).sum();
+            sum * Complex64::cis(kappa * (self.axis.position(i) - self.axis.shift))
+        };
+        (0..self.axis.samples).map(weight).collect()
     }
 }
 

@@ -181,24 +181,26 @@ impl<'a> Reference<'a> {
         let samples = [self.field.columns(), self.field.rows()][axis];
         let spacing = self.field.pixel_size()[axis];
         let windows = self.windows[axis];
-        kappas
-            .map(|kappa| {
-                (0..windows)
-                    .map(|i| {
-                        let shift = f64::from(i) / f64::from(windows) * samples as f64 * spacing;
-                        let along = WindowedAxis { samples, spacing, shift };
-                        let mut weights = match self.coherence {
-                            Coherence::Gaussian { length } => along.gaussian_weights(length / 4.0, kappa),
-                            Coherence::Repeats(n) => along.repeat_weights(n[axis], kappa),
-                        };
-                        if axis == 1 {
-                            weights.reverse(); // row 0 has the largest y
-                        }
-                        Split::new(&weights)
-                    })
-                    .collect()
-            })
-            .collect()
+        let along = |i: u32| -> Box<dyn Fn(f64) -> Vec<Complex64>> {
+            let shift = f64::from(i) / f64::from(windows) * samples as f64 * spacing;
+            let along = WindowedAxis { samples, spacing, shift };
+            match self.coherence {
+                Coherence::Gaussian { length } => {
+                    let window = along.gaussian(length / 4.0);
+                    Box::new(move |kappa| window.weights(kappa))
+                }
+                Coherence::Repeats(n) => Box::new(move |kappa| along.repeat_weights(n[axis], kappa)),
+            }
+        };
+        let along: Vec<_> = (0..windows).map(along).collect();
+        let weights = |along: &dyn Fn(f64) -> Vec<Complex64>, kappa: f64| {
+            let mut weights = along(kappa);
+            if axis == 1 {
+                weights.reverse(); // row 0 has the largest y
+            }
+            Split::new(&weights)
+        };
+        kappas.map(|kappa| along.iter().map(|along| weights(along, kappa)).collect()).collect()
     }
 
     /// Σ_y Σ_x W_u W_v e^{izh} for z = `z` + j·`z_step`: `[wavelength][x window][y window]` in one row.
@@ -220,7 +222,7 @@ impl<'a> Reference<'a> {
             for row in first_row..last_row {
                 let heights = self.field.row(row);
                 let mut phase = Split::phases(heights, mid, z);
-                let turn = Split::phases(heights, mid, z_step);
+                let turn = (count > 1).then(|| Split::phases(heights, mid, z_step));
                 for j in 0..count {
                     for (i, column) in columns[j].iter().enumerate() {
                         let along_x = column.dot(&phase);
@@ -228,8 +230,8 @@ impl<'a> Reference<'a> {
                             sums[(j * n + i) * m + k] += weight.get(row) * along_x;
                         }
                     }
-                    if j + 1 < count {
-                        phase.multiply(&turn);
+                    if let Some(turn) = turn.as_ref().filter(|_| j + 1 < count) {
+                        phase.multiply(turn);
                     }
                 }
             }

@@ -339,6 +339,7 @@ const GUESSED_TERMS: usize = 16;
 
 #[cfg(test)]
 mod tests {
+    use super::super::settings::Budget;
     use super::*;
 
     fn bumpy(range: f64) -> HeightField {

@@ -52,9 +52,9 @@ fn a_picture_of_several_objects_is_that_of_the_reference_and_a_sequence_of_them_
         assert!(error < 2e-2, "{method}: {error}");
     }
     // One object more or less is another picture, for a sequence, too.
-    let turn =
-        ["--turntable", "40", "--frames", "0..1", "--size", "32x24", "--samples", "1", "-o", "turn.png"];
-    let sequence = || sandbox.run2(&["render", "two.toml"], &turn);
+    let quick = ["--coherence", "gaussian:16um", "--tolerance", "1e-1", "--size", "32x24", "--samples", "1"];
+    let turn = ["--turntable", "40", "--frames", "0..1", "-o", "turn.png"];
+    let sequence = || sandbox.run2(&["render", "two.toml"], &[&quick[..], &turn].concat());
     sequence().done();
     let told = sequence();
     assert!(told.code == Some(0) && told.stderr.contains("1 of 1 pictures are there already"), "{told:?}");

@@ -87,9 +87,9 @@ fn answers_through_repeats_are_the_reference_within_their_tolerance() {
                 painter.cosine_weighted(&queries).unwrap()
             };
             let error = |copies| {
-                let pairs = || exact.iter().zip(answers(copies)).collect::<Vec<_>>();
+                let found = answers(copies);
                 let sum = |of: &dyn Fn(DVec3, DVec3) -> f64| -> f64 {
-                    pairs().into_iter().map(|(exact, got)| of(*exact, got)).sum()
+                    exact.iter().zip(&found).map(|(exact, got)| of(*exact, *got)).sum()
                 };
                 (sum(&|exact, got| (got - exact).length_squared()) / sum(&|exact, _| exact.length_squared()))
                     .sqrt()
