@@ -99,6 +99,7 @@ mod tests {
     fn label(hand: &Hand, row: &SettingRow) -> String {
         match row.label {
             "light" => "light 1".to_owned(),
+            "spectrum of a light" => "λ".to_owned(),
             "device" => hand.model.device.line(),
             other => other.to_owned(),
         }
@@ -219,7 +220,8 @@ mod tests {
                 let label = label(&hand, row);
                 let Some(text) = hand.all(&label).first().cloned() else { continue };
                 // Beside the label stands what sets it, but for a button and a line of text.
-                let alone = ["add a light", "add a lamp", "device"].contains(&row.label);
+                let alone =
+                    ["add a light", "add a lamp", "spectrum of a light", "device"].contains(&row.label);
                 let beside = pos2(text.rect.left() + 112.0, text.rect.center().y);
                 for at in [text.rect.center(), beside].into_iter().take(if alone { 1 } else { 2 }) {
                     hand.point(at);
