@@ -26,10 +26,9 @@ Ellipse ellipse_of(vec3 c) {
 layout(constant_id = 20) const float TAP_SPACING = 2.0;
 layout(constant_id = 21) const float TAP_REACH = 2.0;
 layout(constant_id = 22) const float MOST_SIDES = 1.0;
-layout(constant_id = 23) const float FEWEST_SIDES = 1.0;
-layout(constant_id = 24) const float ROUND = 0.0;
-layout(constant_id = 25) const float NARROW = 0.0;
-layout(constant_id = 26) const float MOST_SHARED = 1.0;
+layout(constant_id = 23) const float ROUND = 0.0;
+layout(constant_id = 24) const float NARROW = 0.0;
+layout(constant_id = 25) const float MOST_SHARED = 1.0;
 
 // What a tap averages over: `Levels` of src/optics/footprint.rs.
 struct Levels {
@@ -48,7 +47,6 @@ struct Taps {
     float aside;   // distance of the other rows from the middle
     float offset;  // by how many steps the taps of a row are moved
     float spacing; // of the taps, at most [standard deviations of what one averages over]
-    float fewest;  // taps on either side, where there are any
     int rows;      // 1 to 4
 };
 
@@ -65,8 +63,8 @@ struct Row {
 
 const float ASIDE = 1.7320508, WEIGHT_ASIDE = 1.0 / 6.0, OFFSET_ASIDE = 0.5, LN_4 = 1.3862944;
 
-layout(constant_id = 27) const float MIDDLE_ROW = 0.0;
-layout(constant_id = 28) const float BEND_OF_ROWS = 0.6;
+layout(constant_id = 26) const float MIDDLE_ROW = 0.0;
+layout(constant_id = 27) const float BEND_OF_ROWS = 0.6;
 
 // The weight of the coarser of two levels, and the variance that is left to where the finer one is read over the difference of their variances:
 // `between_levels` of src/optics/footprint.rs.
@@ -75,9 +73,9 @@ vec2 between_levels(float s, float bend) {
 }
 
 // Of so many samples of a pixel or more, each reads both levels in the middle alone: `mixed_weight` of src/optics/footprint.rs.
-layout(constant_id = 29) const float MIXED_FROM = 1.0;
-layout(constant_id = 30) const float MIXED_BEND = 0.0;
-layout(constant_id = 31) const float MIXED_TURN = 0.0;
+layout(constant_id = 28) const float MIXED_FROM = 1.0;
+layout(constant_id = 29) const float MIXED_BEND = 0.0;
+layout(constant_id = 30) const float MIXED_TURN = 0.0;
 
 float mixed_weight(float s, vec2 bends) {
     return s * (1.0 + (bends.x - bends.y * s) * (1.0 - s));
@@ -85,7 +83,7 @@ float mixed_weight(float s, vec2 bends) {
 
 // For a footprint of which the variance `own` is left to the shorter axis.
 Taps unshared_taps(Ellipse ellipse, float own, Levels levels) {
-    Taps taps = Taps(levels, ellipse.axis, ellipse.longer, max(own - levels.read, 0.0), 0.0, 0.0, 0.0, TAP_SPACING, 0.0, 1);
+    Taps taps = Taps(levels, ellipse.axis, ellipse.longer, max(own - levels.read, 0.0), 0.0, 0.0, 0.0, TAP_SPACING, 1);
     if (taps.rest > NARROW * NARROW * (levels.read + levels.blur)) {
         taps.rows = 3;
         taps.aside = ASIDE * sqrt(taps.rest);
@@ -110,7 +108,6 @@ Taps shared_taps(Footprint footprint, Ellipse ellipse, float own, Levels levels)
         taps.rows = 2;
     }
     if (footprint.samples > 1.0) {
-        taps.fewest = FEWEST_SIDES;
         taps.offset = footprint.tap_offset;
     }
     return taps;
@@ -132,7 +129,7 @@ Row row_of(Taps taps, int row) {
     }
     left = sqrt(max(left, 0.0));
     float tap = sqrt(read + taps.levels.blur);
-    float sides = left > ROUND * tap ? max(min(ceil(TAP_REACH * left / (taps.spacing * tap)), MOST_SIDES), taps.fewest) : 0.0;
+    float sides = left > ROUND * tap ? min(ceil(TAP_REACH * left / (taps.spacing * tap)), MOST_SIDES) : 0.0;
     // Rows beside each other stand half a step apart.
     bool even = row == 0 || row == 3 || (mixed && taps.rows <= 3 && row == 1);
     float moved = even ? 0.0 : OFFSET_ASIDE;

@@ -1,7 +1,7 @@
 // What the surface reflects where that depends on the wavelength: R over the cosine at the half vector and the wavenumber. Else the factor of a
 // pair holds it. The Rust side is src/render/source/reflectance.rs.
 
-layout(constant_id = 32) const bool SPECTRAL_REFLECTANCE = false;
+layout(constant_id = 31) const bool SPECTRAL_REFLECTANCE = false;
 
 const float SHORTEST = 0.380; // of the visible range [um]
 const float LONGEST = 0.780;

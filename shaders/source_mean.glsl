@@ -182,7 +182,9 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     float rays = rays_of(read);
     bool mixes = footprint.samples >= READS_MIXED_FROM;
     vec3 average = vec3(0.0);
-    for (int number = 0; number < taps.rows; ++number) {
+    // Nothing is read for light that does not reach the pixel.
+    int rows = pair.factor > 0.0 ? taps.rows : 0;
+    for (int number = 0; number < rows; ++number) {
         Row row = row_of(taps, number);
         vec3 sum = vec3(0.0);
         float norm = 0.0;
@@ -202,8 +204,9 @@ vec3 source_specular(Pair pair, Footprint footprint) {
     Ellipse ellipse = ellipse_of(c);
     float own = max(ellipse.shorter, least_own(ellipse, source.blur));
     ivec2 comb = comb_of(pair.uv * rays_of(own));
+    int count = pair.factor > 0.0 ? comb.y : 0;
     vec3 sum = vec3(0.0);
-    for (int j = part.first; j < comb.y; j += part.step) {
+    for (int j = part.first; j < count; j += part.step) {
         vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
         sum += node.rgb * reflectance_at(pair, node.w) * specular_density(pair, node.w, c);
     }

@@ -63,7 +63,8 @@ vec3 source_specular(Pair pair, Footprint footprint) {
     // The widest lobe is nowhere else: exp(-0.5 * 40) of its peak.
     const float NOWHERE = 40.0;
     float widest = max(c.x, c.z) + source.variances[0].x;
-    int bands = dot(pair.toward, pair.toward) < NOWHERE * widest ? BANDS : 0;
+    bool seen = pair.factor > 0.0 && dot(pair.toward, pair.toward) < NOWHERE * widest;
+    int bands = seen ? BANDS : 0;
     float column = specular_column(pair.w);
     vec3 sum = vec3(0.0);
     for (int band = 0; band < bands; ++band) {
@@ -92,7 +93,9 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     Piece piece = piece_of(pair.w);
     vec2 middle = pair.toward * source.texture_per_uv + 0.5;
     vec3 average = vec3(0.0);
-    for (int number = 0; number < taps.rows; ++number) {
+    // Nothing is read for light that does not reach the pixel.
+    int rows = pair.factor > 0.0 ? taps.rows : 0;
+    for (int number = 0; number < rows; ++number) {
         Row row = row_of(taps, number);
         vec2 step = row.step * source.texture_per_uv;
         vec2 place = middle + row.aside * source.texture_per_uv;

@@ -202,9 +202,6 @@ pub const MOST_SHARED: u32 = 2;
 pub const MOST_SIDES: usize = 100;
 /// Most taps of a footprint whose samples do not share them: three rows.
 pub const MOST_TAPS: usize = 3 * (2 * MOST_SIDES + 1);
-/// Fewest taps on either side of one of several samples: 1.3 standard deviations apart their weights add up to the same within 1 % wherever they
-/// stand.
-pub const FEWEST_SIDES: usize = 2;
 /// A footprint whose longer axis adds less than this share to the standard deviation of a tap is a tap.
 pub const ROUND: f64 = 0.2;
 /// A footprint whose shorter axis adds less than this share to the standard deviation of a tap is one row.
@@ -405,10 +402,7 @@ impl Maker<'_> {
             return Row { count: 1, ..Row::default() };
         }
         let spacing = self.rule.spacing * f64::from(self.share.count.min(MOST_SHARED));
-        let mut sides = (REACH * left / (spacing * tap)).ceil().min(MOST_SIDES as f64) as usize;
-        if self.share.count > 1 {
-            sides = sides.max(FEWEST_SIDES);
-        }
+        let sides = (REACH * left / (spacing * tap)).ceil().min(MOST_SIDES as f64) as usize;
         let along = self.around.longer_axis() * left;
         if sides == 1 {
             let fall = ((1.0 - 2.0 * WEIGHT_ASIDE) / WEIGHT_ASIDE).ln();

@@ -11,8 +11,9 @@ use crate::optics::reflectance::MeanReflectance;
 use crate::optics::spectrum::BLUE;
 use crate::spectra::power::PowerSpectra;
 use crate::spectra::power::read::{MOST_SIDE, SpectraReader, Square};
-use glam::DVec2;
+use glam::{DVec2, Vec4};
 use half::f16;
+use half::slice::HalfFloatSliceExt;
 use rayon::prelude::*;
 
 /// Linear interpolation of prefiltered samples a spacing Δ apart of what is blurred by a standard deviation b errs by this times (Δ/b)², relative
@@ -184,26 +185,29 @@ fn next_level(values: &[f32], side: usize, width: usize, level: usize, grid: &Ta
 fn texels(values: &[f32], side: usize, pieces: usize, unit: f64) -> Vec<f16> {
     let width = pieces * 3 * CUBIC;
     let scale = (1.0 / unit) as f32;
+    let prefiltered = |[before, middle, after]: [Vec4; 3]| (14.0 * middle - before - after) / 12.0;
+    // Numbers of what stands before, at and after place i. Before the first there is number usize::MAX.
+    let around = |i: usize| [i.wrapping_sub(1), i, i + 1];
     let mut out = vec![f16::ZERO; values.len()];
     out.par_chunks_mut(side * side * CUBIC).enumerate().for_each(|(layer, out)| {
-        // Before the first there is a row and a column of number usize::MAX.
-        let at = |row: usize, column: usize, power: usize| {
-            let within = row < side && column < side;
-            if within { values[(row * side + column) * width + layer * CUBIC + power] } else { 0.0 }
-        };
-        let ends = |i: usize| [i.wrapping_sub(1), i + 1];
-        for (row, out) in out.chunks_mut(side * CUBIC).enumerate() {
-            let [below, above] = ends(row);
-            for (column, texel) in out.chunks_mut(CUBIC).enumerate() {
-                let [left, right] = ends(column);
-                for (power, slot) in texel.iter_mut().enumerate() {
-                    let along = |row: usize| {
-                        (14.0 * at(row, column, power) - at(row, left, power) - at(row, right, power)) / 12.0
-                    };
-                    let value = (14.0 * along(row) - along(below) - along(above)) / 12.0;
-                    *slot = f16::from_f32((value * scale).clamp(-65000.0, 65000.0));
-                }
+        let cubic = |row: usize, column: usize| {
+            if column >= side {
+                return Vec4::ZERO;
             }
+            let first = (row * side + column) * width + layer * CUBIC;
+            Vec4::from_slice(&values[first..first + CUBIC])
+        };
+        let cubic = &cubic;
+        let along_rows: Vec<Vec4> = (0..side)
+            .flat_map(|row| (0..side).map(move |column| prefiltered(around(column).map(|c| cubic(row, c)))))
+            .collect();
+        let at =
+            |row: usize, column: usize| if row < side { along_rows[row * side + column] } else { Vec4::ZERO };
+        for (i, texel) in out.chunks_exact_mut(CUBIC).enumerate() {
+            let (row, column) = (i / side, i % side);
+            let value = prefiltered(around(row).map(|r| at(r, column))) * scale;
+            texel
+                .convert_from_f32_slice(&value.clamp(Vec4::splat(-65000.0), Vec4::splat(65000.0)).to_array());
         }
     });
     out

@@ -59,7 +59,6 @@ fn taps_constants(rule: TapRule) -> Vec<Constant> {
         rule.spacing,
         footprint::REACH,
         footprint::MOST_SIDES as f64,
-        footprint::FEWEST_SIDES as f64,
         footprint::ROUND,
         footprint::NARROW,
         footprint::MOST_SHARED.into(),

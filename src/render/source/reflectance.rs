@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// The specialisation constant of sources that sum over wavelengths.
 pub(super) fn constant(shading: &Shading) -> Constant {
-    const SPECTRAL_REFLECTANCE: u32 = 32;
+    const SPECTRAL_REFLECTANCE: u32 = 31;
     Constant::new(SPECTRAL_REFLECTANCE, shading.reflectance.is_spectral())
 }
 
