@@ -1,5 +1,6 @@
 //! What a frame does, counted in f64 over the directions that it shades.
 
+use crate::optics::footprint::{Covariance, Share};
 use crate::optics::geometry::Pair;
 use crate::render::directions::Directions;
 use glam::DVec3;
@@ -15,6 +16,16 @@ pub struct Cost {
     pub samples: usize,
 }
 
+/// What a pixel is shaded for where a light reaches it.
+pub(super) struct LitPixel {
+    /// Its directions.
+    pub pair: Pair,
+    /// What shading averages over.
+    pub around: Covariance,
+    /// Which of the samples of the pixel is shaded.
+    pub share: Share,
+}
+
 impl Cost {
     /// Samples per covered pixel.
     pub fn samples_per_pixel(&self) -> f64 {
@@ -26,18 +37,22 @@ impl Cost {
         self.wavelengths as f64 / self.covered.max(1) as f64
     }
 
-    /// Counts what `of_pair` says of each pair of directions above the horizon: wavelengths and samples.
-    pub(super) fn counted(directions: &[Directions], of_pair: impl Fn(&Pair) -> (usize, usize)) -> Self {
+    /// Counts what `of_pixel` says of each light that reaches a pixel: wavelengths and samples.
+    pub(super) fn counted(directions: &[Directions], of_pixel: impl Fn(&LitPixel) -> (usize, usize)) -> Self {
         let mut cost = Self::default();
         for (index, seen) in directions.iter().enumerate() {
-            for (light, view) in seen.light.iter().zip(&seen.view) {
+            for (i, (light, view)) in seen.light.iter().zip(&seen.view).enumerate() {
                 if view[3] == 0.0 {
                     continue;
                 }
                 cost.covered += usize::from(index == 0);
                 let vector = |v: &[f32; 4]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
                 let pair = Pair::new(vector(light), vector(view));
-                let (wavelengths, samples) = if pair.above_horizon() { of_pair(&pair) } else { (0, 0) };
+                if !pair.above_horizon() {
+                    continue;
+                }
+                let (wavelengths, samples) =
+                    of_pixel(&LitPixel { pair, around: seen.covariance(i), share: seen.share });
                 cost.wavelengths += wavelengths;
                 cost.samples += samples;
             }

@@ -2,7 +2,7 @@
 //! `shaders/source_grating.glsl`.
 
 use super::bound::{BoundSource, Kind, uniform};
-use super::cost::Cost;
+use super::cost::{Cost, LitPixel};
 use super::part::Iterations;
 use super::{SourceSummary, spectra, stages};
 use crate::error::Result;
@@ -102,7 +102,7 @@ impl Grating {
     pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
         let (colours, tolerance) = (self.colours(shading), shading.quadrature());
         let per_read = self.layers.interpolation.samples() as usize;
-        Cost::counted(directions, |pair| {
+        Cost::counted(directions, |LitPixel { pair, .. }| {
             let sampling = self.repeats.sampling(pair.uvw().truncate(), colours.lag, tolerance);
             spectra::counted(&self.layers, pair, per_read, sampling.wavenumbers())
         })

@@ -1,12 +1,12 @@
 //! The mean over coherence areas, from power spectra: wavelengths are summed for every pixel. Its twin is `shaders/source_mean.glsl`.
 
 use super::bound::{BoundSource, Kind, uniform};
-use super::cost::Cost;
+use super::cost::{Cost, LitPixel};
 use super::part::Iterations;
 use super::spectra::numbers;
 use super::{Extent, SourceSummary, reflectance, stages, taps_constants};
 use crate::error::Result;
-use crate::optics::footprint::{self, Levels, Polygon, Share, TapRule, Taps};
+use crate::optics::footprint::{self, Levels, Polygon, Share, Tap, TapRule, Taps};
 use crate::optics::spectrum::{BLUE, MIDDLE};
 use crate::precompute::kernel::Kernel;
 use crate::render::directions::Directions;
@@ -23,7 +23,6 @@ use crate::vk::pipeline::Constant;
 use crate::vk::sampler::Sampler;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
-use glam::DVec2;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -233,34 +232,26 @@ impl Mean {
         let mean = |v: [f64; 2]| 0.5 * (v[0] + v[1]);
         let rule = self.rule(shading);
         let (finest, orders) = (mean(header.grid.blur.variance), mean(header.orders_blur.variance));
-        let mut cost = Cost::default();
-        for (index, seen) in directions.iter().enumerate() {
-            let between = self.polygon(shading).reads(seen.share.count);
-            for i in (0..seen.view.len()).filter(|&i| seen.view[i][3] != 0.0) {
-                cost.covered += usize::from(index == 0);
-                let around = seen.covariance(i);
-                let [_, shorter] = around.axes();
-                let coherence = BLUE * BLUE * finest;
-                let own = shorter.max(rule.least_own(&around, coherence));
-                let coarsest = MIDDLE.powi(2) * (finest * 4f64.powi(header.grid.levels as i32 - 1) - orders);
-                let read = coarsest.clamp(0.0, own);
-                let taps =
-                    Taps::new(rule, &around, own, Levels { read, next: None, blur: coherence }, Share::ALL);
-                let direction = |c: usize| f64::from(seen.light[i][c]) + f64::from(seen.view[i][c]);
-                let toward = DVec2::new(direction(0), direction(1));
-                let rays = (finest / (orders + read / MIDDLE.powi(2))).sqrt();
-                for tap in taps.each() {
-                    let nodes = combs.nodes_at((toward + tap.place).length() * rays);
-                    let levels = |node: &[f32; 4]| {
-                        let ratio = (orders + f64::from(node[3]).powi(2) * own) / finest;
-                        // One, where the blur is that of a level.
-                        if level_of_ratio(ratio, header.grid.levels).fract() > 0.0 { between } else { 1 }
-                    };
-                    cost.wavelengths += nodes.len();
-                    cost.samples += nodes.iter().map(levels).sum::<usize>() * per_wavelength;
-                }
-            }
-        }
-        cost
+        let coherence = BLUE * BLUE * finest;
+        let coarsest = MIDDLE.powi(2) * (finest * 4f64.powi(header.grid.levels as i32 - 1) - orders);
+        Cost::counted(directions, |LitPixel { pair, around, share }| {
+            let between = self.polygon(shading).reads(share.count);
+            let [_, shorter] = around.axes();
+            let own = shorter.max(rule.least_own(around, coherence));
+            let read = coarsest.clamp(0.0, own);
+            let taps = Taps::new(rule, around, own, Levels { read, next: None, blur: coherence }, Share::ALL);
+            let toward = -pair.uvw().truncate();
+            let rays = (finest / (orders + read / MIDDLE.powi(2))).sqrt();
+            let reads_at = |node: &[f32; 4]| {
+                let ratio = (orders + f64::from(node[3]).powi(2) * own) / finest;
+                // One, where the blur is that of a level.
+                if level_of_ratio(ratio, header.grid.levels).fract() > 0.0 { between } else { 1 }
+            };
+            let of_tap = |tap: Tap| {
+                let nodes = combs.nodes_at((toward + tap.place).length() * rays);
+                (nodes.len(), nodes.iter().map(reads_at).sum::<usize>() * per_wavelength)
+            };
+            taps.each().map(of_tap).fold((0, 0), |sum, own| (sum.0 + own.0, sum.1 + own.1))
+        })
     }
 }

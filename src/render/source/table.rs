@@ -132,16 +132,8 @@ impl Table {
     /// Samples along the footprints of `directions`.
     pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
         let reader = TableReader::by_rule(&self.table, self.rule(shading));
-        let mut cost = Cost::default();
-        for (index, seen) in directions.iter().enumerate() {
-            for i in (0..seen.view.len()).filter(|&i| seen.view[i][3] != 0.0) {
-                cost.covered += usize::from(index == 0);
-                let around = seen.covariance(i);
-                // X, Y and Z.
-                cost.samples += 3 * reader.taps(&around, seen.share).1.count();
-            }
-        }
-        cost
+        // X, Y and Z.
+        Cost::counted(directions, |pixel| (0, 3 * reader.taps(&pixel.around, pixel.share).1.count()))
     }
 }
 

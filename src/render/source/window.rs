@@ -1,7 +1,7 @@
 //! Spectra through one Gaussian window, summed over wavelengths. Its twin is `shaders/source_window.glsl`.
 
 use super::bound::{BoundSource, Kind};
-use super::cost::Cost;
+use super::cost::{Cost, LitPixel};
 use super::part::Iterations;
 use super::{SourceSummary, spectra, stages};
 use crate::error::Result;
@@ -59,7 +59,7 @@ impl Window {
     pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
         let (layers, combs) = (&self.layers, Combs::of(&self.layers, shading));
         let per_read = layers.interpolation.samples() as usize;
-        Cost::counted(directions, |pair| {
+        Cost::counted(directions, |LitPixel { pair, .. }| {
             let nodes = combs.nodes_at(pair.uvw().truncate().length()).iter().map(|node| f64::from(node[3]));
             spectra::counted(layers, pair, per_read, nodes)
         })
