@@ -285,9 +285,7 @@ fn files_of_one_folder_form_no_ring() {
     }
     let rings: BTreeMap<String, String> =
         folders.iter().filter_map(|(folder, edges)| Some((folder.join("/"), ring(edges)?))).collect();
-    for (folder, files) in &rings {
-        panic!("files of src/{folder} import each other in a ring, among: {files}");
-    }
+    assert!(rings.is_empty(), "files of these folders import each other in a ring: {rings:?}");
 }
 
 #[test]

@@ -145,7 +145,7 @@ pub struct TapRule {
     pub middle: f64,
     /// How the weight of the coarser level bends, for least error.
     pub bend: f64,
-    /// Where a pixel has this many samples or more, both levels are read in the middle alone, weighed by [`mixed_weight`].
+    /// Where a pixel has this many samples or more, both levels are read in the middle alone, weighed by `mixed_weight`.
     pub mixed_from: u32,
 }
 
@@ -228,7 +228,7 @@ fn ripple(spacing: f64) -> f64 {
 /// Samples from which on those of a pixel are many: their jitter has at least the variance of what one of them averages over, and so has the spread of a
 /// light with an extent. It smooths what is wrong with the shape of the average of each.
 const MANY_SAMPLES: u32 = 8;
-/// Bends of [`mixed_weight`] for rows, and for reads in the plane.
+/// Bends of `mixed_weight` for rows, and for reads in the plane.
 pub const MIXED_ROWS: [f64; 2] = [0.6, 0.4];
 /// See [`MIXED_ROWS`].
 pub const MIXED_IN_THE_PLANE: [f64; 2] = [0.75, 0.55];
@@ -256,7 +256,7 @@ pub struct Polygon {
     pub middle: f64,
     /// How the weight of the coarser level bends.
     pub bend: f64,
-    /// Where a pixel has this many samples or more, both levels are read in the middle alone, weighed by [`mixed_weight`].
+    /// Where a pixel has this many samples or more, both levels are read in the middle alone, weighed by `mixed_weight`.
     pub mixed_from: u32,
 }
 

@@ -19,7 +19,7 @@ pub struct Directions {
     pub light: Vec<[f32; 4]>,
     /// ω_r per pixel (w: covered).
     pub view: Vec<[f32; 4]>,
-    /// du/dx, dv/dx, du/dy, dv/dy per pixel, as [`Geometry::footprints`] has them; zero where nothing is covered. Empty where the
+    /// du/dx, dv/dx, du/dy, dv/dy per pixel, as [`Geometry::footprints`](super::target::Geometry::footprints) has them; zero where nothing is covered. Empty where the
     /// painter was not asked for footprints.
     pub footprints: Vec<[f32; 4]>,
     /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
