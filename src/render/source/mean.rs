@@ -230,12 +230,12 @@ impl Mean {
         let combs = self.combs(shading);
         let per_wavelength = header.terms.div_ceil(4) * header.grid.kernel.samples().pow(2) as usize;
         let mean = |v: [f64; 2]| 0.5 * (v[0] + v[1]);
-        let rule = self.rule(shading);
+        let (rule, polygon) = (self.rule(shading), self.polygon(shading));
         let (finest, orders) = (mean(header.grid.blur.variance), mean(header.orders_blur.variance));
         let coherence = BLUE * BLUE * finest;
         let coarsest = MIDDLE.powi(2) * (finest * 4f64.powi(header.grid.levels as i32 - 1) - orders);
         Cost::counted(directions, |LitPixel { pair, around, share }| {
-            let between = self.polygon(shading).reads(share.count);
+            let between = polygon.reads(share.count);
             let [_, shorter] = around.axes();
             let own = shorter.max(rule.least_own(around, coherence));
             let read = coarsest.clamp(0.0, own);
