@@ -115,14 +115,14 @@ impl View {
         self.lights.iter().any(Light::is_lamp)
     }
 
-    /// What `sample` gets from each light, that from the surroundings last. Each has a pair of dimensions of its own, behind that of the
-    /// place in the pixel.
+    /// What `sample` gets from each light, that from the surroundings last. Each light has a pair of dimensions of its own, behind that of the place in
+    /// the pixel.
     pub fn incidents(&self, sample: &Sample) -> Vec<Incident> {
         let point = |number: usize| sample.pair(1 + number as u32);
         let room = self.room();
         let lights = self.lights.iter().enumerate();
         let lights = lights.map(|(i, light)| light.emitter.incident(point(i), sample.count, &room));
-        let around = self.environment.iter().map(|e| e.incident(point(MAX_LIGHTS), sample.count));
+        let around = self.environment.iter().map(|e| e.incident(sample.rank(), sample.count));
         lights.chain(around).take(self.light_count()).collect()
     }
 

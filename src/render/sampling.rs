@@ -81,6 +81,18 @@ impl Sample {
         [self.point(2 * pair), self.point(2 * pair + 1)]
     }
 
+    /// Its place, 0 … count − 1, among the parts of what all samples share out, one part each. The first 2^k of 2^n samples have parts that are evenly
+    /// apart. It is independent of the coordinates of [`Sample::point`].
+    pub fn rank(&self) -> u32 {
+        let bits = self.count.next_power_of_two().trailing_zeros();
+        let own = hash(&[self.seed, 2]);
+        let ranked = |index: u32| (u64::from(scrambled(index.reverse_bits(), own)) >> (BITS - bits)) as u32;
+        // A permutation of 2^n places; one beyond the last is sent on until it is not.
+        std::iter::successors(Some(ranked(self.index)), |rank| Some(ranked(*rank)))
+            .find(|rank| *rank < self.count)
+            .unwrap_or(0)
+    }
+
     /// Which of the samples of its pixel it is.
     pub fn share(&self) -> Share {
         Share { index: self.index, count: self.count }
@@ -184,6 +196,22 @@ mod tests {
                     let error = (variance - 0.125).abs();
                     assert!(error < 0.125 * (2.0 / n).sqrt(), "{seed}, {count}: variance {variance}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn every_sample_has_a_rank_of_its_own_and_the_first_ones_are_evenly_apart() {
+        for (seed, count) in [(0, 1), (1, 2), (2, 16), (3, 37), (4, 64), (5, 100)] {
+            let ranks: Vec<_> =
+                (0..count).map(|index| Sampling { count, seed }.sample(index).rank()).collect();
+            let mut all = ranks.clone();
+            all.sort_unstable();
+            assert_eq!(all, (0..count).collect::<Vec<_>>(), "{count}");
+            if count == 64 {
+                let mut eighths: Vec<_> = ranks[..8].iter().map(|rank| rank / 8).collect();
+                eighths.sort_unstable();
+                assert_eq!(eighths, (0..8).collect::<Vec<_>>());
             }
         }
     }

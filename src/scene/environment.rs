@@ -3,6 +3,7 @@
 //! The picture's middle column stands at azimuth 0, the world's +x; azimuth grows to the left, as for one who stands inside and looks
 //! out. Its top row is up, +z. A radiance of 1 is that of a white diffuse surface that faces a light of intensity 1.
 
+use super::environment_cells::{Cell, LightSums};
 use super::incident::{Incident, WIDER};
 use crate::error::{Error, Result};
 use crate::input::PictureFile;
@@ -29,6 +30,8 @@ const WIDTH: usize = 512;
 const LARGEST_WIDTH: usize = 2048;
 /// Largest side of a picture that is read \[pixels\].
 const LARGEST_SIDE: u32 = 1 << 14;
+/// Variance of the directions of a hemisphere, along each axis across its middle. Nothing stands for more.
+const LARGEST_VARIANCE: f64 = 1.0 / 3.0;
 /// Largest radiance; beyond it 32-bit sums lose their small parts.
 const LARGEST_RADIANCE: f32 = 1e9;
 
@@ -115,19 +118,15 @@ impl EnvironmentLevel {
     }
 }
 
-/// Radiance over directions, and the distribution that light is drawn from.
+/// Radiance over directions.
 #[derive(Debug, PartialEq)]
 struct EnvironmentMap {
     width: usize,
     height: usize,
     /// Linear sRGB, row by row from the top.
     radiance: Vec<Vec3>,
-    /// Part of the light below and in each row, growing to 1.
-    rows: Vec<f64>,
-    /// The same for the pixels of each row.
-    columns: Vec<f64>,
-    /// Sum of all pixels' brightness times the [`sine`] of their row.
-    total: f64,
+    /// How bright its pixels are.
+    light: LightSums,
 }
 
 impl Environment {
@@ -162,32 +161,41 @@ impl Environment {
         Self::showing("", EnvironmentMap::of(WIDTH, radiance))
     }
 
-    /// What the sample at `point` (uniform in 0 … 1) of `count` samples gets: a direction is as likely as it is bright, and stands for
-    /// the solid angle of its share.
-    pub fn incident(&self, point: [f64; 2], count: u32) -> Incident {
-        let picture = &*self.picture;
-        let (row, down) = drawn(&picture.rows, point[1]);
-        let of_row = &picture.columns[row * picture.width..][..picture.width];
-        let (column, across) = drawn(of_row, point[0]);
-        let radiance = picture.radiance[row * picture.width + column].as_dvec3();
-        // Not from the differences of sums, which rounding leaves nothing of where a pixel is dark beside others.
-        let chance = brightness(radiance) * sine(row, picture.height) / picture.total;
-        let [top, bottom] = [row, row + 1].map(|i| (PI * i as f64 / picture.height as f64).cos());
-        let solid_angle = TAU / picture.width as f64 * (top - bottom);
-        // Even within a pixel.
-        let z = top + (bottom - top) * down;
-        let azimuth = PI - TAU * (column as f64 + across) / picture.width as f64;
-        let (sin, cos) = (azimuth + self.placement.rotation.to_radians()).sin_cos();
-        let flat = (1.0 - z * z).max(0.0).sqrt();
-        let part = solid_angle / chance; // 1 over the density [sr]
-        let scale = self.placement.exposure.exp2() * part / PI;
-        let share = WIDER * part / f64::from(count.max(1));
+    /// What sample number `index` of `count` gets: the light of its own cell, one of as many as there are samples, from the middle of it. Cells have about
+    /// the same light, so that the brighter the surroundings are, the more directions come from there.
+    pub fn incident(&self, index: u32, count: u32) -> Incident {
+        let count = count.max(1);
+        let cell = self.picture.light.cell(index, count);
+        let samples = f64::from(cell.samples);
+        let CellLight { irradiance, middle } = self.light_of(&cell);
+        let centre = [&cell.rows, &cell.columns].map(|range| usize::midpoint(range.start, range.end - 1));
+        // The mean of unit vectors is the shorter the more they spread.
+        let spread = 0.5 * (1.0 - middle.length_squared());
+        let of_pixel = (PI / self.picture.height as f64).powi(2) / 12.0;
+        let wider = WIDER.min(f64::from(count));
         Incident {
-            direction: DVec3::new(flat * cos, flat * sin, z),
+            direction: middle.try_normalize().unwrap_or_else(|| self.direction_of(centre[0], centre[1])),
             place: None,
-            irradiance: (radiance * scale).as_vec3(),
-            variance: variance_of(share),
+            irradiance: (irradiance * (self.placement.exposure.exp2() * f64::from(count) / (PI * samples)))
+                .as_vec3(),
+            variance: (wider * (spread + of_pixel) / samples).min(LARGEST_VARIANCE),
         }
+    }
+
+    fn light_of(&self, cell: &Cell) -> CellLight {
+        let picture = &*self.picture;
+        let (mut irradiance, mut light, mut middle) = (DVec3::ZERO, 0.0, DVec3::ZERO);
+        for row in cell.rows.clone() {
+            let solid_angle = solid_angle(row, [picture.width, picture.height]);
+            let radiance = &picture.radiance[row * picture.width..];
+            for column in cell.columns.clone() {
+                let of_pixel = radiance[column].as_dvec3() * solid_angle;
+                irradiance += of_pixel;
+                light += brightness(of_pixel);
+                middle += self.direction_of(row, column) * brightness(of_pixel);
+            }
+        }
+        CellLight { irradiance, middle: if light > 0.0 { middle / light } else { DVec3::ZERO } }
     }
 
     /// The picture in levels of half the size each, the finest first, for reading means over parts of it. Neither turned nor brightened.
@@ -226,59 +234,43 @@ impl Environment {
         let mut sum = DVec3::ZERO;
         for (i, radiance) in picture.radiance.iter().enumerate() {
             let (row, column) = (i / picture.width, i % picture.width);
-            let [top, bottom] = [row, row + 1].map(|i| (PI * i as f64 / picture.height as f64).cos());
-            let direction = self.direction(column as f64 + 0.5, 0.5 * (top + bottom));
-            let solid_angle = TAU / picture.width as f64 * (top - bottom);
-            sum += radiance.as_dvec3() * (direction.dot(normal).max(0.0) * solid_angle);
+            let cosine = self.direction_of(row, column).dot(normal).max(0.0);
+            sum += radiance.as_dvec3() * (cosine * solid_angle(row, [picture.width, picture.height]));
         }
         sum * self.placement.exposure.exp2() / PI
     }
 
-    fn direction(&self, column: f64, z: f64) -> DVec3 {
-        let azimuth = PI - TAU * column / self.picture.width as f64 + self.placement.rotation.to_radians();
-        let flat = (1.0 - z * z).max(0.0).sqrt();
-        DVec3::new(flat * azimuth.cos(), flat * azimuth.sin(), z)
+    /// The direction of the middle of a pixel.
+    fn direction_of(&self, row: usize, column: usize) -> DVec3 {
+        let (sin, cos) = polar_angle(row as f64 + 0.5, self.picture.height).sin_cos();
+        let turn = self.placement.rotation.to_radians();
+        let azimuth = PI - TAU * (column as f64 + 0.5) / self.picture.width as f64 + turn;
+        DVec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos)
     }
 }
 
-/// How likely light of this radiance is drawn, in relation to other light.
+/// Angle from up, at row 0 of `height`, to `row` \[rad\].
+fn polar_angle(row: f64, height: usize) -> f64 {
+    PI * row / height as f64
+}
+
+/// Of a pixel of `row` in a picture of this size \[sr\].
+fn solid_angle(row: usize, [width, height]: [usize; 2]) -> f64 {
+    let [top, bottom] = [row, row + 1].map(|row| polar_angle(row as f64, height).cos());
+    TAU / width as f64 * (top - bottom)
+}
+
+/// What comes from a cell.
+struct CellLight {
+    /// Of a surface that faces it, linear sRGB.
+    irradiance: DVec3,
+    /// The mean of its directions, each as much as it is bright: no unit vector.
+    middle: DVec3,
+}
+
+/// How bright light of this radiance is.
 fn brightness(radiance: DVec3) -> f64 {
     LUMINANCE.dot(radiance).max(0.0)
-}
-
-/// Sine of the angle from up to the middle of `row` of `height`, to which the solid angle of its pixels is nearly proportional.
-fn sine(row: usize, height: usize) -> f64 {
-    (PI * (row as f64 + 0.5) / height as f64).sin()
-}
-
-/// Variance of the directions within a cap of this solid angle \[sr\], along each axis across its centre.
-fn variance_of(solid_angle: f64) -> f64 {
-    let cap = (solid_angle / TAU).min(1.0);
-    (cap - cap * cap / 3.0) / 2.0
-}
-
-/// The entry of `parts` (growing to 1) that holds `share`, and the place within it, 0 … 1.
-fn drawn(parts: &[f64], share: f64) -> (usize, f64) {
-    let i = parts.partition_point(|part| *part <= share).min(parts.len() - 1);
-    let before = if i == 0 { 0.0 } else { parts[i - 1] };
-    let size = parts[i] - before;
-    (i, if size > 0.0 { ((share - before) / size).clamp(0.0, 1.0) } else { 0.5 })
-}
-
-/// Sums of `weights` up to each, over the sum of all.
-fn parts(weights: impl Iterator<Item = f64>) -> (Vec<f64>, f64) {
-    let mut sum = 0.0;
-    let mut parts: Vec<f64> = weights
-        .map(|weight| {
-            sum += weight;
-            sum
-        })
-        .collect();
-    parts.iter_mut().for_each(|part| *part /= sum.max(f64::MIN_POSITIVE));
-    if let Some(last) = parts.last_mut() {
-        *last = 1.0;
-    }
-    (parts, sum)
 }
 
 impl EnvironmentMap {
@@ -287,7 +279,7 @@ impl EnvironmentMap {
         let height = width / 2;
         let at = |i: usize| {
             let (row, column) = (i / width, i % width);
-            let (sin, cos) = (PI * (row as f64 + 0.5) / height as f64).sin_cos();
+            let (sin, cos) = polar_angle(row as f64 + 0.5, height).sin_cos();
             let azimuth = PI - TAU * (column as f64 + 0.5) / width as f64;
             radiance(DVec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos))
         };
@@ -295,15 +287,11 @@ impl EnvironmentMap {
     }
 
     fn new(width: usize, height: usize, radiance: Vec<Vec3>) -> Self {
-        let mut columns = Vec::with_capacity(radiance.len());
-        let mut totals = Vec::with_capacity(height);
-        for (row, pixels) in radiance.chunks_exact(width).enumerate() {
-            let (parts, sum) = parts(pixels.iter().map(|c| brightness(c.as_dvec3())));
-            columns.extend(parts);
-            totals.push(sum * sine(row, height));
-        }
-        let (rows, total) = parts(totals.into_iter());
-        Self { width, height, radiance, rows, columns, total }
+        let light = |(i, radiance): (usize, &Vec3)| {
+            brightness(radiance.as_dvec3()) * solid_angle(i / width, [width, height])
+        };
+        let light: Vec<f64> = radiance.iter().enumerate().map(light).collect();
+        Self { width, height, radiance, light: LightSums::new(width, &light) }
     }
 
     fn read(path: &Path) -> Result<Self> {
@@ -399,12 +387,12 @@ mod tests {
     }
 
     fn mean(environment: &Environment, normal: DVec3) -> DVec3 {
-        let side = 128;
-        let sum: DVec3 = points(side)
-            .map(|p| environment.incident(p, side * side))
+        let count = 1 << 14;
+        let sum: DVec3 = (0..count)
+            .map(|index| environment.incident(index, count))
             .map(|i| i.irradiance.as_dvec3() * i.direction.dot(normal).max(0.0))
             .sum();
-        sum / f64::from(side * side)
+        sum / f64::from(count)
     }
 
     #[test]
@@ -462,13 +450,14 @@ mod tests {
         for turn in [0.0, 120.0] {
             environment.placement.rotation = turn;
             let expected = crate::optics::geometry::direction(60.0, 40.0 + turn);
-            for point in points(8) {
-                assert!(environment.incident(point, 64).direction.dot(expected) > 0.985);
+            for index in 0..64 {
+                assert!(environment.incident(index, 64).direction.dot(expected) > 0.985);
             }
         }
-        // All 64 samples together stand for about the spot's solid angle.
-        let share = environment.incident([0.5, 0.5], 64).variance;
-        assert!((share / variance_of(WIDER * TAU * 0.01 / 64.0) - 1.0).abs() < 0.1, "{share}");
+        // Along each axis a spot of solid angle Ω has the variance Ω/4π, and a square Ω/12; cells that are not square have more.
+        let share = (0..64).map(|index| environment.incident(index, 64).variance).sum::<f64>() / 64.0;
+        let square = WIDER * TAU * 0.01 / 64.0 / 12.0;
+        assert!((1.0..2.0).contains(&(share / square)), "{share}, {square}");
     }
 
     #[test]
@@ -482,7 +471,7 @@ mod tests {
             image::DynamicImage::from(picture.clone()).write_to(&mut bytes, format).unwrap();
             let picture = Arc::new(EnvironmentMap::from_bytes(bytes.get_ref()).unwrap());
             let environment = Environment { name: String::new(), placement: Placement::default(), picture };
-            let incident = environment.incident([0.5, 0.5], 1);
+            let incident = environment.incident(0, 1);
             assert!(incident.direction.y < -0.7 && incident.direction.z > 0.6, "{incident:?}");
             let ratio = incident.irradiance / incident.irradiance.z;
             assert!((ratio - Vec3::new(4.0, 2.0, 1.0)).length() < 0.05, "{ratio}");

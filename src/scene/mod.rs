@@ -4,6 +4,7 @@ pub mod background;
 pub mod camera;
 pub mod corner;
 pub mod environment;
+mod environment_cells;
 pub mod far_light;
 pub mod incident;
 pub mod lamp;

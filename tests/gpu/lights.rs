@@ -86,26 +86,21 @@ fn under_a_white_sky_a_surface_that_absorbs_nothing_is_as_bright_as_its_closed_f
     let white = Environment::of(&|_| Vec3::ONE);
     let shading = shading(8.0, MIRROR);
     with_device(|device| {
-        for (kind, theta, pictures) in [(SurfaceKind::Flat, 0.0f64, 1), (SurfaceKind::Blaze, 20.0, 6)] {
+        for (kind, theta) in [(SurfaceKind::Flat, 0.0f64), (SurfaceKind::Blaze, 20.0)] {
             let field = patch(kind, 10.0);
             let scene = plate(theta.to_radians() as f32, Vec::new(), Some(white.clone()));
-            let samplings: Vec<_> = (0..pictures).map(|seed| Sampling { count: 512, seed }).collect();
-            let found = radiance(device, &field, &shading, &scene, &samplings);
+            let found = radiance(device, &field, &shading, &scene, &[Sampling { count: 512, seed: 0 }])[0];
             let expected = albedo(&field, &shading, theta);
-            let relative = |f: DVec3| (f - expected).length() / expected.length();
-            let mean = found.iter().sum::<DVec3>() / found.len() as f64;
-            let one = (found.iter().map(|f| relative(*f).powi(2)).sum::<f64>() / found.len() as f64).sqrt();
-            let apart = relative(mean);
-            eprintln!("{} at {theta}: {mean:.3} for {expected:.3}: {apart:.3}, one {one:.3}", kind.name());
+            let apart = (found - expected).length() / expected.length();
+            eprintln!("{} at {theta}: {found:.3} for {expected:.3}: {apart:.3}", kind.name());
             if kind == SurfaceKind::Flat {
                 // All of the light comes back, by the specular order alone.
-                assert!((expected - DVec3::ONE).length() < 0.005 && apart < 0.005, "{mean}, {expected}");
+                assert!((expected - DVec3::ONE).length() < 0.005 && apart < 0.005, "{found}, {expected}");
                 continue;
             }
-            // What a sample averages over is projected where the sample is, and not where the order is: the mean of all seeds comes out
-            // lower by twice its variance, 0.015. One picture errs by 0.15, because an order is a lobe that few samples hit, and the
-            // mean of six by 0.05.
-            assert!(apart < 0.08 && one < 0.2, "{} at {theta}: {mean} instead of {expected}", kind.name());
+            // What a sample averages over is projected where the sample is, and not where the order is: all pictures come out lower by twice its
+            // variance, 0.015. The rest is the sum of the blurs, which goes up and down from one part of the sky to the next.
+            assert!(apart < 0.04, "{} at {theta}: {found} instead of {expected}", kind.name());
         }
     });
 }
@@ -154,16 +149,19 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
     in_studio.environment = Some(Environment::open("studio").unwrap());
     let mut without_lamp = in_studio.clone();
     without_lamp.lights.clear();
-    // What is measured, and a fifth or more on top. One sample of the studio is averaged over a sixth of all directions.
+    // The light of the window, one of the parts of the studio. Samples of its softboxes and its room err by up to 0.075 by table, each in its own way: the mean of all
+    // sixteen errs by 0.016.
+    let sample = Sampling { count: 16, seed: 3 }.sample(1);
+    // What is measured, and a fifth or more on top.
     let cases = [
-        (&in_studio, [(Method::Table, 0.02), (Method::Spectral, 0.012)], 0.1),
+        (&in_studio, [(Method::Table, 0.02), (Method::Spectral, 0.015)], 0.08),
         (&without_lamp, [(Method::Table, 0.028), (Method::Spectral, 0.026)], 0.4),
     ];
     with_device(|device| {
         let (mesh, white) = (&scene.mesh, Pigment::white());
         for (view, methods, least_unmirrored) in cases {
             let (views, lights) = (std::slice::from_ref(view), view.light_count());
-            let sizes = footprints::sizes(device, mesh, views, SIZE, &Sampling::ONE.sample(0)).unwrap();
+            let sizes = footprints::sizes(device, mesh, views, SIZE, &sample).unwrap();
             let reference = |seen: &[Directions]| {
                 reference_picture(&field, &shading, view, seen, &|_, _| Ok(())).unwrap()
             };
@@ -173,9 +171,10 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
                 let source = source(device, &field, &shading, method, sizes);
                 let mut painter =
                     Painter::new(device, &source, &shading, mesh, &white, SIZE, lights).unwrap();
-                let found = painter.paint(view, 0.0, DVec3::ZERO).unwrap().radiance;
+                painter.draw_sample(view, &sample, SHOWN).unwrap();
+                let found = painter.picture().unwrap().radiance;
                 let seen: Vec<Directions> =
-                    (0..lights).map(|light| painter.directions(view, light).unwrap()).collect();
+                    (0..lights).map(|light| painter.directions_of(view, light, &sample).unwrap()).collect();
                 let mirrored = seen.iter().filter(|s| s.mirrored.len() == s.view.len()).count();
                 assert_eq!(mirrored, 1, "the surroundings alone are mirrored");
                 if let Some((of_former, _)) = &former {
