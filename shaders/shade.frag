@@ -26,6 +26,37 @@ layout(constant_id = 5) const bool LAMPS = false;    // whether lights differ in
 
 layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
 
+// What comes from light number `light`. Calls name it by a constant: devices that run both sides of a branch would read the images of every light for each.
+vec3 of_light(int light, ivec2 pixel, vec4 stored, vec3 to_view, vec3 albedo, float falloff) {
+    if (light >= LIGHTS || (lights & (1u << light)) == 0u) {
+        return vec3(0.0);
+    }
+    vec3 to_light = light_direction(stored, light, pixel);
+    Pair pair = pair_of(to_light, to_view, source.normal_reflectance);
+    Footprint footprint = POINT;
+    if (SOURCE_READS_FOOTPRINT) {
+        footprint = footprint_of(light, pixel);
+    }
+    vec3 diffracted = source_xyz(pair, footprint);
+    if (!MIRRORED || light < LIGHTS - 1) {
+        diffracted += source_specular(pair, footprint);
+    }
+    diffracted = LINEAR_SRGB_FROM_XYZ * diffracted;
+    float kept = OWN_REFLECTANCE ? schlick(NORMAL_OF_PIGMENT, pair.cos_half) : pair.reflectance;
+    vec3 pigmented = part.first == 0 ? albedo * white * ((1.0 - kept) * to_light.z / PI) : vec3(0.0);
+    // Below the horizon there is neither.
+    return pair.factor > 0.0 ? (diffracted + pigmented) * (frame.irradiances[light].rgb * (PI * falloff)) : vec3(0.0);
+}
+
+// Of the light from all around, the specular order sends on what comes from the mirrored direction.
+vec3 of_surroundings(ivec2 pixel, vec3 to_view) {
+    if (!MIRRORED || (lights & (1u << (LIGHTS - 1))) == 0u || to_view.z <= HORIZON) {
+        return vec3(0.0);
+    }
+    Pair pair = pair_of(vec3(-to_view.xy, to_view.z), to_view, source.normal_reflectance);
+    return LINEAR_SRGB_FROM_XYZ * source_mirrored(pair) * mirrored_of(LIGHTS, pixel) / to_view.z;
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 stored = texelFetch(directions, pixel, 0);
@@ -35,32 +66,11 @@ void main() {
     }
     vec3 to_view = unprojected(stored.xy);
     vec3 albedo = albedo_of(pixel);
-    vec3 sum = vec3(0.0);
     vec4 falloff = LAMPS ? texelFetch(falloffs, pixel, 0) : vec4(1.0);
-    for (int i = 0; i < LIGHTS; ++i) {
-        if ((lights & (1u << i)) == 0u) {
-            continue;
-        }
-        vec3 to_light = light_direction(stored, i, pixel);
-        Pair pair = pair_of(to_light, to_view, source.normal_reflectance);
-        Footprint footprint = POINT;
-        if (SOURCE_READS_FOOTPRINT) {
-            footprint = footprint_of(i, pixel);
-        }
-        vec3 diffracted = source_xyz(pair, footprint);
-        if (!MIRRORED || i < LIGHTS - 1) {
-            diffracted += source_specular(pair, footprint);
-        }
-        diffracted = LINEAR_SRGB_FROM_XYZ * diffracted;
-        float kept = OWN_REFLECTANCE ? schlick(NORMAL_OF_PIGMENT, pair.cos_half) : pair.reflectance;
-        vec3 pigmented = part.first == 0 ? albedo * white * ((1.0 - kept) * to_light.z / PI) : vec3(0.0);
-        // Below the horizon there is neither.
-        sum += pair.factor > 0.0 ? (diffracted + pigmented) * (frame.irradiances[i].rgb * (PI * falloff[i])) : vec3(0.0);
-    }
-    if (MIRRORED && (lights & (1u << (LIGHTS - 1))) != 0u && to_view.z > HORIZON) {
-        // Of the light from all around, the specular order sends on what comes from the mirrored direction.
-        Pair pair = pair_of(vec3(-to_view.xy, to_view.z), to_view, source.normal_reflectance);
-        sum += LINEAR_SRGB_FROM_XYZ * source_mirrored(pair) * mirrored_of(LIGHTS, pixel) / to_view.z;
-    }
+    vec3 sum = of_surroundings(pixel, to_view);
+    sum += of_light(0, pixel, stored, to_view, albedo, falloff.x);
+    sum += of_light(1, pixel, stored, to_view, albedo, falloff.y);
+    sum += of_light(2, pixel, stored, to_view, albedo, falloff.z);
+    sum += of_light(3, pixel, stored, to_view, albedo, falloff.w);
     radiance = vec4(sum, coverage);
 }
