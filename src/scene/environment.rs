@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::input::PictureFile;
 use crate::memory;
 use crate::optics::color::LUMINANCE;
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec2, DVec3, Vec3};
 use image::ImageFormat;
 use std::f64::consts::{PI, TAU};
 use std::ffi::OsStr;
@@ -127,6 +127,8 @@ struct EnvironmentMap {
     radiance: Vec<Vec3>,
     /// How bright its pixels are.
     light: LightSums,
+    /// Cosine and sine of the azimuth of each column.
+    azimuths: Vec<DVec2>,
 }
 
 impl Environment {
@@ -167,35 +169,22 @@ impl Environment {
         let count = count.max(1);
         let cell = self.picture.light.cell(index, count);
         let samples = f64::from(cell.samples);
-        let CellLight { irradiance, middle } = self.light_of(&cell);
+        let CellLight { irradiance, middle } = self.picture.light_of(&cell);
         let centre = [&cell.rows, &cell.columns].map(|range| usize::midpoint(range.start, range.end - 1));
         // The mean of unit vectors is the shorter the more they spread.
         let spread = 0.5 * (1.0 - middle.length_squared());
         let of_pixel = (PI / self.picture.height as f64).powi(2) / 12.0;
+        // A single part has no neighbour to overlap with.
         let wider = WIDER.min(f64::from(count));
+        let direction =
+            middle.try_normalize().unwrap_or_else(|| self.picture.direction(centre[0], centre[1]));
         Incident {
-            direction: middle.try_normalize().unwrap_or_else(|| self.direction_of(centre[0], centre[1])),
+            direction: self.turned(direction),
             place: None,
             irradiance: (irradiance * (self.placement.exposure.exp2() * f64::from(count) / (PI * samples)))
                 .as_vec3(),
             variance: (wider * (spread + of_pixel) / samples).min(LARGEST_VARIANCE),
         }
-    }
-
-    fn light_of(&self, cell: &Cell) -> CellLight {
-        let picture = &*self.picture;
-        let (mut irradiance, mut light, mut middle) = (DVec3::ZERO, 0.0, DVec3::ZERO);
-        for row in cell.rows.clone() {
-            let solid_angle = solid_angle(row, [picture.width, picture.height]);
-            let radiance = &picture.radiance[row * picture.width..];
-            for column in cell.columns.clone() {
-                let of_pixel = radiance[column].as_dvec3() * solid_angle;
-                irradiance += of_pixel;
-                light += brightness(of_pixel);
-                middle += self.direction_of(row, column) * brightness(of_pixel);
-            }
-        }
-        CellLight { irradiance, middle: if light > 0.0 { middle / light } else { DVec3::ZERO } }
     }
 
     /// The picture in levels of half the size each, the finest first, for reading means over parts of it. Neither turned nor brightened.
@@ -234,24 +223,32 @@ impl Environment {
         let mut sum = DVec3::ZERO;
         for (i, radiance) in picture.radiance.iter().enumerate() {
             let (row, column) = (i / picture.width, i % picture.width);
-            let cosine = self.direction_of(row, column).dot(normal).max(0.0);
+            let cosine = self.turned(picture.direction(row, column)).dot(normal).max(0.0);
             sum += radiance.as_dvec3() * (cosine * solid_angle(row, [picture.width, picture.height]));
         }
         sum * self.placement.exposure.exp2() / PI
     }
 
-    /// The direction of the middle of a pixel.
-    fn direction_of(&self, row: usize, column: usize) -> DVec3 {
-        let (sin, cos) = polar_angle(row as f64 + 0.5, self.picture.height).sin_cos();
-        let turn = self.placement.rotation.to_radians();
-        let azimuth = PI - TAU * (column as f64 + 0.5) / self.picture.width as f64 + turn;
-        DVec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos)
+    /// A direction of the picture in the world.
+    fn turned(&self, direction: DVec3) -> DVec3 {
+        DQuat::from_rotation_z(self.placement.rotation.to_radians()) * direction
     }
 }
 
 /// Angle from up, at row 0 of `height`, to `row` \[rad\].
 fn polar_angle(row: f64, height: usize) -> f64 {
     PI * row / height as f64
+}
+
+/// Cosine and sine of the azimuth of the middle of each column.
+fn azimuths(width: usize) -> Vec<DVec2> {
+    (0..width).map(|column| DVec2::from_angle(PI - TAU * (column as f64 + 0.5) / width as f64)).collect()
+}
+
+/// The direction of the middle of a pixel of `row`, at the azimuth of this cosine and sine.
+fn direction(row: usize, height: usize, azimuth: DVec2) -> DVec3 {
+    let (sin, cos) = polar_angle(row as f64 + 0.5, height).sin_cos();
+    (azimuth * sin).extend(cos)
 }
 
 /// Of a pixel of `row` in a picture of this size \[sr\].
@@ -277,12 +274,8 @@ impl EnvironmentMap {
     /// A picture `width` pixels wide of this radiance over directions.
     fn of(width: usize, radiance: &dyn Fn(DVec3) -> Vec3) -> Self {
         let height = width / 2;
-        let at = |i: usize| {
-            let (row, column) = (i / width, i % width);
-            let (sin, cos) = polar_angle(row as f64 + 0.5, height).sin_cos();
-            let azimuth = PI - TAU * (column as f64 + 0.5) / width as f64;
-            radiance(DVec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos))
-        };
+        let azimuths = azimuths(width);
+        let at = |i: usize| radiance(direction(i / width, height, azimuths[i % width]));
         Self::new(width, height, (0..width * height).map(at).collect())
     }
 
@@ -291,7 +284,32 @@ impl EnvironmentMap {
             brightness(radiance.as_dvec3()) * solid_angle(i / width, [width, height])
         };
         let light: Vec<f64> = radiance.iter().enumerate().map(light).collect();
-        Self { width, height, radiance, light: LightSums::new(width, &light) }
+        Self { width, height, radiance, light: LightSums::new(width, &light), azimuths: azimuths(width) }
+    }
+
+    /// The direction of the middle of a pixel, not turned.
+    fn direction(&self, row: usize, column: usize) -> DVec3 {
+        direction(row, self.height, self.azimuths[column])
+    }
+
+    /// What comes from `cell`, not turned. A window that moves asks for all of the picture in every frame.
+    fn light_of(&self, cell: &Cell) -> CellLight {
+        let (mut irradiance, mut light, mut middle) = (DVec3::ZERO, 0.0, DVec3::ZERO);
+        for row in cell.rows.clone() {
+            let radiance = &self.radiance[row * self.width..][cell.columns.clone()];
+            let (mut sum, mut across) = (DVec3::ZERO, DVec3::ZERO);
+            for (radiance, azimuth) in radiance.iter().zip(&self.azimuths[cell.columns.clone()]) {
+                let radiance = radiance.as_dvec3();
+                sum += radiance;
+                across += azimuth.extend(1.0) * brightness(radiance);
+            }
+            let solid_angle = solid_angle(row, [self.width, self.height]);
+            let (sin, cos) = polar_angle(row as f64 + 0.5, self.height).sin_cos();
+            irradiance += sum * solid_angle;
+            light += across.z * solid_angle;
+            middle += across * DVec3::new(sin, sin, cos) * solid_angle;
+        }
+        CellLight { irradiance, middle: if light > 0.0 { middle / light } else { DVec3::ZERO } }
     }
 
     fn read(path: &Path) -> Result<Self> {
