@@ -14,6 +14,7 @@ pub mod cache;
 pub mod cli;
 pub mod error;
 pub mod expansion;
+pub mod fft_size;
 pub mod figure;
 pub mod files;
 pub mod input;

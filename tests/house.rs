@@ -6,26 +6,27 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// What each module at the top of `src/` may import: the table of floors in `docs/ARCHITECTURE.md`.
-const FLOORS: [(&str, &[&str]); 24] = [
+const FLOORS: [(&str, &[&str]); 25] = [
     ("error", &[]),
     ("units", &["error"]),
     ("input", &["error"]),
     ("output", &["error"]),
     ("memory", &["error"]),
     ("random", &["error"]),
+    ("fft_size", &["error"]),
     ("files", &["error", "output"]),
     ("figure", &["error", "output"]),
     ("vk", &["error", "memory"]),
     ("surface", SMALL),
     ("cache", &["surface", "error", "memory", "output"]),
-    ("optics", &["surface", "error", "input", "memory", "output", "random", "units"]),
+    ("optics", &["surface", "error", "fft_size", "input", "memory", "output", "random", "units"]),
     ("expansion", &["optics", "surface", "error", "memory", "random"]),
     ("scene", &["optics", "surface", "error", "input", "memory", "output", "random", "units"]),
     (
         "precompute",
-        &["expansion", "cache", "surface", "error", "input", "memory", "output", "random", "units"],
+        &["expansion", "cache", "surface", "error", "fft_size", "input", "memory", "output", "random", "units"],
     ),
-    ("spectra", &["precompute", "cache", "optics", "surface", "error", "memory"]),
+    ("spectra", &["precompute", "cache", "optics", "surface", "error", "fft_size", "memory"]),
     ("brdf", &["spectra", "optics", "surface", "error", "memory"]),
     ("table", &["spectra", "brdf", "cache", "optics", "surface", "error", "memory"]),
     (
@@ -133,7 +134,7 @@ const FLOORS: [(&str, &[&str]); 24] = [
 ];
 
 /// The small modules, which import nothing but the error.
-const SMALL: &[&str] = &["error", "input", "memory", "output", "random", "units"];
+const SMALL: &[&str] = &["error", "fft_size", "input", "memory", "output", "random", "units"];
 
 /// Files of `src/`, relative to it.
 fn sources() -> Vec<PathBuf> {

@@ -471,13 +471,13 @@ impl Brdf for MeanReference<'_> {
     }
 }
 
-/// Σ a b in eight partial sums, so that the loop runs on vector registers.
 /// Σ of `of` over the wavelengths of `nodes`.
 fn integral(nodes: &Nodes, of: impl Fn(f64) -> f64) -> DVec3 {
     let wavelength = |j: usize| 1.0 / (nodes.first + j as f64 * nodes.step);
     nodes.weights.iter().enumerate().map(|(j, weight)| *weight * of(wavelength(j))).sum()
 }
 
+/// Σ a b in eight partial sums, so that the loop runs on vector registers.
 fn dot(a: &[f32], b: &[f32]) -> f32 {
     let mut sums = [0f32; 8];
     let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));

@@ -54,12 +54,11 @@ impl Kernel {
         }
     }
 
-    /// What reading between texels adds on average of the second difference of a smooth function; to take it away first is deapodisation to
-    /// second order.
-    pub fn blur(self) -> f64 {
+    /// Its variance \[texels²\].
+    pub fn variance(self) -> f64 {
         match self {
-            Self::Linear => 1.0 / 12.0,
-            Self::Cubic => 1.0 / 6.0,
+            Self::Linear => 1.0 / 6.0,
+            Self::Cubic => 1.0 / 3.0,
         }
     }
 

@@ -4,6 +4,7 @@
 //! patch centre, so neighbouring bins of a centred window are in phase and can be interpolated between.
 
 use super::kernel::Kernel;
+use crate::fft_size::fast_size;
 use crate::surface::HeightField;
 use rayon::prelude::*;
 use rustfft::{Fft, FftPlanner, num_complex::Complex64};
@@ -148,21 +149,6 @@ impl PaddedAxis {
         let bin = k as f64 - self.bins as f64;
         Complex64::cis(2.0 * PI * bin * self.shift / self.samples as f64)
     }
-}
-
-/// The smallest product of 2, 3 and 5 that is at least `n`: rustfft is fastest there.
-fn fast_size(n: usize) -> usize {
-    (n..)
-        .find(|&m| {
-            let mut rest = m;
-            for p in [2, 3, 5] {
-                while rest % p == 0 {
-                    rest /= p;
-                }
-            }
-            rest == 1
-        })
-        .unwrap_or(n)
 }
 
 /// A spectrum on the kept bins, column by column: `values[column * rows + row]`, frequency (column − bins_x)/L_x,
@@ -350,11 +336,6 @@ impl<'a> Transformer<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn fast_sizes_have_small_factors() {
-        assert_eq!([1, 7, 11, 121, 3999].map(fast_size), [1, 8, 12, 125, 4000]);
-    }
 
     #[test]
     fn the_transform_is_the_plain_sum_with_the_origin_at_the_patch_centre() {

@@ -4,17 +4,15 @@
 //! polynomials at all |w|: a matrix product in which neighbouring texels share what they read.
 
 use super::{LARGEST_W, TableSettings};
-use crate::optics::footprint::Polygon;
 use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
 use crate::optics::reflectance::{MeanReflectance, Reflectance};
 use crate::optics::spectrum::MIDDLE;
 use crate::spectra::power::chebyshev::{coefficients_from_values, nodes, polynomials};
-use crate::spectra::power::read::{SpectraReader, Square};
+use crate::spectra::power::read::{ReadingRoom, SpectraReader, Square};
 use crate::spectra::power::texture::PER_TEXEL;
 use glam::{DVec2, Vec4};
 use rayon::prelude::*;
 use std::f64::consts::PI;
-use std::f64::consts::TAU;
 
 /// Coefficients of a cubic.
 pub const CUBIC: usize = 4;
@@ -107,9 +105,8 @@ pub struct Sums<'a> {
 /// Working arrays of a thread.
 #[derive(Default)]
 pub struct Scratch {
-    rows: Vec<Vec4>,
+    reading: ReadingRoom,
     terms: Vec<Vec4>,
-    corner: Vec<Vec4>,
     /// `[texel][channel][w]`, w padded to [`LANES`].
     sums: Vec<Vec4>,
 }
@@ -160,7 +157,7 @@ impl<'a> Sums<'a> {
         let layers = terms / PER_TEXEL;
         for (j, (q, weight)) in comb.wavenumbers.iter().zip(&comb.weights).enumerate() {
             let square = tile.scaled(*q);
-            self.read(&square, q * q * self.spectrum.variance, scratch);
+            self.reader.read(&square, q * q * self.spectrum.variance, &mut scratch.reading, &mut scratch.terms);
             let weight = weight.as_vec3().to_array();
             let matrix = &self.polynomials[number][j * per_node..(j + 1) * per_node];
             let reflectance = self.spectrum.reflectances.get(number).map(|rows| &rows[j]);
@@ -177,35 +174,6 @@ impl<'a> Sums<'a> {
                     }
                 }
             }
-        }
-    }
-
-    /// The coefficients at every frequency of `square`, averaged over a spread of variance `variance` \[µm⁻²\] around each, into `scratch.terms`. Between
-    /// two levels a [`Polygon`] of reads stands for it, as in `averaged_power` of `source_mean.glsl`.
-    fn read(&self, square: &Square, variance: f64, scratch: &mut Scratch) {
-        let Scratch { rows, terms, corner, .. } = scratch;
-        let place = self.reader.level(variance);
-        let (level, s) = (place.floor(), place.fract());
-        if s == 0.0 {
-            self.reader.read(square, level as usize, rows, terms);
-            return;
-        }
-        const POLYGON: Polygon = Polygon::HEXAGON;
-        let finest = self.reader.header.grid.blur.variance;
-        let (coarser, distance) = POLYGON.place(s, 3.0 * 4f64.powf(level) * 0.5 * (finest[0] + finest[1]));
-        let finer = 1.0 - coarser;
-        let first = square.middle().try_normalize().unwrap_or(DVec2::X) * distance;
-        let corners = (0..POLYGON.corners).map(|k| {
-            let by = DVec2::from_angle(TAU * k as f64 / POLYGON.corners as f64).rotate(first);
-            let moved = Square { first: square.first + by, ..*square };
-            (moved, level, finer * (1.0 - POLYGON.middle) / POLYGON.corners as f64)
-        });
-        let middle = [(*square, level, finer * POLYGON.middle), (*square, level + 1.0, coarser)];
-        corner.resize(terms.len(), Vec4::ZERO);
-        terms.fill(Vec4::ZERO);
-        for (square, level, share) in corners.chain(middle) {
-            self.reader.read(&square, level as usize, rows, corner);
-            terms.iter_mut().zip(&*corner).for_each(|(sum, part)| *sum += *part * share as f32);
         }
     }
 

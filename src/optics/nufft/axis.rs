@@ -1,6 +1,7 @@
 //! One axis of the transforms: the samples within a window, relative to its centre.
 
 use super::kernel::GriddingKernel;
+use crate::fft_size::fast_size;
 use crate::optics::coherence::{self, Coherence, GAUSSIAN_CUT, periodic_factor};
 use std::f64::consts::PI;
 
@@ -99,17 +100,4 @@ impl TransformAxis {
     pub fn copies(&self, f: f64) -> f64 {
         self.copies.map_or(1.0, |(n, period)| periodic_factor(n, 2.0 * PI * f * period).norm_sqr())
     }
-}
-
-/// The smallest product of 2, 3 and 5 that is at least `n`.
-fn fast_size(n: usize) -> usize {
-    let smooth = |mut m: usize| {
-        for p in [2, 3, 5] {
-            while m.is_multiple_of(p) {
-                m /= p;
-            }
-        }
-        m == 1
-    };
-    (n..).find(|&m| smooth(m)).unwrap_or(n)
 }

@@ -1,4 +1,4 @@
-//! Reads power spectra between their texels, levels and nodes: the twin of `shaders/source_mean.glsl`.
+//! Reads power spectra between their texels, levels and nodes on the CPU, as `shaders/source_mean.glsl` does on the device.
 
 use super::make::{PowerHeader, PowerSpectra};
 use super::texture::{PER_TEXEL, interleaved};
@@ -26,67 +26,157 @@ impl SpectraReader {
         }
     }
 
-    /// The level, with the place by variance to the next as its fraction, whose blur is that of the orders and of a spread of variance `variance`
-    /// \[µm⁻²\] around each frequency.
-    pub fn level(&self, variance: f64) -> f64 {
-        let (finest, orders) = (self.header.grid.blur.variance, self.header.orders_blur.variance);
-        let ratio = 0.5 * ((orders[0] + variance) / finest[0] + (orders[1] + variance) / finest[1]);
-        level_of_ratio(ratio, self.header.grid.levels)
-    }
-
-    /// The Chebyshev coefficients at every frequency of `square` and whole `level`, in units of the header's `unit`: `[row][column][layer]`.
-    /// Frequencies that the samples of the surface do not hold are 0. `rows` is working room.
-    pub fn read(&self, square: &Square, level: usize, rows: &mut Vec<Vec4>, out: &mut [Vec4]) {
-        let level = level.min(self.levels.len() - 1);
-        let [columns_held, rows_held] = self.header.grid.size_of(level);
-        let clamp = |i: i64, held: usize| i.clamp(0, held as i64 - 1) as usize;
+    /// The Chebyshev coefficients at every frequency of `square`, averaged over a normal spread of variance `variance` \[µm⁻²\] around each, in units of the
+    /// header's `unit`: `[row][column][layer]`. Frequencies that the samples of the surface do not hold are 0. `room` is working room.
+    ///
+    /// Texels are read from the coarsest level whose blur is well within the one that is asked for. What is left of it is in the weights of the reading, which costs
+    /// as many texels as that takes.
+    pub fn read(&self, square: &Square, variance: f64, room: &mut ReadingRoom, out: &mut [Vec4]) {
+        let (level, left) = self.level(variance);
+        let ReadingRoom { along_x, along_y, row } = room;
+        self.place(square, level, 0, left[0], along_x);
+        self.place(square, level, 1, left[1], along_y);
+        let [columns, rows] = self.header.grid.size_of(level);
         let layers = self.header.terms / PER_TEXEL;
-        let width = square.side * layers;
-        // Along f_x first, for all texel rows that any frequency reads.
-        let columns: [([usize; 4], [f32; 4]); MOST_SIDE] = std::array::from_fn(|i| {
-            let (first, weights) = self.place(square, level, 0, i);
-            (std::array::from_fn(|t| clamp(first + t as i64, columns_held) * layers), weights)
-        });
-        let (first_row, last_row) =
-            (self.place(square, level, 1, 0).0, self.place(square, level, 1, square.side - 1).0 + 3);
-        rows.clear();
-        rows.resize((last_row - first_row + 1) as usize * width, Vec4::ZERO);
-        for (row, out) in (first_row..=last_row).zip(rows.chunks_exact_mut(width)) {
-            let row =
-                &self.levels[level][clamp(row, rows_held) * columns_held * layers..][..columns_held * layers];
-            for ((texels, weights), out) in columns.iter().zip(out.chunks_exact_mut(layers)) {
-                for (layer, out) in out.iter_mut().enumerate() {
-                    let [a, b, c, d] = texels;
-                    *out = weighed([row[a + layer], row[b + layer], row[c + layer], row[d + layer]], weights);
+        // Columns that any point reads.
+        let begin = within(along_x.first[0], columns);
+        let end = within(along_x.first[square.side - 1] + along_x.count as i64 - 1, columns) + 1;
+        let texels = &self.levels[level];
+        row.resize((end - begin) * layers, Vec4::ZERO);
+        for (j, out) in out.chunks_exact_mut(square.side * layers).enumerate() {
+            row.fill(Vec4::ZERO);
+            for (first, weights) in along_y.fours(j) {
+                let [a, b, c, d] = std::array::from_fn(|k| {
+                    let at = within(first + k as i64, rows) * columns;
+                    &texels[(at + begin) * layers..(at + end) * layers]
+                });
+                for ((((sum, a), b), c), d) in row.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+                    *sum += weighed([*a, *b, *c, *d], weights);
+                }
+            }
+            for (i, out) in out.chunks_exact_mut(layers).enumerate() {
+                out.fill(Vec4::ZERO);
+                for (first, weights) in along_x.fours(i) {
+                    let [a, b, c, d] =
+                        std::array::from_fn(|k| (within(first + k as i64, columns) - begin) * layers);
+                    for (layer, sum) in out.iter_mut().enumerate() {
+                        *sum += weighed(
+                            [row[a + layer], row[b + layer], row[c + layer], row[d + layer]],
+                            weights,
+                        );
+                    }
                 }
             }
         }
-        for (j, out) in out.chunks_exact_mut(width).enumerate() {
-            let (first, weights) = self.place(square, level, 1, j);
-            let four = &rows[(first - first_row) as usize * width..][..4 * width];
-            let (a, rest) = four.split_at(width);
-            let (b, rest) = rest.split_at(width);
-            let (c, d) = rest.split_at(width);
-            for ((((out, a), b), c), d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-                *out = weighed([*a, *b, *c, *d], &weights);
+    }
+
+    /// The coarsest level whose blur is well within that of the orders and of a spread of variance `variance` \[µm⁻²\], and the variance that is left, by axis.
+    fn level(&self, variance: f64) -> (usize, [f64; 2]) {
+        /// Variance of what is asked for over that of a level. What is left smooths the errors between texels: of a single frequency they fall from 1.8e-2 to
+        /// 4e-3.
+        const WELL_WITHIN: f64 = 1.25;
+        let grid = &self.header.grid;
+        let asked = self.header.orders_blur.variance.map(|orders| orders + variance);
+        let blur = |level: usize, axis: usize| grid.blur.variance[axis] * 4f64.powi(level as i32);
+        let is_within = |level: &usize| (0..2).all(|axis| WELL_WITHIN * blur(*level, axis) <= asked[axis]);
+        let level = (1..grid.levels).take_while(is_within).last().unwrap_or(0);
+        (level, [0, 1].map(|axis| (asked[axis] - blur(level, axis)).max(0.0)))
+    }
+
+    /// What every point of `square` reads of `level` along `axis`, where it averages over the variance `left` \[µm⁻²\].
+    ///
+    /// Texels are made for the grid's kernel. A Gaussian that has the variance of both, the kernel's and what is left, stands for one after the other: for lags of
+    /// 0.12 per texel, as a blur of 1.3 texels has, they differ by 5e-4.
+    fn place(&self, square: &Square, level: usize, axis: usize, left: f64, taps: &mut AxisTaps) {
+        /// Standard deviations beyond which nothing is read.
+        const REACH: f64 = 3.5;
+        let grid = &self.header.grid;
+        let held = grid.size_of(level)[axis];
+        let spacing = grid.range[axis] / held as f64;
+        let left = left / (spacing * spacing);
+        let variance = left + grid.kernel.variance();
+        let is_blurred = left > 0.0;
+        let sides = if is_blurred { (REACH * variance.sqrt() + 1.0).min(held as f64) as usize } else { 2 };
+        taps.count = (2 * sides).next_multiple_of(AT_ONCE);
+        taps.first.clear();
+        taps.weights.clear();
+        for i in 0..square.side {
+            let f = square.first[axis] + square.step * i as f64;
+            let place = (f / grid.range[axis] + 0.5) * held as f64 - 0.5;
+            let corner = place.floor();
+            taps.first.push((corner as i64).saturating_sub(sides as i64 - 1));
+            let begin = taps.weights.len();
+            taps.weights.resize(begin + taps.count, 0.0);
+            let weights = &mut taps.weights[begin..];
+            if f.abs() > self.header.band[axis] {
+                continue;
+            }
+            if is_blurred {
+                gaussian(1.0 - sides as f64 - (place - corner), variance, &mut weights[..2 * sides]);
+            } else {
+                let four = grid.kernel.weights(place - corner);
+                weights.iter_mut().zip(four).for_each(|(weight, w)| *weight = w as f32);
             }
         }
     }
+}
 
-    /// The first of the four texels around frequency number `i` of `square` along `axis`, and their weights.
-    fn place(&self, square: &Square, level: usize, axis: usize, i: usize) -> (i64, [f32; 4]) {
-        let grid = &self.header.grid;
-        let f = square.first[axis] + square.step * i as f64;
-        let place = (f / grid.range[axis] + 0.5) * grid.size_of(level)[axis] as f64 - 0.5;
-        let corner = place.floor();
-        let held = f64::from(f.abs() <= self.header.band[axis]);
-        (corner as i64 - 1, grid.kernel.weights(place - corner).map(|w| (w * held) as f32))
+/// Texels that are read at once.
+const AT_ONCE: usize = 4;
+
+/// Working room of [`SpectraReader::read`], to be used again.
+#[derive(Default)]
+pub struct ReadingRoom {
+    along_x: AxisTaps,
+    along_y: AxisTaps,
+    // Sums along f_y, of all columns that any point reads: [column][layer].
+    row: Vec<Vec4>,
+}
+
+/// What each point of a square reads along an axis.
+#[derive(Default)]
+struct AxisTaps {
+    /// Texels of a point, a multiple of [`AT_ONCE`].
+    count: usize,
+    /// Number of the first, which may be outside of the level.
+    first: Vec<i64>,
+    /// `[point][texel]`.
+    weights: Vec<f32>,
+}
+
+impl AxisTaps {
+    /// What point `i` reads: number of the first texel of each four, and their weights.
+    fn fours(&self, i: usize) -> impl Iterator<Item = (i64, &[f32; AT_ONCE])> {
+        let (fours, _) = self.weights[i * self.count..][..self.count].as_chunks();
+        (self.first[i]..).step_by(AT_ONCE).zip(fours)
     }
+}
+
+/// Of `count` texels in a row the one that is nearest to number `i`.
+fn within(i: i64, count: usize) -> usize {
+    i.clamp(0, count as i64 - 1) as usize
+}
+
+/// Weights of a Gaussian of variance `variance` at `from`, `from` + 1 and so on, whose sum is 1.
+fn gaussian(from: f64, variance: f64, weights: &mut [f32]) {
+    // Each is the one before times a factor that itself shrinks by a constant one.
+    let mut weight = (-0.5 * from * from / variance).exp();
+    let mut factor = (-0.5 * (2.0 * from + 1.0) / variance).exp();
+    let growth = (-1.0 / variance).exp();
+    let mut sum = 0.0;
+    for slot in &mut *weights {
+        *slot = weight as f32;
+        sum += weight;
+        weight *= factor;
+        factor *= growth;
+    }
+    let norm = (1.0 / sum) as f32;
+    weights.iter_mut().for_each(|weight| *weight *= norm);
 }
 
 /// Σ weight·texel.
 #[inline]
-fn weighed(texels: [Vec4; 4], weights: &[f32; 4]) -> Vec4 {
+fn weighed(texels: [Vec4; AT_ONCE], weights: &[f32; AT_ONCE]) -> Vec4 {
     let [a, b, c, d] = texels;
     a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3]
 }

@@ -2,6 +2,7 @@
 
 use super::{Dimensions, Spec};
 use crate::error::{Error, Result};
+use crate::fft_size::{fast_size, is_fast};
 use crate::memory;
 use crate::surface::{HeightField, MAX_SIDE};
 use rayon::prelude::*;
@@ -122,27 +123,12 @@ fn samples(patch: f64, periods: usize, pixel: Option<f64>, finest: f64) -> Resul
     if pixel.is_some() {
         return Ok(count);
     }
-    let alike = if periods > 0 { periods * smooth_above(count.div_ceil(periods)) } else { usize::MAX };
-    let fast = smooth_above(count);
+    let alike = if periods > 0 { periods * fast_size(count.div_ceil(periods)) } else { usize::MAX };
+    let fast = fast_size(count);
     /// Few more: a fifth.
     const FEW_MORE: usize = 5;
-    let chosen = if alike <= count + count / FEW_MORE && is_smooth(alike) { alike } else { fast };
+    let chosen = if alike <= count + count / FEW_MORE && is_fast(alike) { alike } else { fast };
     Ok(chosen.min(MAX_SIDE))
-}
-
-/// The smallest number from `n` up with no prime factor above 5.
-fn smooth_above(n: usize) -> usize {
-    (n.max(1)..).find(|&m| is_smooth(m)).unwrap_or(n)
-}
-
-fn is_smooth(n: usize) -> bool {
-    let rest = [2, 3, 5].iter().fold(n, |mut rest, prime| {
-        while rest % prime == 0 && rest > 0 {
-            rest /= prime;
-        }
-        rest
-    });
-    rest == 1
 }
 
 #[cfg(test)]
@@ -163,7 +149,7 @@ mod tests {
         let samples_of = |patch, periods| samples(patch, periods, None, f64::INFINITY).unwrap();
         for (patch, periods) in [(20.0, 0), (20.0, 10), (20.0, 8), (64.98, 57), (65.1, 42), (65.1, 21)] {
             let n = samples_of(patch, periods);
-            assert!(patch / n as f64 <= FINE_ENOUGH && is_smooth(n), "{patch} um in {n}");
+            assert!(patch / n as f64 <= FINE_ENOUGH && is_fast(n), "{patch} um in {n}");
         }
         assert_eq!(samples_of(20.0, 10), 240);
         assert_eq!(samples(20.0, 10, None, 0.05).unwrap(), 400, "fine structure is sampled finely");
