@@ -157,7 +157,12 @@ impl<'a> Sums<'a> {
         let layers = terms / PER_TEXEL;
         for (j, (q, weight)) in comb.wavenumbers.iter().zip(&comb.weights).enumerate() {
             let square = tile.scaled(*q);
-            self.reader.read(&square, q * q * self.spectrum.variance, &mut scratch.reading, &mut scratch.terms);
+            self.reader.read(
+                &square,
+                q * q * self.spectrum.variance,
+                &mut scratch.reading,
+                &mut scratch.terms,
+            );
             let weight = weight.as_vec3().to_array();
             let matrix = &self.polynomials[number][j * per_node..(j + 1) * per_node];
             let reflectance = self.spectrum.reflectances.get(number).map(|rows| &rows[j]);

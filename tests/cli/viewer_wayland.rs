@@ -18,7 +18,7 @@ fn a_window_of_wayland_draws_answers_keys_and_closes_without_a_word() {
         let program = command.spawn().unwrap();
         let find = |text: &str| words_of(&sandbox).into_iter().find(|word| word.text == text);
         wait_for("full quality", || find("full quality"));
-        // The window fills the output of 1800 × 1200 pixels, whatever the scale, and the panel's rows keep their height in points.
+        // The window fills the output of 1200 × 900 pixels, whatever the scale, and the panel's rows keep their height in points.
         let heading = |text: &str| f64::from(wait_for(text, || find(text)).at[1]);
         let rows = heading("tone mapping") - heading("exposure");
         // The compositor asks for whole scales and makes the window smaller itself where its own is none.

@@ -29,7 +29,7 @@ impl Wayland {
         let folder = tempfile::tempdir().unwrap();
         std::fs::set_permissions(folder.path(), std::fs::Permissions::from_mode(0o777)).unwrap();
         let settings = folder.path().join("config");
-        let output = format!("xwayland disable\noutput * resolution 1800x1200 scale {scale}\n");
+        let output = format!("xwayland disable\noutput * resolution 1200x900 scale {scale}\n");
         std::fs::write(&settings, output).unwrap();
         let mut command = unprivileged("sway", folder.path());
         command.arg("-c").arg(&settings);
