@@ -54,6 +54,14 @@ impl Kernel {
         }
     }
 
+    /// Second derivatives of [`Kernel::weights`]; of what is linear between texels, second differences.
+    pub fn curvatures(self, t: f64) -> [f64; 4] {
+        match self {
+            Self::Linear => [0.5, -0.5, -0.5, 0.5],
+            Self::Cubic => [1.0 - t, 3.0 * t - 2.0, 1.0 - 3.0 * t, t],
+        }
+    }
+
     /// Its variance \[texels²\].
     pub fn variance(self) -> f64 {
         match self {

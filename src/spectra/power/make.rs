@@ -5,7 +5,7 @@ use super::orders::{OrderGrid, OrderPowers, Transform};
 use super::texture::{self, FrequencyGrid, Levels, PER_TEXEL};
 use super::{Beyond, Blur};
 use crate::error::{Error, Remedy, Result};
-use crate::fft_size::fast_size;
+use crate::fft_size::is_fast;
 use crate::memory;
 use crate::optics::spectrum::SHORTEST;
 use crate::precompute::kernel::Kernel;
@@ -224,7 +224,7 @@ fn choose_grid(orders: &OrderGrid, blur: Blur, settings: &PowerSettings) -> (Fre
         let exact = [0, 1].map(|i| (range[i] * window[i] * 2.0 * PI * density).ceil() as usize);
         let levels = levels_for(exact);
         let step = 1 << (levels - 1);
-        let size = exact.map(|n| step * fast_size(n.max(FEWEST_TEXELS).div_ceil(step)));
+        let size = exact.map(|n| step * fast_from(n.max(FEWEST_TEXELS).div_ceil(step)));
         let error = error_of(size);
         let at_limit = size.iter().any(|&n| n as f64 * 1.05 > settings.side_limit as f64);
         if error <= settings.reading_error || at_limit {
@@ -232,6 +232,11 @@ fn choose_grid(orders: &OrderGrid, blur: Blur, settings: &PowerSettings) -> (Fre
         }
         density *= 1.05;
     }
+}
+
+/// The smallest size from `n` ≥ 1 up at which transforms are fast. A factor of 7, for which rustfft has vector code, too, keeps it closer to `n`.
+fn fast_from(n: usize) -> usize {
+    (n..).find(|&m| is_fast(m) || (m.is_multiple_of(7) && is_fast(m / 7))).unwrap_or(n)
 }
 
 fn levels_for(size: [usize; 2]) -> usize {

@@ -36,34 +36,29 @@ impl SpectraReader {
         let ReadingRoom { along_x, along_y, row } = room;
         self.place(square, level, 0, left[0], along_x);
         self.place(square, level, 1, left[1], along_y);
-        let [columns, rows] = self.header.grid.size_of(level);
+        let [columns, _] = self.header.grid.size_of(level);
         let layers = self.header.terms / PER_TEXEL;
         // Columns that any point reads.
-        let begin = within(along_x.first[0], columns);
-        let end = within(along_x.first[square.side - 1] + along_x.count as i64 - 1, columns) + 1;
+        let begin = along_x.texels[0];
+        let end = along_x.texels[along_x.texels.len() - 1] + 1;
         let texels = &self.levels[level];
         row.resize((end - begin) * layers, Vec4::ZERO);
         for (j, out) in out.chunks_exact_mut(square.side * layers).enumerate() {
             row.fill(Vec4::ZERO);
-            for (first, weights) in along_y.fours(j) {
-                let [a, b, c, d] = std::array::from_fn(|k| {
-                    let at = within(first + k as i64, rows) * columns;
-                    &texels[(at + begin) * layers..(at + end) * layers]
-                });
-                for ((((sum, a), b), c), d) in row.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            for ([a, b, c, d], weights) in along_y.fours(j) {
+                let held = |row: usize| &texels[(row * columns + begin) * layers..][..(end - begin) * layers];
+                let four = held(*a).iter().zip(held(*b)).zip(held(*c)).zip(held(*d));
+                for (sum, (((a, b), c), d)) in row.iter_mut().zip(four) {
                     *sum += weighed([*a, *b, *c, *d], weights);
                 }
             }
             for (i, out) in out.chunks_exact_mut(layers).enumerate() {
                 out.fill(Vec4::ZERO);
-                for (first, weights) in along_x.fours(i) {
-                    let [a, b, c, d] =
-                        std::array::from_fn(|k| (within(first + k as i64, columns) - begin) * layers);
-                    for (layer, sum) in out.iter_mut().enumerate() {
-                        *sum += weighed(
-                            [row[a + layer], row[b + layer], row[c + layer], row[d + layer]],
-                            weights,
-                        );
+                for ([a, b, c, d], weights) in along_x.fours(i) {
+                    let held = |column: usize| &row[(column - begin) * layers..][..layers];
+                    let four = held(*a).iter().zip(held(*b)).zip(held(*c)).zip(held(*d));
+                    for (sum, (((a, b), c), d)) in out.iter_mut().zip(four) {
+                        *sum += weighed([*a, *b, *c, *d], weights);
                     }
                 }
             }
@@ -90,21 +85,25 @@ impl SpectraReader {
     fn place(&self, square: &Square, level: usize, axis: usize, left: f64, taps: &mut AxisTaps) {
         /// Standard deviations beyond which nothing is read.
         const REACH: f64 = 3.5;
+        /// What is left is little, and a term in its first power says enough: it errs by 4e-4 for those lags \[texels²\].
+        const LITTLE: f64 = 0.1;
         let grid = &self.header.grid;
         let held = grid.size_of(level)[axis];
         let spacing = grid.range[axis] / held as f64;
         let left = left / (spacing * spacing);
         let variance = left + grid.kernel.variance();
-        let is_blurred = left > 0.0;
+        let is_blurred = left > LITTLE;
         let sides = if is_blurred { (REACH * variance.sqrt() + 1.0).min(held as f64) as usize } else { 2 };
         taps.count = (2 * sides).next_multiple_of(AT_ONCE);
-        taps.first.clear();
+        taps.texels.clear();
         taps.weights.clear();
         for i in 0..square.side {
             let f = square.first[axis] + square.step * i as f64;
             let place = (f / grid.range[axis] + 0.5) * held as f64 - 0.5;
             let corner = place.floor();
-            taps.first.push((corner as i64).saturating_sub(sides as i64 - 1));
+            let first = (corner as i64).saturating_sub(sides as i64 - 1);
+            let texel = |i: i64| first.saturating_add(i).clamp(0, held as i64 - 1) as usize;
+            taps.texels.extend((0..taps.count as i64).map(texel));
             let begin = taps.weights.len();
             taps.weights.resize(begin + taps.count, 0.0);
             let weights = &mut taps.weights[begin..];
@@ -114,8 +113,12 @@ impl SpectraReader {
             if is_blurred {
                 gaussian(1.0 - sides as f64 - (place - corner), variance, &mut weights[..2 * sides]);
             } else {
-                let four = grid.kernel.weights(place - corner);
-                weights.iter_mut().zip(four).for_each(|(weight, w)| *weight = w as f32);
+                let t = place - corner;
+                let four = grid.kernel.weights(t).into_iter().zip(grid.kernel.curvatures(t));
+                weights
+                    .iter_mut()
+                    .zip(four)
+                    .for_each(|(weight, (w, curvature))| *weight = (w + 0.5 * left * curvature) as f32);
             }
         }
     }
@@ -138,23 +141,21 @@ pub struct ReadingRoom {
 struct AxisTaps {
     /// Texels of a point, a multiple of [`AT_ONCE`].
     count: usize,
-    /// Number of the first, which may be outside of the level.
-    first: Vec<i64>,
+    /// `[point][texel]`: their numbers; beyond an end of the level, that of the last.
+    texels: Vec<usize>,
     /// `[point][texel]`.
     weights: Vec<f32>,
 }
 
 impl AxisTaps {
-    /// What point `i` reads: number of the first texel of each four, and their weights.
-    fn fours(&self, i: usize) -> impl Iterator<Item = (i64, &[f32; AT_ONCE])> {
-        let (fours, _) = self.weights[i * self.count..][..self.count].as_chunks();
-        (self.first[i]..).step_by(AT_ONCE).zip(fours)
+    /// What point `i` reads, four at a time: numbers of texels and their weights.
+    #[inline]
+    fn fours(&self, i: usize) -> impl Iterator<Item = (&[usize; AT_ONCE], &[f32; AT_ONCE])> {
+        let own = i * self.count..(i + 1) * self.count;
+        let (texels, _) = self.texels[own.clone()].as_chunks();
+        let (weights, _) = self.weights[own].as_chunks();
+        texels.iter().zip(weights)
     }
-}
-
-/// Of `count` texels in a row the one that is nearest to number `i`.
-fn within(i: i64, count: usize) -> usize {
-    i.clamp(0, count as i64 - 1) as usize
 }
 
 /// Weights of a Gaussian of variance `variance` at `from`, `from` + 1 and so on, whose sum is 1.
