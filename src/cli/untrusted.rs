@@ -161,8 +161,8 @@ fn spectra(bytes: &[u8]) -> Result<()> {
     let reader = power::read::SpectraReader::new(&spectra);
     let mut coefficients = vec![Vec4::ZERO; spectra.header.terms / 4];
     for f in [DVec2::ZERO, DVec2::splat(1e3), DVec2::splat(-1e9)] {
-        let room = &mut power::read::ReadingRoom::default();
-        reader.read(&power::read::Square::point(f), 1.0, room, &mut coefficients);
+        let scratch = &mut power::read::ReadScratch::default();
+        reader.read(&power::read::Square::point(f), 1.0, scratch, &mut coefficients);
     }
     Ok(())
 }

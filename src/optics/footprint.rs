@@ -297,13 +297,6 @@ impl Polygon {
     pub fn reads(&self, samples: u32) -> usize {
         if samples >= self.mixed_from { 2 } else { self.corners + usize::from(self.middle > 0.0) + 1 }
     }
-
-    /// At the place `s` (0 … 1) between two levels whose variances differ by `difference`: the weight of the coarser level, and the distance of the corners.
-    pub fn place(&self, s: f64, difference: f64) -> (f64, f64) {
-        let [coarser, left] = between_levels(s, self.bend);
-        // Along each axis, the variance of the corners is half the square of their distance.
-        (coarser, (2.0 * left * difference / (1.0 - self.middle)).sqrt())
-    }
 }
 
 impl Taps {
@@ -530,7 +523,9 @@ mod tests {
         for (polygon, most) in [(Polygon::SQUARE, 0.064), (Polygon::HEXAGON, 0.025)] {
             for i in 1..30 {
                 let s = f64::from(i) / 30.0;
-                let (coarser, distance) = polygon.place(s, 3.0);
+                // As `averaged_power` of `source_mean.glsl`: along each axis, the variance of the corners is half the square of their distance.
+                let [coarser, left] = between_levels(s, polygon.bend);
+                let distance = (2.0 * left * 3.0 / (1.0 - polygon.middle)).sqrt();
                 let finer = 1.0 - coarser;
                 let corner = |k: usize| {
                     let place = DVec2::from_angle(2.0 * PI * k as f64 / polygon.corners as f64) * distance;

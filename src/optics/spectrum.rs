@@ -102,7 +102,7 @@ impl<const N: usize> SpectralTable<N> {
 
     /// The values at `wavelength` \[nm\].
     pub fn at(&self, wavelength: f64) -> [f64; N] {
-        let above = self.first_from(wavelength);
+        let above = self.wavelengths.partition_point(|&x| x < wavelength);
         if above == self.wavelengths.len() || (above == 0 && self.wavelengths[0] > wavelength) {
             return [0.0; N];
         }
@@ -112,16 +112,6 @@ impl<const N: usize> SpectralTable<N> {
         let (x0, x1) = (self.wavelengths[above - 1], self.wavelengths[above]);
         let t = (wavelength - x0) / (x1 - x0);
         std::array::from_fn(|i| (1.0 - t) * self.values[above - 1][i] + t * self.values[above][i])
-    }
-
-    /// Number of the first entry at `wavelength` \[nm\] or above. Of a table in even steps it is known without a search.
-    fn first_from(&self, wavelength: f64) -> usize {
-        let all = &self.wavelengths;
-        let (first, last) = (all[0], all[all.len() - 1]);
-        let guess = ((wavelength - first) / (last - first) * (all.len() - 1) as f64).ceil() as usize;
-        let is_right =
-            (1..all.len()).contains(&guess) && all[guess - 1] < wavelength && wavelength <= all[guess];
-        if is_right { guess } else { all.partition_point(|&x| x < wavelength) }
     }
 }
 

@@ -54,7 +54,7 @@ impl Kernel {
         }
     }
 
-    /// Second derivatives of [`Kernel::weights`]; of what is linear between texels, second differences.
+    /// Second derivatives of [`Kernel::weights`] by the place; of the linear kernel the mean of the second differences at both texels.
     pub fn curvatures(self, t: f64) -> [f64; 4] {
         match self {
             Self::Linear => [0.5, -0.5, -0.5, 0.5],
@@ -62,7 +62,7 @@ impl Kernel {
         }
     }
 
-    /// Its variance \[texels²\].
+    /// Variance of the kernel \[texels²\]: a B-spline is a sum of uniform distributions of width 1, whose variances of 1/12 add.
     pub fn variance(self) -> f64 {
         match self {
             Self::Linear => 1.0 / 6.0,

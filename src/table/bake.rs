@@ -10,7 +10,7 @@ use crate::memory;
 use crate::optics::reflectance::MeanReflectance;
 use crate::optics::spectrum::BLUE;
 use crate::spectra::power::PowerSpectra;
-use crate::spectra::power::read::{MOST_SIDE, SpectraReader, Square};
+use crate::spectra::power::read::{SpectraReader, Square};
 use glam::{DVec2, Vec4};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
@@ -42,10 +42,10 @@ pub fn bake(
     let side = grid.side;
     let mut finest = vec![0f32; side * side * width];
     let mut done = 0;
-    for (number, rows) in finest.chunks_mut(MOST_SIDE * side * width).enumerate() {
+    for (number, rows) in finest.chunks_mut(TILE * side * width).enumerate() {
         progress(done, side)?;
         done += rows.len() / (side * width);
-        bake_rows(&sums, &grid, number * MOST_SIDE, rows, width);
+        bake_rows(&sums, &grid, number * TILE, rows, width);
     }
     let unit = unit_of(&finest);
     let mut levels = Vec::with_capacity(grid.levels);
@@ -94,30 +94,33 @@ const UNAVERAGED: f64 = 0.6;
 /// Bytes up to which a table has the texels that it should.
 const ROOM: f64 = 256.0 * 1024.0 * 1024.0;
 
+/// Texels along a side of the squares that are summed at once.
+const TILE: usize = 16;
+
 /// Sums the texels of `rows`, the first of which is row `first`.
 fn bake_rows(sums: &Sums<'_>, grid: &TableGrid, first: usize, rows: &mut [f32], width: usize) {
     let side = grid.side;
-    let tiles: Vec<usize> = (0..side).step_by(MOST_SIDE).collect();
+    let tiles: Vec<usize> = (0..side).step_by(TILE).collect();
     let baked: Vec<Vec<f32>> = tiles
         .par_iter()
         .map_init(Scratch::default, |scratch, &column| {
             let tile = Square {
                 first: DVec2::new(grid.at(0, column), grid.at(0, first)),
                 step: grid.spacing(0),
-                side: MOST_SIDE,
+                side: TILE,
             };
             // No two directions are farther apart than opposite ones; footprints reach a little beyond.
             if tile.nearest() > grid.extent + 2.0 * grid.spacing(0) {
                 return Vec::new();
             }
-            let mut texels = Vec::with_capacity(MOST_SIDE * MOST_SIDE * width);
+            let mut texels = Vec::with_capacity(TILE * TILE * width);
             sums.cubics(&tile, scratch, |_, cubics| texels.extend_from_slice(cubics));
             texels
         })
         .collect();
     for (column, texels) in tiles.into_iter().zip(baked) {
-        let columns = MOST_SIDE.min(side - column);
-        for (row, texels) in rows.chunks_exact_mut(side * width).zip(texels.chunks_exact(MOST_SIDE * width)) {
+        let columns = TILE.min(side - column);
+        for (row, texels) in rows.chunks_exact_mut(side * width).zip(texels.chunks_exact(TILE * width)) {
             row[column * width..][..columns * width].copy_from_slice(&texels[..columns * width]);
         }
     }

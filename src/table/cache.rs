@@ -11,7 +11,7 @@ const LARGEST_SIDE: usize = 1 << 16;
 
 impl Kept for ColorTable {
     /// The version changes whenever the table of the same key would change.
-    const FORMAT: EntryFormat = EntryFormat { name: "colours", version: 15 };
+    const FORMAT: EntryFormat = EntryFormat { name: "colours", version: 16 };
     type Header = TableHeader;
 
     fn header(&self) -> TableHeader {

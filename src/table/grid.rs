@@ -58,7 +58,7 @@ impl TableGrid {
     /// The level, with a fraction, that averages over the variance `variance` of u and of v.
     pub fn level(&self, variance: f64) -> f64 {
         let ratio = (variance - self.finest.powi(2)) / self.growth.powi(2) + 1.0;
-        crate::spectra::power::read::level_of_ratio(ratio, self.levels)
+        crate::spectra::power::texture::level_of_ratio(ratio, self.levels)
     }
 
     /// The variance of u and of v that `level` averages over.

@@ -8,7 +8,7 @@ use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
 use crate::optics::reflectance::{MeanReflectance, Reflectance};
 use crate::optics::spectrum::MIDDLE;
 use crate::spectra::power::chebyshev::{coefficients_from_values, nodes, polynomials};
-use crate::spectra::power::read::{ReadingRoom, SpectraReader, Square};
+use crate::spectra::power::read::{ReadScratch, SpectraReader, Square};
 use crate::spectra::power::texture::PER_TEXEL;
 use glam::{DVec2, Vec4};
 use rayon::prelude::*;
@@ -105,7 +105,7 @@ pub struct Sums<'a> {
 /// Working arrays of a thread.
 #[derive(Default)]
 pub struct Scratch {
-    reading: ReadingRoom,
+    reading: ReadScratch,
     terms: Vec<Vec4>,
     /// `[texel][channel][w]`, w padded to [`LANES`].
     sums: Vec<Vec4>,

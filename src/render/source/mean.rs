@@ -14,7 +14,7 @@ use crate::render::shading::Shading;
 use crate::render::tables::Combs;
 use crate::render::upload;
 use crate::spectra::power::chebyshev::polynomials;
-use crate::spectra::power::read::level_of_ratio;
+use crate::spectra::power::texture::level_of_ratio;
 use crate::spectra::power::{Blur, PowerSpectra};
 use crate::vk::buffer::Buffer;
 use crate::vk::device::Device;

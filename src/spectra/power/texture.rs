@@ -220,3 +220,11 @@ pub fn interleaved(level: &[f16], texels: usize) -> Vec<[f32; PER_TEXEL]> {
     });
     out
 }
+
+/// The level of `levels` whose variance is `ratio` times that of the finest, where each has four times the one before.
+pub fn level_of_ratio(ratio: f64, levels: usize) -> f64 {
+    let last = (levels - 1) as f64;
+    let lower = (0.5 * ratio.max(1.0).log2()).floor().min(last);
+    let share = (ratio.max(1.0) / 4f64.powf(lower) - 1.0) / 3.0;
+    (lower + share.clamp(0.0, 1.0)).min(last)
+}
