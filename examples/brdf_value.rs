@@ -7,7 +7,7 @@ use diffract::prelude::*;
 fn main() -> Result<()> {
     // A grey image: its samples are 100 nm apart, and white stands 200 nm above black. Lengths are micrometres.
     let file = std::env::args().nth(1).unwrap_or("scan.png".into());
-    let scale = Wish { pixel_size: Some([0.1, 0.1]), height: Some(0.2), ..Wish::default() };
+    let scale = ReadSettings { pixel_size: Some([0.1, 0.1]), height: Some(0.2), ..ReadSettings::default() };
     let field = HeightField::read(file, &scale)?;
     // What a pixel sees in sunlight of a surface of refractive index 1.5, asked for light from 380 nm on.
     let mut surface = MeanReference::new(MeanBrdf::in_sunlight(&field, 1.5), &Illuminant::D65, 0.38);

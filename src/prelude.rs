@@ -2,7 +2,7 @@
 //!
 //! | for | take |
 //! | --- | --- |
-//! | a surface | [`HeightField`] from a function or a file (with [`Wish`] for what the file does not say), or [`synth::generate`] |
+//! | a surface | [`HeightField`] from a function or a file (with [`ReadSettings`] for what the file does not say), or [`synth::generate`] |
 //! | the light | [`Coherence`], [`Illuminant`], and [`Pair`]s of [`direction`]s |
 //! | the BRDF of a pixel | [`MeanReference`] of a [`MeanBrdf`], asked through [`Brdf`] |
 //! | the BRDF of one coherence window | [`DirectSum`] of a [`Reference`], asked through [`Brdf`] |
@@ -24,7 +24,7 @@ pub use crate::optics::spectrum::Illuminant;
 pub use crate::scene::Scene;
 pub use crate::spectra::power::{PowerSettings, PowerSpectra, power_spectra};
 pub use crate::surface::HeightField;
-pub use crate::surface::files::Wish;
+pub use crate::surface::files::ReadSettings;
 pub use crate::surface::synth::{self, Spec, SurfaceKind};
 pub use crate::table::{ColorTable, TableReader, TableSettings, bake};
 

@@ -75,10 +75,10 @@ fn text(bytes: &[u8]) -> Result<&str> {
 
 fn height_image(bytes: &[u8]) -> Result<()> {
     const HEIGHT: f64 = 0.4;
-    let wish = files::Wish { pixel_size: Some([0.1, 0.1]), height: Some(HEIGHT), channel: None };
+    let settings = files::ReadSettings { pixel_size: Some([0.1, 0.1]), height: Some(HEIGHT), channel: None };
     let scan = files::image::read(bytes)?;
     drop(scan);
-    let field = files::from_bytes(bytes, "png", &wish)?.into_field()?;
+    let field = files::from_bytes(bytes, "png", &settings)?.into_field()?;
     let (low, high) = field.range();
     assert!(high - low <= HEIGHT * (1.0 + 1e-12), "heights beyond the image's own range");
     Ok(())

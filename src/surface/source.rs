@@ -1,7 +1,7 @@
 //! Where a height field comes from, as it is named on the command line, in scene files and in the viewer.
 
 use super::HeightField;
-use super::files::{self, Topography, Wish};
+use super::files::{self, ReadSettings, Topography};
 use super::prepare::{self, Levelling, PreparationStep};
 use super::synth::{self, Spec, SurfaceKind};
 use crate::error::{Error, Result};
@@ -76,7 +76,9 @@ impl SurfaceSource {
                 let spec = Spec { seed: self.seed, pixel_size, height, ..Spec::new(kind) };
                 synth::generate(&spec).map(Topography::of)
             }
-            None => from_file(&self.name, &Wish { pixel_size, height, channel: self.channel.as_deref() }),
+            None => {
+                from_file(&self.name, &ReadSettings { pixel_size, height, channel: self.channel.as_deref() })
+            }
         }
     }
 
@@ -94,7 +96,7 @@ impl SurfaceSource {
     }
 }
 
-fn from_file(name: &OsStr, wish: &Wish) -> Result<Topography> {
+fn from_file(name: &OsStr, settings: &ReadSettings) -> Result<Topography> {
     let path = Path::new(name);
     if path.extension().is_none() && !path.exists() {
         let known = SurfaceKind::ALL.map(SurfaceKind::name).join(", ");
@@ -103,7 +105,7 @@ fn from_file(name: &OsStr, wish: &Wish) -> Result<Topography> {
             format!("give {}, or one of {known}", files::KNOWN),
         ));
     }
-    files::read(path, wish)
+    files::read(path, settings)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use diffract::optics::coherence::Coherence;
 use diffract::optics::geometry::Pair;
 use diffract::optics::reference::Reference;
 use diffract::surface::HeightField;
-use diffract::surface::files::{self, Wish, image};
+use diffract::surface::files::{self, ReadSettings, image};
 use diffract::surface::synth::{Spec, SurfaceKind, generate};
 use glam::{DVec2, DVec3};
 
@@ -84,8 +84,8 @@ fn the_facet_check_fails_for_every_flip() {
 
 /// The height image at `path`, whose largest code means `full_height` \[µm\].
 fn read(path: &std::path::Path, full_height: f64) -> HeightField {
-    let wish = Wish { pixel_size: Some([PIXEL; 2]), height: Some(full_height), channel: None };
-    files::read(path, &wish).unwrap().into_field().unwrap()
+    let settings = ReadSettings { pixel_size: Some([PIXEL; 2]), height: Some(full_height), channel: None };
+    files::read(path, &settings).unwrap().into_field().unwrap()
 }
 
 #[test]

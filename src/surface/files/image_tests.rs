@@ -1,4 +1,4 @@
-use super::super::{Wish, read as read_file};
+use super::super::{ReadSettings, read as read_file};
 use super::*;
 use crate::error::Remedy;
 use ::image::{self, GrayImage, ImageBuffer, Luma, RgbImage, Rgba};
@@ -10,7 +10,7 @@ const PIXEL: [f64; 2] = [0.1, 0.1];
 
 /// The image at `path` as a height field.
 fn read(path: &Path, pixel_size: [f64; 2], full_height: f64) -> Result<HeightField> {
-    read_file(path, &Wish { pixel_size: Some(pixel_size), height: Some(full_height), channel: None })?
+    read_file(path, &ReadSettings { pixel_size: Some(pixel_size), height: Some(full_height), channel: None })?
         .into_field()
 }
 
@@ -253,14 +253,14 @@ fn an_orientation_that_a_png_asks_for_is_applied() {
 fn float_samples_are_heights_and_wide_integers_are_codes() {
     let folder = folder();
     let data = [0.5e-6_f32.to_le_bytes(), 1.0e-6_f32.to_le_bytes()].concat();
-    let wish = Wish { pixel_size: Some(PIXEL), height: None, channel: None };
+    let settings = ReadSettings { pixel_size: Some(PIXEL), height: None, channel: None };
     let float = file(&folder, "float.tif", &tiff(2, 1, 32, 3, &data));
-    let heights = read_file(&float, &wish).unwrap().into_field().unwrap();
+    let heights = read_file(&float, &settings).unwrap().into_field().unwrap();
     assert!((heights.heights()[0] - 0.5).abs() < 1e-7 && (heights.heights()[1] - 1.0).abs() < 1e-7);
     let codes = [0_u32.to_le_bytes(), u32::MAX.to_le_bytes()].concat();
     let long = file(&folder, "long.tif", &tiff(2, 1, 32, 1, &codes));
     assert_eq!(read(&long, PIXEL, 0.5).unwrap().heights(), [0.0, 0.5]);
-    assert_eq!(read_file(&long, &wish).unwrap_err().remedies(), [Remedy::FullHeight]);
+    assert_eq!(read_file(&long, &settings).unwrap_err().remedies(), [Remedy::FullHeight]);
 }
 
 #[test]

@@ -49,9 +49,9 @@ pub const KNOWN: &str =
 /// Micrometres of a metre.
 const UM: f64 = 1e6;
 
-/// What a user says about a file.
+/// How a file is read: the scales that it does not have or that replace its own, and which of its channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wish<'a> {
+pub struct ReadSettings<'a> {
     /// Distance of samples \[µm\], instead of the file's.
     pub pixel_size: Option<[f64; 2]>,
     /// What the largest code of an image stands for; of heights with a scale of their own, what their range becomes \[µm\].
@@ -64,21 +64,21 @@ pub struct Wish<'a> {
 ///
 /// # Errors
 /// A file that is missing, not regular, too large, of no known format or damaged; a channel that is not there; no scale in the
-/// file, beside it or in `wish`.
-pub fn read(path: &Path, wish: &Wish) -> Result<Topography> {
+/// file, beside it or in `settings`.
+pub fn read(path: &Path, settings: &ReadSettings) -> Result<Topography> {
     let bytes = load(path)?;
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-    let read = || assemble(recognise(&bytes, &extension)?, wish, || Sidecar::beside(path));
+    let read = || assemble(recognise(&bytes, &extension)?, settings, || Sidecar::beside(path));
     read().map_err(|e| e.at(path.display()))
 }
 
 impl HeightField {
-    /// The heights in the file `path` of a microscope or of a program for surfaces, or in a grey image, as `wish` says.
+    /// The heights in the file `path` of a microscope or of a program for surfaces, or in a grey image, as `settings` says.
     ///
     /// # Errors
     /// As [`read`].
-    pub fn read(path: impl AsRef<Path>, wish: &Wish) -> Result<Self> {
-        read(path.as_ref(), wish)?.into_field()
+    pub fn read(path: impl AsRef<Path>, settings: &ReadSettings) -> Result<Self> {
+        read(path.as_ref(), settings)?.into_field()
     }
 }
 
@@ -90,8 +90,8 @@ pub const EXTENSIONS: [&str; 14] =
 ///
 /// # Errors
 /// As [`read`].
-pub fn from_bytes(bytes: &[u8], extension: &str, wish: &Wish) -> Result<Topography> {
-    assemble(recognise(bytes, extension)?, wish, || Ok(Sidecar::default()))
+pub fn from_bytes(bytes: &[u8], extension: &str, settings: &ReadSettings) -> Result<Topography> {
+    assemble(recognise(bytes, extension)?, settings, || Ok(Sidecar::default()))
 }
 
 /// All of a file.
@@ -157,20 +157,24 @@ pub fn recognise<'a>(bytes: &'a [u8], extension: &str) -> Result<Scan<'a>> {
     if extension == "xyz" { xyz::read(bytes) } else { text::read(bytes) }
 }
 
-/// The heights of the chosen channel of `scan`, with the scales that `wish` or the sidecar give.
-fn assemble(mut scan: Scan, wish: &Wish, sidecar: impl FnOnce() -> Result<Sidecar>) -> Result<Topography> {
-    if let Some(height) = wish.height.filter(|h| !h.is_finite() || *h < 0.0) {
+/// The heights of the chosen channel of `scan`, with the scales that `settings` or the sidecar give.
+fn assemble(
+    mut scan: Scan,
+    settings: &ReadSettings,
+    sidecar: impl FnOnce() -> Result<Sidecar>,
+) -> Result<Topography> {
+    if let Some(height) = settings.height.filter(|h| !h.is_finite() || *h < 0.0) {
         return Err(Error::usage(format!("the full height {height} um cannot be"), Remedy::FullHeight));
     }
-    let chosen = choose::choose(&scan, wish.channel)?;
+    let chosen = choose::choose(&scan, settings.channel)?;
     let info = |c: &scan::Channel| ChannelInfo { name: c.name.clone(), unit: c.unit.clone(), size: c.size };
     let channels: Vec<ChannelInfo> = scan.channels.iter().map(info).collect();
     let channel = scan.channels.swap_remove(chosen);
-    let lacks_scale = channel.quantity != Quantity::Height && wish.height.is_none();
-    let lacks_distance = channel.spacing.contains(&None) && wish.pixel_size.is_none();
+    let lacks_scale = channel.quantity != Quantity::Height && settings.height.is_none();
+    let lacks_distance = channel.spacing.contains(&None) && settings.pixel_size.is_none();
     let beside = if lacks_scale || lacks_distance { sidecar()? } else { Sidecar::default() };
     let (size, quantity) = (channel.size, channel.quantity);
-    let spacing = match (wish.pixel_size.or(beside.pixel_size), channel.spacing) {
+    let spacing = match (settings.pixel_size.or(beside.pixel_size), channel.spacing) {
         (Some(um), _) => Spacing::Micrometres(um),
         (None, [Some(x), Some(y)]) => Spacing::Metres([x, y]),
         // A line has no distance of lines: it is as wide as its samples.
@@ -178,7 +182,7 @@ fn assemble(mut scan: Scan, wish: &Wish, sidecar: impl FnOnce() -> Result<Sideca
         (None, [None, Some(y)]) if size[0] == 1 => Spacing::Metres([y, y]),
         _ => return Err(missing("distance of samples", Remedy::PixelSize)),
     };
-    let height = wish.height.or(beside.height);
+    let height = settings.height.or(beside.height);
     if quantity == Quantity::Other && height.is_none() {
         let unit = choose::unit(&channels[chosen].unit);
         return Err(Error::usage(

@@ -4,22 +4,25 @@ use std::fs;
 
 const PIXEL: Option<[f64; 2]> = Some([0.01, 0.01]);
 
-fn wish(pixel_size: Option<[f64; 2]>, height: Option<f64>) -> Wish<'static> {
-    Wish { pixel_size, height, channel: None }
+fn settings(pixel_size: Option<[f64; 2]>, height: Option<f64>) -> ReadSettings<'static> {
+    ReadSettings { pixel_size, height, channel: None }
 }
 
 #[test]
 fn content_decides_and_a_wrong_extension_does_no_harm() {
     let sdf = b"aISO-1.0\nNumPoints = 2\nNumProfiles = 1\nXscale = 1e-8\nYscale = 1e-8\nZscale = 1\n*\n1e-9 2e-9\n*";
     for extension in ["sdf", "png", "tif", "", "xyz"] {
-        let scan = from_bytes(sdf, extension, &Wish::default()).unwrap();
+        let scan = from_bytes(sdf, extension, &ReadSettings::default()).unwrap();
         assert_eq!((scan.size(), scan.summary().range), ([2, 1], [1e-9, 2e-9]));
     }
     let points = b"0 0 1e-9\n1e-8 0 2e-9\n2e-8 0 3e-9\n";
-    assert_eq!(from_bytes(points, "xyz", &Wish::default()).unwrap().size(), [3, 1]);
-    assert_eq!(from_bytes(points, "txt", &wish(PIXEL, None)).unwrap().size(), [3, 3]);
+    assert_eq!(from_bytes(points, "xyz", &ReadSettings::default()).unwrap().size(), [3, 1]);
+    assert_eq!(from_bytes(points, "txt", &settings(PIXEL, None)).unwrap().size(), [3, 3]);
     assert!(
-        from_bytes(b"\0\0\0\0", "", &wish(PIXEL, None)).unwrap_err().to_string().contains("no known format")
+        from_bytes(b"\0\0\0\0", "", &settings(PIXEL, None))
+            .unwrap_err()
+            .to_string()
+            .contains("no known format")
     );
 }
 
@@ -31,8 +34,8 @@ fn a_scale_that_is_missing_is_asked_for() {
         assert_eq!(e.exit_code(), 2);
         e.remedies().to_vec()
     };
-    assert_eq!(said(from_bytes(matrix, "txt", &Wish::default())), [Remedy::PixelSize]);
-    assert!(from_bytes(matrix, "txt", &wish(PIXEL, None)).is_ok());
+    assert_eq!(said(from_bytes(matrix, "txt", &ReadSettings::default())), [Remedy::PixelSize]);
+    assert!(from_bytes(matrix, "txt", &settings(PIXEL, None)).is_ok());
     let codes = [
         &b"\x93NUMPY\x01\x00\x42\x00{'descr': '|u1', 'fortran_order': False, 'shape': (1, 2), }     \n"[..],
         &[0, 255],
@@ -41,8 +44,8 @@ fn a_scale_that_is_missing_is_asked_for() {
     let length = codes.len() - 10 - 2;
     let mut codes = codes;
     codes[8] = length as u8;
-    assert_eq!(said(from_bytes(&codes, "npy", &wish(PIXEL, None))), [Remedy::FullHeight]);
-    let read = from_bytes(&codes, "npy", &wish(PIXEL, Some(0.51))).unwrap();
+    assert_eq!(said(from_bytes(&codes, "npy", &settings(PIXEL, None))), [Remedy::FullHeight]);
+    let read = from_bytes(&codes, "npy", &settings(PIXEL, Some(0.51))).unwrap();
     assert!((read.summary().range[1] - 0.51e-6).abs() < 1e-18);
     assert!((read.origin().unwrap().quantisation.unwrap() - 2e-9).abs() < 1e-20, "a step of 8 bits");
 }
@@ -50,9 +53,9 @@ fn a_scale_that_is_missing_is_asked_for() {
 #[test]
 fn options_override_what_a_file_says() {
     let text = "# A: B\n# W: 2 \u{b5}m\n# H: 2 \u{b5}m\n# U: nm\n10 20\n30 50\n";
-    let plain = from_bytes(text.as_bytes(), "txt", &Wish::default()).unwrap();
+    let plain = from_bytes(text.as_bytes(), "txt", &ReadSettings::default()).unwrap();
     assert!((plain.spacing()[0] - 1e-6).abs() < 1e-18 && (plain.summary().range[1] - 50e-9).abs() < 1e-20);
-    let other = from_bytes(text.as_bytes(), "txt", &wish(Some([0.5, 0.25]), Some(0.08))).unwrap();
+    let other = from_bytes(text.as_bytes(), "txt", &settings(Some([0.5, 0.25]), Some(0.08))).unwrap();
     assert_eq!(other.spacing(), [5e-7, 2.5e-7]);
     let [low, high] = other.summary().range;
     assert!((high - low - 80e-9).abs() < 1e-20 && (low - 20e-9).abs() < 1e-20);
@@ -63,10 +66,10 @@ fn options_override_what_a_file_says() {
 #[test]
 fn a_channel_in_volts_needs_a_height_and_gaps_are_told() {
     let text = "# A: Phase\n# W: 2 \u{b5}m\n# H: 2 \u{b5}m\n# U: deg\n10 20\n30 nan\n";
-    let e = from_bytes(text.as_bytes(), "txt", &Wish::default()).unwrap_err();
+    let e = from_bytes(text.as_bytes(), "txt", &ReadSettings::default()).unwrap_err();
     assert!(e.to_string().contains("Phase"), "{e}");
     assert_eq!(e.remedies(), [Remedy::Channel, Remedy::FullHeight]);
-    let scan = from_bytes(text.as_bytes(), "txt", &wish(None, Some(0.2))).unwrap();
+    let scan = from_bytes(text.as_bytes(), "txt", &settings(None, Some(0.2))).unwrap();
     let origin = scan.origin().unwrap();
     assert!(origin.warnings.iter().any(|line| line.contains("1 of 4 samples")), "{:?}", origin.warnings);
     assert_eq!(scan.missing(), 1);
@@ -83,12 +86,12 @@ fn a_sidecar_gives_what_the_file_does_not_and_options_win() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scan.txt");
     fs::write(&path, "1e-9 2e-9\n3e-9 4e-9\n").unwrap();
-    assert!(read(&path, &Wish::default()).is_err());
+    assert!(read(&path, &ReadSettings::default()).is_err());
     fs::write(folder.path().join("scan.toml"), "pixel_size = \"20nm\"\n").unwrap();
-    assert!((read(&path, &Wish::default()).unwrap().spacing()[0] - 20e-9).abs() < 1e-22);
-    assert!((read(&path, &wish(PIXEL, None)).unwrap().spacing()[0] - 10e-9).abs() < 1e-22);
+    assert!((read(&path, &ReadSettings::default()).unwrap().spacing()[0] - 20e-9).abs() < 1e-22);
+    assert!((read(&path, &settings(PIXEL, None)).unwrap().spacing()[0] - 10e-9).abs() < 1e-22);
     fs::write(folder.path().join("scan.toml"), "pixel_size = \"20\"\n").unwrap();
-    assert!(read(&path, &Wish::default()).unwrap_err().to_string().contains("scan.toml"));
+    assert!(read(&path, &ReadSettings::default()).unwrap_err().to_string().contains("scan.toml"));
 }
 
 #[cfg(unix)]
@@ -98,7 +101,7 @@ fn names_that_are_not_utf_8_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(std::ffi::OsStr::from_bytes(b"sc\xffan.txt"));
     fs::write(&path, "1e-9 2e-9\n").unwrap();
-    assert_eq!(read(&path, &wish(PIXEL, None)).unwrap().size(), [2, 1]);
+    assert_eq!(read(&path, &settings(PIXEL, None)).unwrap().size(), [2, 1]);
 }
 
 /// Every file of the folder `DIFFRACT_SCANS` is read or refused in a line.
@@ -107,7 +110,7 @@ fn scans_of_a_folder_are_read_where_one_is_named() {
     let Some(folder) = std::env::var_os("DIFFRACT_SCANS") else { return };
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        match read(&path, &wish(PIXEL, Some(0.1))) {
+        match read(&path, &settings(PIXEL, Some(0.1))) {
             Ok(scan) => assert!(scan.summary().rms.is_finite(), "{}", path.display()),
             Err(e) => assert!(e.to_string().contains("; "), "{}: {e}", path.display()),
         }
