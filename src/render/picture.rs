@@ -146,9 +146,9 @@ enum Content {
 #[derive(Clone, Copy)]
 enum Finish {
     /// It is displayed.
-    Display,
-    /// It is added to the sum of so many samples, and their mean is displayed.
-    Add(u32),
+    Display(Shown),
+    /// It is added to the sum of the samples `before` it. Where it is to be `shown`, their mean is displayed.
+    Add { before: u32, shown: Option<Shown> },
 }
 
 /// A finished picture.
@@ -431,7 +431,7 @@ impl Painter {
     pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<[f64; 2]> {
         let size = self.target.size();
         self.write(view, size, sample)?;
-        self.submit(size, Piece::whole(size, self.parts()), Finish::Display, shown)
+        self.submit(size, Piece::whole(size, self.parts()), Finish::Display(shown))
     }
 
     /// Draws one sample of `view` with `size` pixels, at most those of the pictures, in pieces of some ten milliseconds each, between which
@@ -448,7 +448,7 @@ impl Painter {
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<f64>> {
         self.write(view, size, &Sampling::ONE.sample(0))?;
-        let times = self.submit_tiles(size, Finish::Display, shown, go_on)?;
+        let times = self.submit_tiles(size, Finish::Display(shown), go_on)?;
         Ok(times.map(|times| times[0] + times[1]))
     }
 
@@ -462,7 +462,6 @@ impl Painter {
         &mut self,
         size: [u32; 2],
         finish: Finish,
-        shown: Shown,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<[f64; 2]>> {
         let iterations = |own: &ObjectShading| own.source.iterations_of_pixel(self.geometry.settings);
@@ -475,7 +474,7 @@ impl Painter {
             if !go_on(drawn) {
                 return Ok(None);
             }
-            let times = self.submit(size, piece, finish, shown)?;
+            let times = self.submit(size, piece, finish)?;
             tiles.took(times[0]);
             total = [total[0] + times[0], total[1] + times[1]];
         }
@@ -516,7 +515,7 @@ impl Painter {
     }
 
     /// Draws a `piece` of a sample of `size`: with the first goes the geometry, with the last the `finish`.
-    fn submit(&mut self, size: [u32; 2], piece: Piece, finish: Finish, shown: Shown) -> Result<[f64; 2]> {
+    fn submit(&mut self, size: [u32; 2], piece: Piece, finish: Finish) -> Result<[f64; 2]> {
         let (first, last) = (piece.is_first(), piece.is_last(size, self.parts()));
         let Piece { tile, parts } = piece;
         let (geometry, target) = (&self.geometry, &self.target);
@@ -544,13 +543,17 @@ impl Painter {
             record_shading(&some, (geometry, target), &shaded, parts);
             record.timestamp(&self.timestamps, 1);
             match (finish, accumulation) {
-                (Finish::Add(before), Some(accumulation)) if last => {
+                (Finish::Add { before, shown }, Some(accumulation)) if last => {
                     accumulation.record(&all, (geometry, target), before == 0);
-                    record_display(&all, target, |all| {
-                        display.mean(all, accumulation, before + 1, shown);
-                    });
+                    if let Some(shown) = shown {
+                        record_display(&all, target, |all| {
+                            display.mean(all, accumulation, before + 1, shown);
+                        });
+                    }
                 }
-                _ if last => record_display(&all, target, |all| display.sample(all, shown)),
+                (Finish::Display(shown), _) if last => {
+                    record_display(&all, target, |all| display.sample(all, shown));
+                }
                 _ => {}
             }
             record.timestamp(&self.timestamps, 2);
@@ -560,7 +563,11 @@ impl Painter {
             self.found = self.written.clone();
         }
         if last {
-            self.shows = if matches!(finish, Finish::Add(_)) { Content::Mean } else { Content::Sample };
+            self.shows = match finish {
+                Finish::Display(_) => Content::Sample,
+                Finish::Add { shown: Some(_), .. } => Content::Mean,
+                Finish::Add { shown: None, .. } => Content::Nothing,
+            };
         } else if self.shows != Content::Mean {
             self.shows = Content::PictureArea;
         }

@@ -52,14 +52,12 @@ impl Painter {
         }
         let size = self.target.size();
         self.summed = None;
-        loop {
-            let added = self.add_sample(view, sampling, shown, size, &mut |_| true)?;
-            let done = added.map_or(0, |added| added.samples);
-            progress(done)?;
-            if done >= sampling.count {
-                return self.picture();
-            }
+        for before in 0..sampling.count {
+            let is_last = before + 1 == sampling.count;
+            self.add(view, sampling, is_last.then_some(shown), size, &mut |_| true)?;
+            progress(before + 1)?;
         }
+        self.picture()
     }
 
     /// Adds the next sample of `view`, with `size` pixels in the corner of the pictures, to those that were drawn of the same view, sampling
@@ -77,6 +75,18 @@ impl Painter {
         size: [u32; 2],
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<Added>> {
+        self.add(view, sampling, Some(shown), size, go_on)
+    }
+
+    /// [`Self::add_sample`], which displays nothing unless it is to be `shown`.
+    fn add(
+        &mut self,
+        view: &View,
+        sampling: &Sampling,
+        shown: Option<Shown>,
+        size: [u32; 2],
+        go_on: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Option<Added>> {
         if self.accumulation.is_none() {
             self.accumulation =
                 Some(Accumulation::new(&self.device, &self.target, self.geometry.settings.depth_format())?);
@@ -85,7 +95,9 @@ impl Painter {
         let before = self.samples_of(view, sampling, size);
         if before >= sampling.count {
             self.shows = Content::Mean;
-            self.display_again(size, shown)?;
+            if let Some(shown) = shown {
+                self.display_again(size, shown)?;
+            }
             return Ok(Some(Added { samples: before, times: [0.0; 2] }));
         }
         if before == 0 {
@@ -93,7 +105,7 @@ impl Painter {
             self.forget();
         }
         self.write(view, size, &sampling.sample(before))?;
-        let Some(times) = self.submit_tiles(size, Finish::Add(before), shown, go_on)? else {
+        let Some(times) = self.submit_tiles(size, Finish::Add { before, shown }, go_on)? else {
             return Ok(None);
         };
         let samples = before + 1;
