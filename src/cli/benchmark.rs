@@ -200,10 +200,9 @@ impl BenchmarkScene {
         let method = options.optics.picture_method();
         let mut settings = Settings::new(method, shading.clone());
         if setup::averages_footprints(&settings) {
-            let sample = Sampling::ONE.sample(0);
             let views = std::slice::from_ref(&self.view);
             settings.footprints =
-                footprints::sizes(&self.device, &self.scene.mesh, views, self.size, &sample)?;
+                footprints::sizes(&self.device, &self.scene.mesh, views, self.size, &Sampling::ONE)?;
         }
         let source = prepare::source(&self.field, &settings, &self.device, &mut InUse::default())?;
         let (painter, directions) = self.painter(&source, &shading)?;

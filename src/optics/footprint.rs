@@ -44,7 +44,7 @@ impl Covariance {
 pub struct FootprintSizes {
     /// Standard deviation of (u, v) along the shorter axis that all but a fiftieth of the pixels exceed; 0 where single directions are asked for.
     pub shorter: f64,
-    /// Standard deviation along the longer axis that three of four pixels exceed.
+    /// Standard deviation along the longer axis that three of four pixels exceed, over a pixel's samples together.
     pub longer: f64,
 }
 

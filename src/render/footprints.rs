@@ -5,7 +5,7 @@ use super::directions::Directions;
 use super::frame::View;
 use super::picture::Painter;
 use super::pigment::Pigment;
-use super::sampling::Sample;
+use super::sampling::Sampling;
 use super::shading::Shading;
 use super::source::{ClassicalGrating, Source};
 use crate::error::Result;
@@ -74,7 +74,8 @@ fn quantile(values: &[f64], share: f64) -> f64 {
     values.get((share.clamp(0.0, 1.0) * last as f64).round() as usize).copied().unwrap_or(0.0)
 }
 
-/// How large the footprints of a `sample` of pictures of `size` pixels are: the finest of all `views`.
+/// How large the footprints of pictures of `size` pixels are: the finest of all `views`. Along the longer axis many samples of a pixel together average
+/// over at least as much as one of few.
 ///
 /// # Errors
 /// Where the device is lost or has no room.
@@ -83,7 +84,7 @@ pub fn sizes(
     mesh: &Mesh,
     views: &[View],
     size: [u32; 2],
-    sample: &Sample,
+    sampling: &Sampling,
 ) -> Result<FootprintSizes> {
     let source = Source::ClassicalGrating(ClassicalGrating::default());
     let lights = views.iter().map(|view| view.light_count()).max().unwrap_or(0);
@@ -91,9 +92,14 @@ pub fn sizes(
         Painter::new(device, &source, &Shading::default(), mesh, &Pigment::white(), size, lights)?;
     painter.ask_for_footprints()?;
     views.iter().try_fold(FootprintSizes::default(), |finest, view| {
-        let lights = 0..view.light_count();
-        let directions = lights.map(|light| painter.directions_of(view, light, sample));
-        Ok(finest.finer(sizes_of(&directions.collect::<Result<Vec<_>>>()?)))
+        let mut of = |sampling: &Sampling| {
+            let lights = 0..view.light_count();
+            let directions = lights.map(|light| painter.directions_of(view, light, &sampling.sample(0)));
+            Ok(sizes_of(&directions.collect::<Result<Vec<_>>>()?))
+        };
+        let FootprintSizes { shorter, .. } = of(sampling)?;
+        let FootprintSizes { longer, .. } = of(&sampling.with_largest_footprints())?;
+        Ok(finest.finer(FootprintSizes { shorter, longer }))
     })
 }
 

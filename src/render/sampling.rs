@@ -4,6 +4,9 @@
 //! A pixel shows the mean over a Gaussian filter of standard deviation ½ pixel. The filter is shared: shading averages over the
 //! pixel's footprint (standard deviation σ_f), and the camera is jittered inside the pixel (σ_j), σ_f² + σ_j² = ¼ pixel². The
 //! variances of two independent Gaussian blurs add, so that both together are the whole filter.
+//!
+//! A footprint is exact where (u, v) is linear in the pixel, and knows neither edges nor curvature; jitter is exact, but noisy. So the part
+//! of the footprint falls as samples are added, and pictures converge to what jitter alone gives.
 
 use super::frame_set::SampleBlock;
 use crate::optics::footprint::Share;
@@ -12,10 +15,15 @@ use std::f64::consts::TAU;
 
 /// Variance of the pixel filter along each axis \[pixel²\].
 const FILTER_VARIANCE: f64 = 0.25;
-/// Variance of the jitter along each axis where there is more than one sample \[pixel²\]. Half of the filter: the jitter's part
-/// converges as samples are added, and also blurs edges, which the footprint cannot; the footprint's part is noiseless from the first
-/// sample on. The share does not depend on the number of samples, so that one level of a table serves pictures of any number.
-const JITTER_VARIANCE: f64 = FILTER_VARIANCE / 2.0;
+/// Largest part of the filter's variance that shading averages over where there is more than one sample: jitter has the rest, without which
+/// silhouettes are stairs.
+const LARGEST_SHARE: f64 = 0.5;
+/// Number of samples times the part of the filter's variance that shading averages over in each of them, up to [`LARGEST_SHARE`].
+///
+/// Fewer make noise, and more leave an error of the footprint that no number of samples takes away. Relative L2 on the default scene under the sun
+/// (960 × 540 pixels, against 1024 samples of jitter alone): 0.120 for ½ of 16 samples (¼: 0.156), 0.060 for ⅛ of 64 (½: 0.099, ¼: 0.068,
+/// 1/16: 0.064).
+const SHARED_SAMPLES: f64 = 8.0;
 /// Bits of a point of the sequence.
 const BITS: u32 = u32::BITS;
 
@@ -39,7 +47,7 @@ pub struct Sample {
     pub seed: u64,
     /// What the sample looks at, from the pixel's centre: x to the right, y downward \[pixels\].
     pub jitter: [f64; 2],
-    /// σ_f: standard deviation of the part of the pixel filter that shading averages over \[pixels\].
+    /// As [`Sampling::footprint`].
     pub footprint: f64,
 }
 
@@ -52,12 +60,25 @@ impl Sampling {
         // A single sample is the same whatever the seed.
         let seed = if self.count > 1 { self.seed } else { Self::ONE.seed };
         let mut sample = Sample { index, count: self.count, seed, jitter: [0.0; 2], footprint: 0.0 };
-        let variance = if self.count > 1 { JITTER_VARIANCE } else { 0.0 };
-        sample.footprint = (FILTER_VARIANCE - variance).sqrt();
-        if variance > 0.0 {
-            sample.jitter = gaussian(sample.pair(0)).map(|x| x * variance.sqrt());
+        sample.footprint = self.footprint();
+        if self.count > 1 {
+            let deviation = (FILTER_VARIANCE - sample.footprint.powi(2)).sqrt();
+            sample.jitter = gaussian(sample.pair(0)).map(|x| x * deviation);
         }
         sample
+    }
+
+    /// So many of the samples, or all, that each has the largest footprint that one of several has.
+    #[must_use]
+    pub fn with_largest_footprints(&self) -> Self {
+        Self { count: self.count.min((SHARED_SAMPLES / LARGEST_SHARE) as u32), ..*self }
+    }
+
+    /// σ_f: standard deviation of the part of the pixel filter that shading averages over \[pixels\].
+    pub fn footprint(&self) -> f64 {
+        let share =
+            if self.count > 1 { LARGEST_SHARE.min(SHARED_SAMPLES / f64::from(self.count)) } else { 1.0 };
+        (share * FILTER_VARIANCE).sqrt()
     }
 }
 
@@ -173,28 +194,36 @@ mod tests {
 
     #[test]
     fn jitter_and_footprint_share_a_filter_of_half_a_pixel() {
-        for count in [1, 2, 16, 4096] {
-            let sample = Sampling { count, seed: 3 }.sample(count - 1);
-            let jitter = if count == 1 { 0.0 } else { 0.125 };
-            assert!((sample.footprint.powi(2) + jitter - 0.25).abs() < 1e-15, "{count}");
+        for (count, footprint) in [(1, 0.25), (2, 0.125), (16, 0.125), (64, 0.25 / 8.0), (4096, 0.25 / 512.0)]
+        {
+            let sampling = Sampling { count, seed: 3 };
+            assert!((sampling.footprint().powi(2) - footprint).abs() < 1e-15, "{count}");
+            assert_eq!(sampling.sample(count - 1).footprint, sampling.footprint());
+            let least = if count == 1 { 0.25 } else { 0.125 };
+            assert!(
+                (sampling.with_largest_footprints().footprint().powi(2) - least).abs() < 1e-15,
+                "{count}"
+            );
         }
         assert_eq!(Sampling::ONE.sample(0).jitter, [0.0; 2]);
     }
 
     #[test]
-    fn the_jitter_has_mean_zero_and_variance_an_eighth_along_each_axis() {
+    fn the_jitter_has_mean_zero_and_the_rest_of_the_variance_along_each_axis() {
         for seed in 0..8 {
             // An integral over a scrambled (0, 2)-net converges faster than that over independent points, whose standard deviations
-            // these bounds are: √(1/8/N) for the mean and 1/8·√(2/N) for the variance.
+            // these bounds are: √(s²/N) for the mean and s²·√(2/N) for the variance s².
             for count in [16, 64, 256, 4096] {
-                let jitters = jitters(Sampling { count, seed });
+                let sampling = Sampling { count, seed };
+                let rest = 0.25 - sampling.footprint().powi(2);
+                let jitters = jitters(sampling);
                 let n = f64::from(count);
                 for axis in 0..2 {
                     let mean = jitters.iter().map(|j| j[axis]).sum::<f64>() / n;
                     let variance = jitters.iter().map(|j| j[axis].powi(2)).sum::<f64>() / n;
-                    assert!(mean.abs() < (0.125 / n).sqrt(), "{seed}, {count}: mean {mean}");
-                    let error = (variance - 0.125).abs();
-                    assert!(error < 0.125 * (2.0 / n).sqrt(), "{seed}, {count}: variance {variance}");
+                    assert!(mean.abs() < (rest / n).sqrt(), "{seed}, {count}: mean {mean}");
+                    let error = (variance - rest).abs();
+                    assert!(error < rest * (2.0 / n).sqrt(), "{seed}, {count}: variance {variance}");
                 }
             }
         }

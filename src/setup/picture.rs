@@ -92,7 +92,7 @@ impl ObjectSurface {
     ) -> Result<Self> {
         let mut own = self.clone();
         if self.field.is_some() && averages_footprints(&self.optics) {
-            own.optics.footprints = footprints::sizes(device, mesh, views, size, &sampling.sample(0))?;
+            own.optics.footprints = footprints::sizes(device, mesh, views, size, sampling)?;
         }
         Ok(own)
     }

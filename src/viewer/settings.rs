@@ -140,7 +140,7 @@ impl ViewSettings {
             let of_lights: Vec<_> = s.lights.iter().map(|light| light.illuminant().cloned()).collect();
             let light = (s.coherence, s.illuminant.clone(), of_lights);
             // What shading averages over.
-            let footprint = s.sampling().sample(0).footprint;
+            let footprint = s.sampling().footprint();
             (s.surface.clone(), s.optics.clone(), s.beyond, s.reflectance.clone(), light, footprint)
         };
         if self.scene != shown.scene {
@@ -294,10 +294,11 @@ pub(crate) mod tests {
         assert_eq!(needs(&|s| s.camera.phi += 0.1), Needs::Frame);
         assert_eq!(needs(&|s| s.surroundings.rotation += 5.0), Needs::Frame);
         assert_eq!(needs(&|s| s.base_color.x = 0.1), Needs::Frame);
-        let many = ViewSettings { samples: 64, ..shown.clone() };
-        assert_eq!(ViewSettings { samples: 16, ..shown.clone() }.needs(&many), Needs::Frame);
+        let of_samples = |samples| ViewSettings { samples, ..shown.clone() };
+        assert_eq!(of_samples(16).needs(&of_samples(9)), Needs::Frame);
         // A single sample averages over the whole pixel filter, one of several over its part.
-        assert_eq!(needs(&|s| s.samples = 16), Needs::Layers);
+        assert_eq!(of_samples(16).needs(&of_samples(1)), Needs::Layers);
+        assert_eq!(of_samples(16).needs(&of_samples(64)), Needs::Layers);
         assert_eq!(needs(&|s| s.optics.terms = Some(5)), Needs::Layers);
         assert_eq!(needs(&|s| s.surface.seed = 2), Needs::Layers);
         assert_eq!(needs(&|s| s.illuminant = "a".to_owned()), Needs::Layers);

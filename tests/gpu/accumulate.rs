@@ -181,18 +181,21 @@ fn coverage_beside_a_straight_edge_is_the_gaussian_of_the_jitter() {
         DVec2::new((place.x + 1.0) / 2.0 * f64::from(SIZE[0]), (place.y + 1.0) / 2.0 * f64::from(SIZE[1]))
     };
     let (start, along) = (pixel(-0.1), (pixel(0.1) - pixel(-0.1)).normalize());
-    let exact = |i: usize| {
+    let exact = |i: usize, sampling: Sampling| {
+        let jitter = (0.25 - sampling.footprint().powi(2)).sqrt();
         let place = DVec2::new((i % SIZE[0] as usize) as f64 + 0.5, (i / SIZE[0] as usize) as f64 + 0.5);
-        normal((place - start).perp_dot(along) / 0.125f64.sqrt())
+        normal((place - start).perp_dot(along) / jitter)
     };
     with_device(|device| {
         let mut painter = painter(device, &scene, 1);
         let mut former = f64::INFINITY;
         for count in [16u32, 64, 256, 1024] {
-            let picture = all(&mut painter, &view, Sampling { count, seed: 5 });
+            let sampling = Sampling { count, seed: 5 };
+            let picture = all(&mut painter, &view, sampling);
             let covered = picture.radiance[SIZE[0] as usize * 18];
             assert_eq!(covered[3], 1.0, "the plate is to the left");
-            let error = picture.radiance.iter().enumerate().map(|(i, p)| (f64::from(p[3]) - exact(i)).abs());
+            let error = |(i, p): (usize, &[f32; 4])| (f64::from(p[3]) - exact(i, sampling)).abs();
+            let error = picture.radiance.iter().enumerate().map(error);
             let worst = error.fold(0.0, f64::max);
             eprintln!("coverage by {count} samples: within {worst:.4}");
             // What random samples reach in the mean over pixels is ½/√N at an edge's middle; stratified ones keep it everywhere.

@@ -151,7 +151,8 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
     without_lamp.lights.clear();
     // The light of the window, one of the parts of the studio. Samples of its softboxes and its room err by up to 0.075 by table, each in its own way: the mean of all
     // sixteen errs by 0.016.
-    let sample = Sampling { count: 16, seed: 3 }.sample(1);
+    let sampling = Sampling { count: 16, seed: 3 };
+    let sample = sampling.sample(1);
     // What is measured, and a fifth or more on top.
     let cases = [
         (&in_studio, [(Method::Table, 0.02), (Method::Spectral, 0.015)], 0.08),
@@ -161,7 +162,7 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
         let (mesh, white) = (&scene.mesh, Pigment::white());
         for (view, methods, least_unmirrored) in cases {
             let (views, lights) = (std::slice::from_ref(view), view.light_count());
-            let sizes = footprints::sizes(device, mesh, views, SIZE, &sample).unwrap();
+            let sizes = footprints::sizes(device, mesh, views, SIZE, &sampling).unwrap();
             let reference = |seen: &[Directions]| {
                 reference_picture(&field, &shading, view, seen, &|_, _| Ok(())).unwrap()
             };
@@ -434,7 +435,7 @@ fn no_single_sample_at_a_silhouette_outshines_all_others() {
         });
         let (few, more) = (apart(&few, &most), apart(&more, &most));
         eprintln!("the snake from 16 samples differs from 256 by {few:.3}, from 64 by {more:.3}");
-        // Without a bound on 1/cos of the viewer both differ by about 0.9.
-        assert!(few < 0.3 && more < 0.1, "{few}, {more}");
+        // What edges and highlights leave, and two fifths on top. Without a bound on 1/cos of the viewer it is 0.71 and 0.29.
+        assert!(few < 0.4 && more < 0.2, "{few}, {more}");
     });
 }

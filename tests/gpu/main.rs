@@ -5,6 +5,7 @@
 
 mod accumulate;
 mod colours;
+mod convergence;
 mod device;
 mod display;
 mod evaluation;
