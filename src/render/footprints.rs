@@ -97,9 +97,10 @@ pub fn sizes(
             let directions = lights.map(|light| painter.directions_of(view, light, &sampling.sample(0)));
             Ok(sizes_of(&directions.collect::<Result<Vec<_>>>()?))
         };
-        let FootprintSizes { shorter, .. } = of(sampling)?;
-        let FootprintSizes { longer, .. } = of(&sampling.with_largest_footprints())?;
-        Ok(finest.finer(FootprintSizes { shorter, longer }))
+        let few = sampling.with_largest_footprints();
+        let of_few = of(&few)?;
+        let shorter = if few == *sampling { of_few.shorter } else { of(sampling)?.shorter };
+        Ok(finest.finer(FootprintSizes { shorter, ..of_few }))
     })
 }
 

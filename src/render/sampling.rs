@@ -20,9 +20,8 @@ const FILTER_VARIANCE: f64 = 0.25;
 const LARGEST_SHARE: f64 = 0.5;
 /// Number of samples times the part of the filter's variance that shading averages over in each of them, up to [`LARGEST_SHARE`].
 ///
-/// Fewer make noise, and more leave an error of the footprint that no number of samples takes away. Relative L2 on the default scene under the sun
-/// (960 × 540 pixels, against 1024 samples of jitter alone): 0.120 for ½ of 16 samples (¼: 0.156), 0.060 for ⅛ of 64 (½: 0.099, ¼: 0.068,
-/// 1/16: 0.064).
+/// Less makes noise, and more leaves an error of the footprint that no number of samples takes away: the best of those that were measured at 16 and at 64
+/// samples (docs/decisions/0014-footprints-shrink-as-samples-are-added.md).
 const SHARED_SAMPLES: f64 = 8.0;
 /// Bits of a point of the sequence.
 const BITS: u32 = u32::BITS;
@@ -59,8 +58,8 @@ impl Sampling {
     pub fn sample(&self, index: u32) -> Sample {
         // A single sample is the same whatever the seed.
         let seed = if self.count > 1 { self.seed } else { Self::ONE.seed };
-        let mut sample = Sample { index, count: self.count, seed, jitter: [0.0; 2], footprint: 0.0 };
-        sample.footprint = self.footprint();
+        let mut sample =
+            Sample { index, count: self.count, seed, jitter: [0.0; 2], footprint: self.footprint() };
         if self.count > 1 {
             let deviation = (FILTER_VARIANCE - sample.footprint.powi(2)).sqrt();
             sample.jitter = gaussian(sample.pair(0)).map(|x| x * deviation);
@@ -68,7 +67,7 @@ impl Sampling {
         sample
     }
 
-    /// So many of the samples, or all, that each has the largest footprint that one of several has.
+    /// As many samples as there can be with footprints as large as those of two, at most [`Self::count`].
     #[must_use]
     pub fn with_largest_footprints(&self) -> Self {
         Self { count: self.count.min((SHARED_SAMPLES / LARGEST_SHARE) as u32), ..*self }

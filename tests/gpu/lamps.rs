@@ -3,8 +3,8 @@
 use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::lights::{across_the_edge, floor_below_a_roof};
-use crate::mean::source;
-use diffract::optics::coherence::{Coherence, Windows};
+use crate::mean::{shading, source};
+use crate::measure::colours;
 use diffract::optics::color::Tone;
 use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
@@ -159,13 +159,7 @@ fn pictures_under_a_lamp_are_those_of_the_reference() {
     let scene = Scene::open("sphere").unwrap();
     let lights = ["sphere:0.4:0.5,-2,2", "rectangle:1x0.3:-2,0,1.5"].map(|text| Light::parse(text).unwrap());
     let view = View::of(&scene, lights.to_vec());
-    let shading = Shading {
-        coherence: Coherence::Gaussian { length: 16.0 },
-        windows: Windows::All,
-        tolerance: 2e-2,
-        ..Shading::default()
-    }
-    .for_pictures();
+    let shading = shading(16.0, 2e-2).for_pictures();
     with_device(|device| {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
         let new = |source: &Source| {
@@ -181,14 +175,7 @@ fn pictures_under_a_lamp_are_those_of_the_reference() {
             let mut painter = new(&source);
             painter.draw_sample(&view, &sample, SHOWN).unwrap();
             let picture = painter.picture().unwrap();
-            let (mut difference, mut whole) = (0.0, 0.0);
-            for (found, exact) in picture.radiance.iter().zip(&exact) {
-                for c in 0..3 {
-                    difference += f64::from(found[c] - exact[c]).powi(2);
-                    whole += f64::from(exact[c]).powi(2);
-                }
-            }
-            let error = (difference / whole).sqrt();
+            let error = colours(&picture.radiance, &exact);
             eprintln!("a sphere below two lamps by {}: {error:.4}", method.name());
             assert!(error < 0.02, "{}: {error}", method.name());
         }

@@ -3,6 +3,7 @@
 use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::mean::source;
+use crate::measure::colours;
 use diffract::brdf::mean::{MeanBrdf, SummedOrders, TabulatedMean};
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::color::{Tone, xyz_to_linear_srgb};
@@ -182,7 +183,7 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
                     assert!(same_directions(of_former, &seen), "directions depend on the method");
                 }
                 let (_, exact) = former.get_or_insert_with(|| (seen.clone(), reference(&seen)));
-                let error = apart(&found, exact);
+                let error = colours(&found, exact);
                 let name = method.name();
                 eprintln!("a sphere by {name}, {lights} lights: {error:.4}");
                 assert!(error < allowed, "{name}: {error}");
@@ -190,7 +191,7 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
             let (seen, exact) = former.unwrap();
             let dark: Vec<Directions> =
                 seen.into_iter().map(|s| Directions { mirrored: Vec::new(), ..s }).collect();
-            let other = apart(&reference(&dark), &exact);
+            let other = colours(&reference(&dark), &exact);
             eprintln!("{lights} lights unmirrored: {other:.4}");
             assert!(other > least_unmirrored, "{lights} lights: {other}");
         }
@@ -410,13 +411,6 @@ fn a_mesh_that_is_wound_inward_is_as_bright_as_one_that_is_not() {
     });
 }
 
-/// ‖a − b‖/‖b‖ over the colours of all pixels.
-fn apart(a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
-    let square = |x: f32| f64::from(x).powi(2);
-    let difference: f64 = a.iter().zip(b).flat_map(|(a, b)| (0..3).map(|c| square(a[c] - b[c]))).sum();
-    (difference / b.iter().flat_map(|b| (0..3).map(|c| square(b[c]))).sum::<f64>()).sqrt()
-}
-
 #[test]
 fn no_single_sample_at_a_silhouette_outshines_all_others() {
     let field = patch(SurfaceKind::Elaphe, 12.0);
@@ -433,7 +427,7 @@ fn no_single_sample_at_a_silhouette_outshines_all_others() {
             let sampling = Sampling { count, seed: 1 };
             painter.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance
         });
-        let (few, more) = (apart(&few, &most), apart(&more, &most));
+        let (few, more) = (colours(&few, &most), colours(&more, &most));
         eprintln!("the snake from 16 samples differs from 256 by {few:.3}, from 64 by {more:.3}");
         // What edges and highlights leave, and two fifths on top. Without a bound on 1/cos of the viewer it is 0.71 and 0.29.
         assert!(few < 0.4 && more < 0.2, "{few}, {more}");

@@ -32,7 +32,7 @@ use glam::{DVec3, Vec3, Vec4};
 use std::sync::Arc;
 
 /// Of the mean over all windows.
-fn shading(length: f64, tolerance: f64) -> Shading {
+pub fn shading(length: f64, tolerance: f64) -> Shading {
     let coherence = Coherence::Gaussian { length };
     Shading { coherence, windows: Windows::All, tolerance, ..Shading::default() }
 }

@@ -23,6 +23,14 @@ pub fn channel(a: &[[f32; 4]], b: &[[f32; 4]], channel: usize) -> f64 {
     (difference / size).sqrt()
 }
 
+/// ‖a − b‖/‖b‖ of the colours of RGBA pixels, all channels together.
+pub fn colours(a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let square = |x: f32| f64::from(x).powi(2);
+    let difference: f64 = a.iter().zip(b).flat_map(|(a, b)| (0..3).map(|c| square(a[c] - b[c]))).sum();
+    (difference / b.iter().flat_map(|b| (0..3).map(|c| square(b[c]))).sum::<f64>()).sqrt()
+}
+
 #[test]
 fn the_measures_see_a_change_of_one_direction_and_of_one_channel() {
     let b = vec![1.0, 0.5, 1e-3, 2.0];
@@ -36,9 +44,10 @@ fn the_measures_see_a_change_of_one_direction_and_of_one_channel() {
     red[0][0] += 0.02;
     assert!(channel(&red, &picture, 0) > 0.03);
     assert_eq!(channel(&red, &picture, 1), 0.0);
+    assert!((colours(&red, &picture) - 0.02 / 0.55f64.sqrt()).abs() < 1e-6);
     // Swapped channels keep the luminance's order of size and must not pass.
     let swapped: Vec<_> = picture.iter().map(|p| [p[2], p[1], p[0], p[3]]).collect();
-    assert!(channel(&swapped, &picture, 0) > 0.1);
+    assert!(channel(&swapped, &picture, 0) > 0.1 && colours(&swapped, &picture) > 0.1);
 }
 
 #[test]

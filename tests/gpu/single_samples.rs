@@ -3,6 +3,7 @@
 use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::mean::source;
+use crate::measure::colours;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::color::Tone;
 use diffract::optics::footprint::TapRule;
@@ -78,14 +79,7 @@ fn errors_of<const N: usize>(case: &Case, sample: &Sample, methods: [Method; N])
             let mut painter = new(&source);
             painter.draw_sample(&view, sample, SHOWN).unwrap();
             let picture = painter.picture().unwrap();
-            let (mut difference, mut whole) = (0.0, 0.0);
-            for (found, exact) in picture.radiance.iter().zip(&exact) {
-                for c in 0..3 {
-                    difference += f64::from(found[c] - exact[c]).powi(2);
-                    whole += f64::from(exact[c]).powi(2);
-                }
-            }
-            *error = (difference / whole).sqrt();
+            *error = colours(&picture.radiance, &exact);
         }
     });
     errors

@@ -75,10 +75,16 @@ impl Painter {
         size: [u32; 2],
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<Added>> {
+        let before = self.samples_of(view, sampling, size);
+        if before >= sampling.count {
+            self.shows = Content::Mean;
+            self.display_again(size, shown)?;
+            return Ok(Some(Added { samples: before, times: [0.0; 2] }));
+        }
         self.add(view, sampling, Some(shown), size, go_on)
     }
 
-    /// [`Self::add_sample`], which displays nothing unless it is to be `shown`.
+    /// [`Self::add_sample`] where samples are left to add. The display keeps what it has unless the mean is to be `shown`.
     fn add(
         &mut self,
         view: &View,
@@ -93,13 +99,6 @@ impl Painter {
             self.point_around();
         }
         let before = self.samples_of(view, sampling, size);
-        if before >= sampling.count {
-            self.shows = Content::Mean;
-            if let Some(shown) = shown {
-                self.display_again(size, shown)?;
-            }
-            return Ok(Some(Added { samples: before, times: [0.0; 2] }));
-        }
         if before == 0 {
             // Until its first sample is there, the sum is of nothing.
             self.forget();
