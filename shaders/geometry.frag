@@ -8,44 +8,33 @@ const float PI = 3.14159265358979;
 
 layout(set = 0, binding = 1) uniform sampler2D pigment;
 
-layout(constant_id = 0) const int LIGHTS = MAX_LIGHTS; // of the scene
-layout(constant_id = 1) const bool TEXTURED = true;    // whether the pigment is of a texture
-layout(constant_id = 2) const bool FOOTPRINTS = true;  // whether footprints are asked for
-layout(constant_id = 3) const bool SHADOWS = false;    // whether lights cast shadows
-layout(constant_id = 4) const bool MIRRORED = false;   // whether the radiance of surroundings in the mirrored direction is asked for
-layout(constant_id = 5) const bool LAMPS = false;      // whether lamps are among the lights, and how bright they are is asked for
-layout(constant_id = 6) const int GROOVES = 0;         // how the patch lies in the tangent frame
+layout(constant_id = 0) const bool TEXTURED = true;    // whether the pigment is of a texture
+layout(constant_id = 1) const bool FOOTPRINTS = true;  // whether footprints are asked for
+layout(constant_id = 2) const bool SHADOWS = false;    // whether the light casts shadows
+layout(constant_id = 3) const bool MIRRORED = false;   // whether the light is drawn from surroundings, whose radiance in the mirrored direction is asked for
+layout(constant_id = 4) const bool LAMPS = false;      // whether lamps are among the lights, and how bright they are is asked for
+layout(constant_id = 5) const int GROOVES = 0;         // how the patch lies in the tangent frame
 
 // Values of `GROOVES`; src/render/grooves.rs says more.
 const int TURNED = 1, RADIAL = 2, MAPPED = 3;
 
-layout(set = 0, binding = 16) uniform sampler2D groove_map; // cosine and sine over (u, v)
+layout(set = 0, binding = 8) uniform sampler2D groove_map; // cosine and sine over (u, v)
 
-// Depth from each light; an array of samplers would need a feature that not every device has.
-layout(set = 0, binding = 10) uniform sampler2D shadow_0;
-layout(set = 0, binding = 11) uniform sampler2D shadow_1;
-layout(set = 0, binding = 12) uniform sampler2D shadow_2;
-layout(set = 0, binding = 13) uniform sampler2D shadow_3;
+layout(set = 0, binding = 6) uniform sampler2D shadow;     // depth from the light
 
 #include "surroundings.glsl"
 
 layout(location = 0) in vec3 view;
 layout(location = 1) in vec2 pigment_uv;
-layout(location = 2) in vec3 lights[MAX_LIGHTS];
-layout(location = 6) in vec3 world;
-layout(location = 7) in vec3 world_normal;
+layout(location = 2) in vec3 light;
+layout(location = 3) in vec3 world;
+layout(location = 4) in vec3 world_normal;
 
-// As `pixel.glsl` reads them. The attachments of a pass have no gaps: where footprints are asked for, they stand between the others, those
-// of a light behind the first image that a picture of so many lights has in any case. Images that a picture does not have are dropped. Red and
-// green of the mirrored radiance stand behind the last light, blue beside the albedo. Of lamps there are at most three.
+// As `pixel.glsl` reads them. The attachments of a pass have no gaps, and images that a picture does not have are dropped.
 layout(location = 0) out vec4 directions;
-layout(location = 1) out vec4 image_1; // footprint of the first light,  or albedo
-layout(location = 2) out vec4 image_2; // albedo,                        or the second and the third light
-layout(location = 3) out vec4 image_3; // the second and the third light, or the fourth, or of lamps the falloffs
-layout(location = 4) out vec4 image_4; // footprint of the second light; of lamps the falloffs, or without footprints the fourth light
-layout(location = 5) out vec4 image_5; // footprint of the third light; of lamps that of the second
-layout(location = 6) out vec4 image_6; // the fourth light; of lamps the footprint of the third
-layout(location = 7) out vec4 image_7; // footprint of the fourth light; of lamps the fourth light
+layout(location = 1) out vec4 image_1; // footprint, or albedo
+layout(location = 2) out vec4 image_2; // albedo,    or mirrored radiance
+layout(location = 3) out vec4 image_3; // mirrored radiance
 
 // What a fragment needs of its triangle. Derivatives are undefined where neighbours take another branch, so all of them are taken before any.
 struct Face {
@@ -104,20 +93,20 @@ vec3 to_viewer(Face face) {
     return direction;
 }
 
-bool is_lamp(int light) {
-    return LAMPS && frame.emitters[light].w != FAR_AWAY;
+bool is_lamp() {
+    return LAMPS && frame.emitter.w != FAR_AWAY;
 }
 
 // From here to the light; of a lamp not a unit vector.
-vec3 toward(int light) {
-    return is_lamp(light) ? frame.lights[light].xyz - world : frame.lights[light].xyz;
+vec3 toward() {
+    return is_lamp() ? frame.light.xyz - world : frame.light.xyz;
 }
 
-// How bright a light is here, beside how bright it is at distance 1 straight before it: `LampPoint::falloff` of src/scene/incident.rs.
-float falloff(int light) {
-    vec3 from = -toward(light);
-    vec4 emitter = frame.emitters[light];
-    if (!is_lamp(light)) {
+// How bright the light is here, beside how bright it is at distance 1 straight before it: `LampPoint::falloff` of src/scene/incident.rs.
+float falloff() {
+    vec3 from = -toward();
+    vec4 emitter = frame.emitter;
+    if (!is_lamp()) {
         return 1.0;
     }
     if (emitter.w == ALL_AROUND) {
@@ -127,44 +116,35 @@ float falloff(int light) {
     return max(dot(emitter.xyz, from), 0.0) * pow(dot(from, from), -1.5);
 }
 
-// Whether something stands between the surface and a light, by the light's depth map. The depth of a plane that the light grazes changes
+// Whether something stands between the surface and the light, by the light's depth map. The depth of a plane that the light grazes changes
 // within a texel of the map: that much is left to it, and a little for rounding.
-bool in_shadow(Face face, int light, sampler2D map) {
+bool in_shadow(Face face) {
     const float ROUNDING = 2e-5, STEEPEST = 30.0, TEXEL = 1.5; // the diagonal of a texel, either way, and a little
-    float cosine = abs(dot(face.normal, normalize(toward(light))));
+    float cosine = abs(dot(face.normal, normalize(toward())));
     float slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 1e-6), STEEPEST);
-    mat4 clip_from_world = frame.shadow_from_world[light];
+    mat4 clip_from_world = frame.shadow_from_world;
     vec4 clip = clip_from_world * vec4(world, 1.0);
-    vec2 size = vec2(textureSize(map, 0));
+    vec2 size = vec2(textureSize(shadow, 0));
     // Of parallel light, whose clip space is two units wide and one deep.
     float bias = ROUNDING + slope * TEXEL / size.x;
-    if (is_lamp(light)) {
+    if (is_lamp()) {
         if (clip.w <= 0.0 || any(greaterThan(abs(clip.xy), vec2(clip.w)))) {
             return false; // not on the map
         }
         // How fast the distance along the axis of the map changes on the surface, over that distance, by the place on the map.
         vec3 axis = vec3(clip_from_world[0].w, clip_from_world[1].w, clip_from_world[2].w);
         float along = dot(face.normal, axis);
-        slope = sqrt(max(1.0 - along * along, 0.0)) * clip.w / (max(cosine, 1e-6) * length(toward(light)));
+        slope = sqrt(max(1.0 - along * along, 0.0)) * clip.w / (max(cosine, 1e-6) * length(toward()));
         slope = min(slope, STEEPEST);
         // Depth is A + B/distance, and B what the lamp itself has before the division.
-        float reach = (clip_from_world * vec4(frame.lights[light].xyz, 1.0)).z;
+        float reach = (clip_from_world * vec4(frame.light.xyz, 1.0)).z;
         float texel = 2.0 * clip.w / (size.x * length(vec3(clip_from_world[0].x, clip_from_world[1].x, clip_from_world[2].x)));
         bias = abs(reach) / (clip.w * clip.w) * (ROUNDING * clip.w + slope * TEXEL * texel);
     }
     vec3 place = clip.xyz / clip.w;
     vec2 texel = clamp((place.xy * 0.5 + 0.5) * size, vec2(0.0), size - 1.0);
     // Behind the end of the map nothing is in shadow: what casts shadows ends before.
-    return texelFetch(map, ivec2(texel), 0).r < min(place.z - bias, 1.0);
-}
-
-bool in_shadow_of(Face face, int light) {
-    switch (light) {
-    case 0: return in_shadow(face, 0, shadow_0);
-    case 1: return in_shadow(face, 1, shadow_1);
-    case 2: return in_shadow(face, 2, shadow_2);
-    default: return in_shadow(face, 3, shadow_3);
-    }
+    return texelFetch(shadow, ivec2(texel), 0).r < min(place.z - bias, 1.0);
 }
 
 // Radiance of the surroundings from the mirrored direction, averaged over the pixel and over the specular order's own spread. Nothing where
@@ -179,12 +159,8 @@ vec3 mirrored_radiance(Face face) {
 }
 
 // Light that does not reach the surface is stored as light from below.
-// Behind the last light: `mirrored`.
-vec2 projected_light(Face face, int light, vec2 mirrored) {
-    if (light >= LIGHTS) {
-        return light == LIGHTS ? mirrored : vec2(0.0);
-    }
-    return SHADOWS && in_shadow_of(face, light) ? projected(vec3(0.0, 0.0, -1.0)) : projected(seen(face, lights[light]));
+vec2 projected_light(Face face) {
+    return SHADOWS && in_shadow(face) ? projected(vec3(0.0, 0.0, -1.0)) : projected(seen(face, light));
 }
 
 // The footprint whose covariance is that of `change` and that of a light whose directions vary by `variance` across it, seen in (u, v).
@@ -200,17 +176,14 @@ vec4 widened(vec4 change, float variance, vec2 to_light) {
 // How (u, v) changes from pixel to pixel: du/dx, dv/dx, du/dy, dv/dy. Differences within the triangle, also beside its edges, where a
 // neighbour that it does not cover is extrapolated. u and v of unit vectors are within -2 ... 2, so that no difference exceeds 4;
 // extrapolated beyond the viewer there may be no number, and then there is no footprint.
-vec4 footprint(Face face, int light) {
-    if (light >= LIGHTS) {
-        return vec4(0.0);
-    }
-    vec3 to_light = normalize(seen(face, lights[light]));
+vec4 footprint(Face face) {
+    vec3 to_light = normalize(seen(face, light));
     vec2 uv = -(to_light.xy + normalize(seen(face, view)).xy);
     vec4 change = vec4(dFdxFine(uv), dFdyFine(uv));
     change = any(isnan(change)) || any(isinf(change)) ? vec4(0.0) : change;
-    float variance = frame.lights[light].w / (frame.at.footprint * frame.at.footprint);
-    if (is_lamp(light)) {
-        vec3 lamp = toward(light);
+    float variance = frame.light.w / (frame.at.footprint * frame.at.footprint);
+    if (is_lamp()) {
+        vec3 lamp = toward();
         variance /= dot(lamp, lamp);
     }
     return variance > 0.0 ? widened(change, variance, to_light.xy) : change;
@@ -218,35 +191,13 @@ vec4 footprint(Face face, int light) {
 
 void main() {
     Face face = face_seen();
-    vec3 mirrored = MIRRORED ? mirrored_radiance(face) : vec3(0.0);
-    directions = vec4(projected(to_viewer(face)), projected_light(face, 0, mirrored.rg));
-    vec4 more_lights_0 = vec4(projected_light(face, 1, mirrored.rg), projected_light(face, 2, mirrored.rg));
-    vec4 more_lights_1 = vec4(projected_light(face, 3, mirrored.rg), projected_light(face, 4, mirrored.rg));
-    vec4 albedo = vec4(frame.base_color.rgb, mirrored.b);
+    directions = vec4(projected(to_viewer(face)), projected_light(face));
+    vec4 mirrored = vec4(MIRRORED ? frame.irradiance.w * mirrored_radiance(face) : vec3(0.0), 0.0);
+    vec4 albedo = vec4(frame.base_color.rgb, LAMPS ? falloff() : 1.0);
     if (TEXTURED && frame.base_color.w > 0.0) {
         albedo.rgb *= texture(pigment, pigment_uv).rgb;
     }
-    if (LAMPS) {
-        vec4 falloffs = vec4(falloff(0), LIGHTS > 1 ? falloff(1) : 1.0, LIGHTS > 2 ? falloff(2) : 1.0, 1.0);
-        image_1 = FOOTPRINTS ? footprint(face, 0) : albedo;
-        image_2 = FOOTPRINTS ? albedo : more_lights_0;
-        image_3 = FOOTPRINTS ? more_lights_0 : falloffs;
-        image_4 = FOOTPRINTS ? falloffs : more_lights_1;
-        image_5 = FOOTPRINTS ? footprint(face, 1) : vec4(0.0);
-        image_6 = FOOTPRINTS ? footprint(face, 2) : vec4(0.0);
-        image_7 = more_lights_1;
-    } else if (FOOTPRINTS) {
-        image_1 = footprint(face, 0);
-        image_2 = albedo;
-        image_3 = more_lights_0;
-        image_4 = footprint(face, 1);
-        image_5 = footprint(face, 2);
-        image_6 = more_lights_1;
-        image_7 = footprint(face, 3);
-    } else {
-        image_1 = albedo;
-        image_2 = more_lights_0;
-        image_3 = more_lights_1;
-        image_4 = image_5 = image_6 = image_7 = vec4(0.0);
-    }
+    image_1 = FOOTPRINTS ? footprint(face) : albedo;
+    image_2 = FOOTPRINTS ? albedo : mirrored;
+    image_3 = mirrored;
 }

@@ -18,17 +18,14 @@ void main() {
         answers[n++] = frame.clip_from_world[i];
     }
     answers[n++] = frame.eye;
-    for (int i = 0; i < MAX_LIGHTS; ++i) {
-        answers[n++] = frame.lights[i];
-    }
-    for (int i = 0; i < MAX_LIGHTS; ++i) {
-        answers[n++] = frame.irradiances[i];
-    }
+    answers[n++] = frame.light;
+    answers[n++] = frame.emitter;
+    answers[n++] = frame.irradiance;
     answers[n++] = frame.base_color;
     answers[n++] = frame.grooves;
     answers[n++] = frame.surroundings;
-    for (int i = 0; i < 4 * MAX_LIGHTS; ++i) {
-        answers[n++] = frame.shadow_from_world[i >> 2][i & 3];
+    for (int i = 0; i < 4; ++i) {
+        answers[n++] = frame.shadow_from_world[i];
     }
     answers[n++] = vec4(frame.at.jitter, frame.at.footprint, float(frame.at.index));
     answers[n++] = vec4(float(frame.at.count), float(frame.at.seed), frame.at.tap_offset, 0.0);
@@ -36,5 +33,5 @@ void main() {
     answers[n++] = vec4(source.texels_per_frequency, source.band);
     answers[n++] = vec4(source.sigma, source.normal_reflectance, source.column);
     answers[n++] = vec4(source.pairs_per_z, source.fewest_pairs, source.half_range, 0.0);
-    answers[n++] = vec4(float(MAX_LIGHTS), float(UV_BINS), 0.0, 0.0);
+    answers[n++] = vec4(float(UV_BINS), 0.0, 0.0, 0.0);
 }

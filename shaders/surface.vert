@@ -1,9 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Takes view and lights into the tangent frame of each vertex; the fragment stage interpolates and normalises them.
+// Takes view and light into the tangent frame of each vertex; the fragment stage interpolates and normalises them.
 #include "frame.glsl"
-
-layout(constant_id = 0) const int LIGHTS = MAX_LIGHTS; // of the scene
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -12,18 +10,16 @@ layout(location = 3) in vec2 uv;
 
 layout(location = 0) out vec3 view;
 layout(location = 1) out vec2 pigment_uv;
-layout(location = 2) out vec3 lights[MAX_LIGHTS];
-layout(location = 6) out vec3 world;
-layout(location = 7) out vec3 world_normal;
+layout(location = 2) out vec3 light;
+layout(location = 3) out vec3 world;
+layout(location = 4) out vec3 world_normal;
 
 void main() {
     mat3 tangent_from_world = transpose(mat3(tangent.xyz, tangent.w * cross(normal, tangent.xyz), normal));
     view = tangent_from_world * normalize(frame.eye.xyz - position);
-    for (int i = 0; i < LIGHTS; ++i) {
-        // 0 of a light that is FAR_AWAY, else 1. Where this branches, lavapipe compiles the stage anew for every frame, with what is in `frame`.
-        float near = min(frame.emitters[i].w, 1.0);
-        lights[i] = tangent_from_world * (frame.lights[i].xyz - near * position);
-    }
+    // 0 of a light that is FAR_AWAY, else 1. Where this branches, lavapipe compiles the stage anew for every frame, with what is in `frame`.
+    float near = min(frame.emitter.w, 1.0);
+    light = tangent_from_world * (frame.light.xyz - near * position);
     pigment_uv = vec2(uv.x, 1.0 - uv.y); // v grows upward in meshes, rows of a texture downward
     world = position;
     world_normal = normal;

@@ -1,5 +1,5 @@
 // The picture of the surroundings: azimuth pi ... -pi along a row, the top row up.
-layout(set = 0, binding = 14) uniform sampler2D surroundings;
+layout(set = 0, binding = 7) uniform sampler2D surroundings;
 
 // Radiance from a unit vector of the world, averaged over a spread of standard deviation `deviation` [radians]. Linear interpolation between texels
 // of side t, each a mean over its square, averages over a variance of t^2/4.

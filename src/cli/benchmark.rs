@@ -160,7 +160,7 @@ impl BenchmarkScene {
         check_method(options)?;
         options.optics.for_pictures(&options.colour)?;
         let mut scene = prepare::scene(&options.scene)?;
-        light_by(&options.light, &mut scene)?;
+        light_by(&options.light, &mut scene);
         for light in scene.lights.iter_mut().filter(|light| light.spectrum.is_some()) {
             say(&format_args!(
                 "the light {light} counts as light of the illuminant, as all lights that are measured do"
@@ -221,17 +221,17 @@ impl BenchmarkScene {
     /// # Errors
     /// When it does not fit on the device, or `source` cannot shade these directions.
     pub fn painter(&self, source: &Source, shading: &Shading) -> Result<(Painter, Vec<Directions>)> {
-        let lights = self.view.light_count();
         let (mesh, grooves) = (&self.scene.mesh, &GrooveDirections::of(&self.scene.grooves)?);
         let (pigment, base_color, casts_shadows) = (&Pigment::white(), None, true);
         let sources = &ObjectSources::new(source.clone(), shading.clone());
         let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, sources };
-        let mut painter = Painter::of_objects(&self.device, &[object], self.size, lights)?;
+        let mut painter = Painter::of_objects(&self.device, &[object], self.size)?;
         if self.scene.shadows {
             painter.cast_shadows()?;
         }
-        let directions =
-            (0..lights).map(|light| painter.directions(&self.view, light)).collect::<Result<Vec<_>>>()?;
+        let directions = (0..self.view.light_count())
+            .map(|light| painter.directions(&self.view, light))
+            .collect::<Result<Vec<_>>>()?;
         source.check(shading, &directions)?;
         Ok((painter, directions))
     }

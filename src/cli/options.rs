@@ -9,7 +9,7 @@ pub use display::Exposure;
 #[cfg(any(feature = "viewer", test))] // for what the viewer saves
 pub use preparation::as_options;
 pub use surface::SurfaceOptions;
-pub use view::{ViewOptions, check_light_count, check_lights, light_by};
+pub use view::{ViewOptions, light_by};
 
 use super::say;
 use crate::cache;

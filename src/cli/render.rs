@@ -3,7 +3,7 @@
 use super::finished::{self, SequenceOrigin};
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, Exposure, OpticsOptions, SurfaceOptions, ViewOptions,
-    check_lights, sample_pixels,
+    sample_pixels,
 };
 use super::sequence::SequenceOptions;
 use super::verbosity::say;
@@ -19,9 +19,10 @@ use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::picture::Picture;
 use crate::render::reference_picture::{self, ReferenceObject, displayed_of, reference_mean};
-use crate::render::sampling::{Sample, Sampling};
+use crate::render::sampling::Sampling;
 use crate::render::sequence::Sequence;
 use crate::render::source::{ClassicalGrating, Source};
+use crate::render::turns::{Turn, Turns};
 use crate::scene::Scene;
 use crate::setup::{self, InUse, Method, ObjectSurface, PictureSettings, PreparedScene, Settings};
 use crate::surface::HeightField;
@@ -99,7 +100,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .reads(arguments.view.files())
         .writes(outputs);
     files.check()?;
-    check_lights(&arguments.view.light)?;
     let method = arguments.optics.picture_method();
     if arguments.sample_pixels.is_some() && method != Method::Reference {
         return Err(Error::usage(
@@ -302,12 +302,12 @@ fn reference_picture(
     let PictureWork { field, surfaces, settings, shaded, .. } = *work;
     prepare::warn_of_coarse_samples(field, SHORTEST);
     let sampling = &settings.sampling;
-    let mut directions = |sample: &Sample| prepared.directions(view, sample);
+    let mut directions = |turn: &Turn| prepared.directions(view, turn);
     let chosen = match shaded {
         Some(count) => {
             let mut covered = BTreeSet::new();
-            for index in 0..sampling.count {
-                covered.extend(reference_picture::covered(&directions(&sampling.sample(index))?));
+            for turn in Turns::new(view, sampling).groups().flat_map(|group| group.turns) {
+                covered.extend(reference_picture::covered(&[directions(&turn)?]));
             }
             let covered: Vec<usize> = covered.into_iter().collect();
             Some(error::sample(&covered, count))

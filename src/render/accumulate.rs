@@ -1,8 +1,8 @@
 //! The sum of the samples of a picture, and its display.
 
-use super::frame::{DisplayPass, Shown, covered};
+use super::frame::{DisplayPass, Shown};
 use super::shader;
-use super::target::{self, Geometry, Target};
+use super::target::{self, Target};
 use crate::error::Result;
 use crate::vk::access::Access;
 use crate::vk::commands::Recorder;
@@ -19,20 +19,19 @@ pub struct Accumulation {
     pipeline: Pipeline,
     descriptors: Descriptors,
     display: DisplayPass,
-    /// Sum of the radiance of covered samples; alpha: their number. Readable by shaders between passes.
+    /// Sum of the radiance of samples; alpha: how many of them cover the pixel. Readable by shaders between passes.
     pub sum: Image,
     sampler: Sampler,
 }
 
 impl Accumulation {
-    /// For samples that are drawn into `target` where a depth of `depth_format` says.
+    /// For samples that are drawn into `target`.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn new(device: &Arc<Device>, target: &Target, depth_format: vk::Format) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, target: &Target) -> Result<Self> {
         let descriptors = Descriptors::new(device, "accumulation set", &[Binding::texture(0)])?;
-        let depth = Some(covered(depth_format));
-        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth };
+        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth: None };
         let (vertex, fragment) = (shader!("display.vert"), shader!("accumulate.frag"));
         let own = Self {
             pipeline: Pipeline::adding(device, vertex, fragment, &drawing, &[&descriptors], 0)?,
@@ -62,23 +61,21 @@ impl Accumulation {
         self.display.read_from(&self.sum);
     }
 
-    /// Records the addition of `target.radiance` (a colour attachment until now, readable by shaders from then on) where `geometry`
-    /// covers; the `first` sample begins a new sum.
-    pub fn record(&self, record: &Recorder<'_>, (geometry, target): (&Geometry, &Target), first: bool) {
+    /// Records the addition of `target.radiance` (a colour attachment until now, readable by shaders from then on); the `first` begins a new sum.
+    pub fn record(&self, record: &Recorder<'_>, target: &Target, first: bool) {
         let before = if first { Access::Nothing } else { Access::ShaderRead };
         record.images(&[
             (&target.radiance, Access::ColorAttachment, Access::ShaderRead),
             (&self.sum, before, Access::ColorAttachment),
-            (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
         ]);
         let add = |draw: &Recorder<'_>| {
             draw.bind(&self.pipeline, &[&self.descriptors]);
             draw.draw(3);
         };
         if first {
-            record.render_over(&[(&self.sum, Some([0.0; 4]))], &geometry.depth, add);
+            record.render(&[(&self.sum, Some([0.0; 4]))], None, add);
         } else {
-            record.render_onto(&self.sum, &geometry.depth, add);
+            record.render_onto(&self.sum, None, add);
         }
         record.images(&[(&self.sum, Access::ColorAttachment, Access::ShaderRead)]);
     }

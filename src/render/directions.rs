@@ -15,6 +15,8 @@ pub struct Pixel {
 /// The directions that a frame shades.
 #[derive(Clone, Debug, Default)]
 pub struct Directions {
+    /// Number of the light.
+    pub light_number: usize,
     /// ω_i per pixel (w: covered).
     pub light: Vec<[f32; 4]>,
     /// ω_r per pixel (w: covered).
@@ -26,7 +28,8 @@ pub struct Directions {
     pub filter: f64,
     /// Which of the samples of each pixel they are.
     pub share: Share,
-    /// Irradiance over π of a surface that faces the light, linear sRGB; of a lamp at distance 1.
+    /// Irradiance over π of a surface that faces the light, linear sRGB; of a lamp at distance 1. A light that is not drawn in every sample is the
+    /// brighter.
     pub irradiance: DVec3,
     /// How bright the light is at each pixel, as a factor of `irradiance`; empty where there are no lamps.
     pub falloffs: Vec<f32>,

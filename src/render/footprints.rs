@@ -8,6 +8,7 @@ use super::pigment::Pigment;
 use super::sampling::Sampling;
 use super::shading::Shading;
 use super::source::{ClassicalGrating, Source};
+use super::turns::{Turn, Turns};
 use crate::error::Result;
 use crate::optics::footprint::FootprintSizes;
 use crate::scene::Mesh;
@@ -87,14 +88,12 @@ pub fn sizes(
     sampling: &Sampling,
 ) -> Result<FootprintSizes> {
     let source = Source::ClassicalGrating(ClassicalGrating::default());
-    let lights = views.iter().map(|view| view.light_count()).max().unwrap_or(0);
-    let mut painter =
-        Painter::new(device, &source, &Shading::default(), mesh, &Pigment::white(), size, lights)?;
+    let mut painter = Painter::new(device, &source, &Shading::default(), mesh, &Pigment::white(), size)?;
     painter.ask_for_footprints()?;
     views.iter().try_fold(FootprintSizes::default(), |finest, view| {
         let mut of = |sampling: &Sampling| {
-            let lights = 0..view.light_count();
-            let directions = lights.map(|light| painter.directions_of(view, light, &sampling.sample(0)));
+            let directions =
+                each_light(view, sampling).into_iter().map(|turn| painter.directions_in(view, &turn));
             Ok(sizes_of(&directions.collect::<Result<Vec<_>>>()?))
         };
         let few = sampling.with_largest_footprints();
@@ -102,6 +101,13 @@ pub fn sizes(
         let shorter = if few == *sampling { of_few.shorter } else { of(sampling)?.shorter };
         Ok(finest.finer(FootprintSizes { shorter, ..of_few }))
     })
+}
+
+/// The first turn of each light of `view`, at the centres of pixels.
+fn each_light(view: &View, sampling: &Sampling) -> Vec<Turn> {
+    let first = Turns::new(view, sampling).after(0).turns;
+    let of = |light| first.iter().find(|turn| turn.light == light).copied();
+    (0..view.light_count()).filter_map(of).collect()
 }
 
 /// How large the footprints of shaded pixels in `directions` (one entry per light) are.
@@ -176,6 +182,7 @@ mod tests {
         let seen = Directions {
             irradiance: DVec3::ONE,
             falloffs: Vec::new(),
+            light_number: 0,
             light: vec![up, up, [0.0, 0.0, -1.0, 1.0], [0.0; 4]],
             view: vec![up, up, up, [0.0; 4]],
             footprints: vec![[2.0, 0.0, 0.0, 1.0], [4.0, 0.0, 0.0, 3.0], [9.0; 4], [0.0; 4]],

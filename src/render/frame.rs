@@ -3,27 +3,24 @@
 use super::device_mesh::attributes;
 use super::frame_set::FrameBlock;
 use super::object::DeviceObject;
-use super::sampling::Sample;
 use super::shader;
 use super::shadows::{self, Shadows};
 use super::source::BoundSource;
 use super::source::part::Part;
 use super::target::{self, Geometry, GeometrySettings, Target};
+use super::turns::Turn;
 use crate::error::Result;
 use crate::optics::coherence::Coherence;
 use crate::optics::color::{self, Tone};
 use crate::optics::spectrum::Illuminant;
 use crate::scene::environment::Placement;
-use crate::scene::light::most_lights;
-use crate::scene::{
-    Background, Camera, Environment, Incident, Light, MAX_LIGHTS, Room, Scene, Vertex, camera,
-};
+use crate::scene::{Background, Camera, Environment, Incident, Light, Room, Scene, Vertex, camera};
 use crate::vk::access::Access;
 use crate::vk::commands::Recorder;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
 use crate::vk::image::Image;
-use crate::vk::pipeline::{Code, Constant, Depth, Drawing, Pipeline, Stencil};
+use crate::vk::pipeline::{Constant, Depth, Drawing, Pipeline, Stencil};
 use crate::vk::sampler::Sampler;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
@@ -44,9 +41,9 @@ pub struct View {
     pub reach: f32,
     /// Length of a unit of the scene \[m\].
     pub unit: f64,
-    /// Lights; those beyond [`most_lights`] are not drawn.
+    /// Lights.
     pub lights: Vec<Light>,
-    /// Surroundings, from which each sample draws one light more.
+    /// Surroundings, which are one light more.
     pub environment: Option<Environment>,
     /// Whether the surroundings, where there are any, are displayed as the background.
     pub shows_surroundings: bool,
@@ -95,17 +92,17 @@ impl View {
         Room { centre: self.centre.as_dvec3(), unit: self.unit }
     }
 
-    /// What the last of the directions is drawn from, where the other lights leave room for it.
-    pub fn surroundings(&self) -> Option<&Environment> {
-        self.environment.as_ref().filter(|_| self.lights.len() < most_lights(&self.lights))
-    }
-
-    /// Directions of light that a sample shades, at most [`most_lights`].
+    /// Number of lights; the surroundings, where there are any, are the last.
     pub fn light_count(&self) -> usize {
-        (self.lights.len() + usize::from(self.environment.is_some())).min(most_lights(&self.lights))
+        self.lights.len() + usize::from(self.environment.is_some())
     }
 
-    /// The illuminant of direction of light number `light`, where it has one of its own.
+    /// Whether light number `light` is the surroundings.
+    pub fn is_surroundings(&self, light: usize) -> bool {
+        light == self.lights.len() && self.environment.is_some()
+    }
+
+    /// The illuminant of light number `light`, where it has one of its own.
     pub fn illuminant(&self, light: usize) -> Option<&Illuminant> {
         self.lights.get(light).and_then(Light::illuminant)
     }
@@ -115,125 +112,135 @@ impl View {
         self.lights.iter().any(Light::is_lamp)
     }
 
-    /// What `sample` gets from each light, that from the surroundings last. Each light has a pair of dimensions of its own, behind that of the place in
-    /// the pixel.
-    pub fn incidents(&self, sample: &Sample) -> Vec<Incident> {
-        let point = |number: usize| sample.pair(1 + number as u32);
+    /// What the pixels of `turn` get from its light; no light where there is none of that number. Each light has a pair of dimensions of its own,
+    /// behind that of the place in the pixel.
+    pub fn incident(&self, turn: &Turn) -> Incident {
+        let Turn { light, sample, weight, .. } = *turn;
         let room = self.room();
-        let lights = self.lights.iter().enumerate();
-        let lights = lights.map(|(i, light)| light.emitter.incident(point(i), sample.count, &room));
-        let around = self.environment.iter().map(|e| e.incident(sample.rank(), sample.count));
-        lights.chain(around).take(self.light_count()).collect()
+        let incident = match (self.lights.get(light), &self.environment) {
+            (Some(own), _) => own.emitter.incident(sample.pair(1 + light as u32), sample.count, &room),
+            (None, Some(around)) if self.is_surroundings(light) => {
+                around.incident(sample.rank(), sample.count)
+            }
+            _ => Incident::NONE,
+        };
+        Incident { irradiance: incident.irradiance * weight as f32, ..incident }
     }
 
-    /// The `Frame` block for a `sample` of a picture of `size` pixels.
-    pub fn block(&self, size: [u32; 2], sample: &Sample) -> FrameBlock {
-        let incidents = self.incidents(sample);
-        let mut lights = [[0.0, 0.0, 1.0, 0.0]; MAX_LIGHTS];
-        let mut emitters = [[0.0; 4]; MAX_LIGHTS];
-        let mut irradiances = [[0.0; 4]; MAX_LIGHTS];
-        let mut shadow_from_world = [[[0.0; 4]; 4]; MAX_LIGHTS];
-        for (i, incident) in incidents.iter().enumerate() {
-            let light = incident.place.map_or(incident.direction, |place| place.point);
-            lights[i] = light.as_vec3().extend(incident.variance as f32).to_array();
-            emitters[i] = FrameBlock::emitter(incident.place.as_ref());
-            irradiances[i] = incident.irradiance.extend(0.0).to_array();
-            let (centre, radius, jitter) = (self.centre, self.radius, sample.jitter);
-            let map = match incident.place {
-                None => shadows::clip_from_world(incident.direction, centre, radius, size, jitter),
-                Some(place) => shadows::clip_from_lamp(place.point.as_vec3(), centre, radius, size, jitter),
-            };
-            shadow_from_world[i] = map.to_cols_array_2d();
-        }
+    /// The `Frame` block for a `turn` in a picture of `size` pixels.
+    pub fn block(&self, size: [u32; 2], turn: &Turn) -> FrameBlock {
+        let incident = self.incident(turn);
+        let toward = incident.place.map_or(incident.direction, |place| place.point);
+        let (centre, radius, jitter) = (self.centre, self.radius, turn.sample.jitter);
+        let shadow_from_world = match incident.place {
+            None => shadows::clip_from_world(incident.direction, centre, radius, size, jitter),
+            Some(place) => shadows::clip_from_lamp(place.point.as_vec3(), centre, radius, size, jitter),
+        };
+        let mirrored = if self.is_surroundings(turn.light) { turn.weight as f32 } else { 0.0 };
         let clip_from_world = self.clip_from_world(size);
         FrameBlock {
-            clip_from_world: camera::jittered(clip_from_world, size, sample.jitter).to_cols_array_2d(),
+            clip_from_world: camera::jittered(clip_from_world, size, jitter).to_cols_array_2d(),
             eye: self.camera.eye().extend(0.0).to_array(),
-            lights,
-            emitters,
-            irradiances,
-            shadow_from_world,
+            light: toward.as_vec3().extend(incident.variance as f32).to_array(),
+            emitter: FrameBlock::emitter_of(incident.place.as_ref()),
+            irradiance: incident.irradiance.extend(mirrored).to_array(),
+            shadow_from_world: shadow_from_world.to_cols_array_2d(),
             base_color: self.base_color.extend(if self.pigment { 1.0 } else { 0.0 }).to_array(),
             grooves: [0.0; 4],
-            surroundings: self.surroundings().map_or([0.0; 4], |environment| {
+            surroundings: self.environment.as_ref().map_or([0.0; 4], |environment| {
                 let Placement { rotation, exposure } = environment.placement;
                 let (sin, cos) = rotation.to_radians().sin_cos();
                 [cos as f32, sin as f32, exposure.exp2() as f32, 0.0]
             }),
-            sample: sample.block(),
+            sample: turn.sample.block(),
         }
     }
 }
 
-/// The pass that finds what each pixel sees, and its directions there; before it, the depth maps of lights that cast shadows.
+/// The pass that finds what each pixel sees, and its directions there under one light; before it, the depth map of a light that casts shadows.
 pub struct GeometryPass {
     // One for each object.
     pipelines: Vec<Pipeline>,
+    // The same under surroundings, where they are among the lights.
+    mirroring: Vec<Pipeline>,
     shadows: Option<Shadows>,
 }
 
 impl GeometryPass {
-    /// A pass that draws `objects` into `geometry`; they read its depth maps from now on.
+    /// A pass that draws `objects` into `geometry`; they read its depth map from now on.
     ///
     /// # Errors
     /// Where the device refuses or has no room.
     pub fn new(device: &Arc<Device>, objects: &[DeviceObject], geometry: &Geometry) -> Result<Self> {
-        let drawing = Drawing {
-            vertex_stride: size_of::<Vertex>() as u32,
-            attributes: &attributes(),
-            colors: &geometry.images().map(Image::format).collect::<Vec<_>>(),
-            depth: Some(Depth {
-                format: geometry.settings.depth_format(),
-                compare: vk::CompareOp::LESS,
-                write: true,
-                stencil: geometry.settings.several.then_some(Stencil::Write),
-            }),
-        };
-        let GeometrySettings { lights, textured, footprints, shadows, mirrored, lamps, .. } =
+        let GeometrySettings { textured, footprints, shadows, mirrored, lamps, several, .. } =
             geometry.settings;
-        // `constant_id`s of both stages.
-        const LIGHTS: u32 = 0;
-        const TEXTURED: u32 = 1;
-        const FOOTPRINTS: u32 = 2;
-        const SHADOWS: u32 = 3;
-        const MIRRORED: u32 = 4;
-        const LAMPS: u32 = 5;
-        const GROOVES: u32 = 6;
-        let constants = [
-            Constant::new(LIGHTS, lights as u32),
-            Constant::new(TEXTURED, textured),
-            Constant::new(FOOTPRINTS, footprints),
-            Constant::new(SHADOWS, shadows),
-            Constant::new(MIRRORED, mirrored),
-            Constant::new(LAMPS, lamps),
-        ];
-        let pipeline = |object: &DeviceObject| {
-            let constants = [constants.as_slice(), &[Constant::new(GROOVES, object.layout as u32)]].concat();
+        // `constant_id`s of the fragment stage.
+        const TEXTURED: u32 = 0;
+        const FOOTPRINTS: u32 = 1;
+        const SHADOWS: u32 = 2;
+        const MIRRORED: u32 = 3;
+        const LAMPS: u32 = 4;
+        const GROOVES: u32 = 5;
+        let pipeline = |object: &DeviceObject, mirrors: bool| {
+            let drawing = Drawing {
+                vertex_stride: size_of::<Vertex>() as u32,
+                attributes: &attributes(),
+                colors: &geometry.images(mirrors).map(Image::format).collect::<Vec<_>>(),
+                depth: Some(Depth {
+                    format: geometry.settings.depth_format(),
+                    compare: vk::CompareOp::LESS,
+                    write: true,
+                    stencil: several.then_some(Stencil::Write),
+                }),
+            };
+            let constants = [
+                Constant::new(TEXTURED, textured),
+                Constant::new(FOOTPRINTS, footprints),
+                Constant::new(SHADOWS, shadows),
+                Constant::new(MIRRORED, mirrors),
+                Constant::new(LAMPS, lamps),
+                Constant::new(GROOVES, object.layout as u32),
+            ];
             let fragment = Some(shader!("geometry.frag").with(&constants));
-            let vertex = shader!("surface.vert").with(&constants);
-            Pipeline::graphics(device, vertex, fragment, &drawing, &[&object.frame.descriptors], 0)
+            let sets = [&object.frame.descriptors];
+            Pipeline::graphics(device, shader!("surface.vert"), fragment, &drawing, &sets, 0)
         };
-        let pipelines = objects.iter().map(pipeline).collect::<Result<_>>()?;
-        // Last, because the objects read its maps from now on.
+        let pipelines = objects.iter().map(|object| pipeline(object, false)).collect::<Result<_>>()?;
+        let under_surroundings = if mirrored { objects } else { &[] };
+        let mirroring =
+            under_surroundings.iter().map(|object| pipeline(object, true)).collect::<Result<_>>()?;
+        // Last, because the objects read its map from now on.
         let size = geometry.directions.size();
-        let shadows = shadows.then(|| Shadows::new(device, objects, lights, size)).transpose()?;
-        Ok(Self { pipelines, shadows })
+        let shadows = shadows.then(|| Shadows::new(device, objects, size)).transpose()?;
+        Ok(Self { pipelines, mirroring, shadows })
     }
 
-    /// Records the drawing of `objects` into `geometry`, which it leaves readable by shaders.
-    pub fn record(&self, record: &Recorder<'_>, geometry: &Geometry, objects: &[DeviceObject]) {
+    /// Records the drawing of `objects` into `geometry`, which it leaves readable by shaders, under a light that is drawn from surroundings whose specular
+    /// order is `mirrored`, or under another.
+    pub fn record(
+        &self,
+        record: &Recorder<'_>,
+        geometry: &Geometry,
+        objects: &[DeviceObject],
+        mirrored: bool,
+    ) {
+        let pipelines = if mirrored { &self.mirroring } else { &self.pipelines };
         if let Some(shadows) = &self.shadows {
             shadows.record(record, objects);
         }
-        let change =
-            |from: Access, to: Access| -> Vec<_> { geometry.images().map(|i| (i, from, to)).collect() };
+        let change = |from: Access, to: Access| -> Vec<_> {
+            geometry.images(mirrored).map(|image| (image, from, to)).collect()
+        };
         let mut before = change(Access::Nothing, Access::ColorAttachment);
         before.push((&geometry.depth, Access::Nothing, Access::DepthAttachment));
+        // What this light has no use for is readable all the same, because shaders name it.
+        let unused = geometry.mirrored.iter().filter(|_| !mirrored);
+        before.extend(unused.map(|image| (image, Access::Nothing, Access::ShaderRead)));
         record.images(&before);
         let mark = geometry.settings.marked.then_some([target::UNCOVERED; 4]);
-        let colors: Vec<_> = geometry.images().map(|image| (image, mark)).collect();
+        let colors: Vec<_> = geometry.images(mirrored).map(|image| (image, mark)).collect();
         record.render(&colors, Some(&geometry.depth), |draw| {
-            for (number, (object, pipeline)) in objects.iter().zip(&self.pipelines).enumerate() {
+            for (number, (object, pipeline)) in objects.iter().zip(pipelines).enumerate() {
                 draw.bind(pipeline, &[&object.frame.descriptors]);
                 if geometry.settings.several {
                     draw.stencil(stencil_of(number));
@@ -258,19 +265,20 @@ fn stencil_of(number: usize) -> u8 {
 
 /// A pass that shades every covered pixel of a picture once, neighbours together: small triangles would leave most lanes of a
 /// device idle in a fragment stage of their own.
+///
+/// It adds to what the picture holds: parts of a sum, lights and samples come one after the other.
 pub struct PixelPass {
     pipeline: Pipeline,
-    // Adds the other parts of a sum to what `pipeline` drew.
-    adding: Option<Pipeline>,
-    /// Draws of a pixel.
+    // The same under surroundings, where they are among the lights.
+    mirroring: Option<Pipeline>,
+    /// Draws of a pixel under one light.
     pub parts: u32,
     // Whether it draws only where its object is seen.
     of_object: bool,
 }
 
 impl PixelPass {
-    /// The pass that shades what the geometry pass found by its `settings`, from `source`, over the layout of `frame`. Where it `adds`, it adds to
-    /// what another has drawn of its object.
+    /// The pass that shades what the geometry pass finds by its `settings`, from `source`, over the layout of `frame`.
     ///
     /// # Errors
     /// Where the device refuses.
@@ -279,25 +287,20 @@ impl PixelPass {
         frame: &Descriptors,
         source: &BoundSource,
         settings: GeometrySettings,
-        adds: bool,
     ) -> Result<Self> {
-        let constants = source.shade_constants(settings);
-        let (code, sets) = (source.shade().with(&constants), [frame, &source.descriptors]);
-        let push_bytes = size_of::<ShadeBlock>() as u32;
         let stencil = settings.several.then_some(Stencil::Match);
         let depth = Some(Depth { stencil, ..covered(settings.depth_format()) });
-        let parts = source.parts(settings);
-        let adding = (adds || parts > 1)
-            .then(|| {
-                let (vertex, drawing) = (shader!("display.vert"), Self::drawing(depth));
-                Pipeline::adding(device, vertex, code, &drawing, &sets, push_bytes)
-            })
-            .transpose()?;
+        let pipeline = |mirrored: bool| {
+            let constants = source.shade_constants(settings, mirrored);
+            let (vertex, code) = (shader!("display.vert"), source.shade().with(&constants));
+            let (sets, push_bytes) = ([frame, &source.descriptors], size_of::<ShadeBlock>() as u32);
+            Pipeline::adding(device, vertex, code, &Self::drawing(depth), &sets, push_bytes)
+        };
         Ok(Self {
-            adding,
-            parts,
+            pipeline: pipeline(false)?,
+            mirroring: settings.mirrored.then(|| pipeline(true)).transpose()?,
+            parts: source.parts(settings.mirrored),
             of_object: settings.several,
-            ..Self::new(device, code, sets, push_bytes, depth)?
         })
     }
 
@@ -308,19 +311,10 @@ impl PixelPass {
     pub fn probe(device: &Arc<Device>, frame: &Descriptors, source: &BoundSource) -> Result<Self> {
         let code = source.probe().with(source.constants());
         let push_bytes = size_of::<Probe>() as u32;
-        Self::new(device, code, [frame, &source.descriptors], push_bytes, None)
-    }
-
-    fn new(
-        device: &Arc<Device>,
-        code: Code<'_>,
-        sets: [&Descriptors; 2],
-        push_bytes: u32,
-        depth: Option<Depth>,
-    ) -> Result<Self> {
-        let (vertex, drawing) = (shader!("display.vert"), Self::drawing(depth));
-        let pipeline = Pipeline::graphics(device, vertex, Some(code), &drawing, &sets, push_bytes)?;
-        Ok(Self { pipeline, adding: None, parts: 1, of_object: false })
+        let (vertex, sets) = (shader!("display.vert"), [frame, &source.descriptors]);
+        let pipeline =
+            Pipeline::graphics(device, vertex, Some(code), &Self::drawing(None), &sets, push_bytes)?;
+        Ok(Self { pipeline, mirroring: None, parts: 1, of_object: false })
     }
 
     /// A triangle over `target.radiance`.
@@ -328,19 +322,17 @@ impl PixelPass {
         Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth }
     }
 
-    /// Shades what the geometry pass found of an object by these `parts` of its sum.
+    /// Adds these `parts` of the sum for what the geometry pass found of an object.
     fn draw(&self, draw: &Recorder<'_>, shaded: &ShadedObject<'_>, parts: &Range<u32>) {
-        let ShadedObject { number, object, source, lights, white, adds, .. } = *shaded;
+        let ShadedObject { number, object, source, mirrored, white, counts, .. } = *shaded;
+        let pipeline = self.mirroring.as_ref().filter(|_| mirrored).unwrap_or(&self.pipeline);
         for part in Part::each(self.parts).filter(|part| parts.contains(&part.first)) {
-            let is_first = part.first == 0 && !adds;
-            let pipeline = if is_first { Some(&self.pipeline) } else { self.adding.as_ref() };
-            let Some(pipeline) = pipeline else { break };
             draw.bind(pipeline, &[&object.frame.descriptors, &source.descriptors]);
             if self.of_object {
                 draw.stencil(stencil_of(number));
             }
-            let coverage = if is_first { 1.0 } else { 0.0 };
-            let block = ShadeBlock { part, lights, coverage, white: white.extend(0.0).to_array() };
+            let coverage = if counts && part.first == 0 { 1.0 } else { 0.0 };
+            let block = ShadeBlock { part, coverage, padding: 0.0, white: white.extend(0.0).to_array() };
             draw.push(pipeline, bytemuck::bytes_of(&block));
             draw.draw(3);
         }
@@ -363,7 +355,7 @@ impl PixelPass {
     }
 }
 
-/// An object as it is shaded by the lights of one illuminant.
+/// An object as it is shaded under one light.
 #[derive(Clone, Copy)]
 pub struct ShadedObject<'a> {
     /// Its number, from 0.
@@ -374,12 +366,12 @@ pub struct ShadedObject<'a> {
     pub source: &'a BoundSource,
     /// What shades it.
     pub pass: &'a PixelPass,
-    /// The lights that count, one bit each, from the lowest.
-    pub lights: u32,
+    /// Whether the light is drawn from surroundings whose specular order is mirrored.
+    pub mirrored: bool,
     /// A white diffuse surface under the illuminant, linear sRGB.
     pub white: Vec3,
-    /// Whether this adds to what the object's first one has drawn.
-    pub adds: bool,
+    /// Whether its pixels count as covered once more.
+    pub counts: bool,
 }
 
 /// Push constants of `shade.frag`.
@@ -387,39 +379,37 @@ pub struct ShadedObject<'a> {
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct ShadeBlock {
     part: Part,
-    lights: u32,
     coverage: f32,
+    padding: f32,
     white: [f32; 4],
 }
 
-/// Records what makes `target.radiance` ready for [`record_shading`] of what `geometry` found.
-pub fn begin_shading(record: &Recorder<'_>, (geometry, target): (&Geometry, &Target)) {
-    record.images(&[
-        (&target.radiance, Access::Nothing, Access::ColorAttachment),
-        (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
-    ]);
-}
-
-/// Records the shading of `objects` where `geometry` found them by these `parts` of their sums, from 0 or from where the last ended, into
-/// `target.radiance`, which it leaves as a colour attachment. What is not covered holds anything: who reads radiance asks the depth.
+/// Records the shading of `objects` where `geometry` found them by these `parts` of their sums into `target.radiance`, which it leaves as a colour
+/// attachment. The shading adds to what is there; where it is the `first` of a picture, to nothing. Alpha counts the samples that cover a pixel.
 pub fn record_shading(
     record: &Recorder<'_>,
     (geometry, target): (&Geometry, &Target),
     objects: &[ShadedObject<'_>],
     parts: Range<u32>,
+    first: bool,
 ) {
+    record.images(&[
+        (&target.radiance, Access::ColorAttachment, Access::ColorAttachment),
+        (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
+    ]);
     let shade = |draw: &Recorder<'_>| {
         objects.iter().for_each(|shaded| shaded.pass.draw(draw, shaded, &parts));
     };
-    if parts.start == 0 {
-        record.render_over(&[(&target.radiance, None)], &geometry.depth, shade);
+    if first {
+        record.render_over(&[(&target.radiance, Some([0.0; 4]))], &geometry.depth, shade);
     } else {
-        record.images(&[
-            (&target.radiance, Access::ColorAttachment, Access::ColorAttachment),
-            (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
-        ]);
-        record.render_onto(&target.radiance, &geometry.depth, shade);
+        record.render_onto(&target.radiance, Some(&geometry.depth), shade);
     }
+}
+
+/// Records what makes `target.radiance` ready for [`record_shading`] of a picture.
+pub fn begin_shading(record: &Recorder<'_>, target: &Target) {
+    record.images(&[(&target.radiance, Access::Nothing, Access::ColorAttachment)]);
 }
 
 /// Push constants of `probe.frag`.

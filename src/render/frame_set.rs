@@ -7,7 +7,6 @@ use super::surroundings::Surroundings;
 use super::target::Geometry;
 use super::upload;
 use crate::error::Result;
-use crate::scene::MAX_LIGHTS;
 use crate::scene::environment::Environment;
 use crate::scene::incident::{Emits, LampPoint};
 use crate::vk::buffer::Buffer;
@@ -28,12 +27,13 @@ pub struct FrameBlock {
     pub clip_from_world: [[f32; 4]; 4],
     /// Position of the viewer; w unused.
     pub eye: [f32; 4],
-    /// Unit vector to each light, and the variance of the directions that it stands for; of a lamp a point and the variance of points.
-    pub lights: [[f32; 4]; MAX_LIGHTS],
-    /// How each light emits: see [`FrameBlock::emitter`].
-    pub emitters: [[f32; 4]; MAX_LIGHTS],
-    /// Irradiance of a surface that faces each light, over π, linear sRGB; of a lamp at distance 1. w unused.
-    pub irradiances: [[f32; 4]; MAX_LIGHTS],
+    /// Unit vector to the light, and the variance of the directions that it stands for; of a lamp a point and the variance of points.
+    pub light: [f32; 4],
+    /// How the light emits: see [`FrameBlock::emitter_of`].
+    pub emitter: [f32; 4],
+    /// Irradiance of a surface that faces the light, over π, linear sRGB; of a lamp at distance 1. w: how much the mirrored radiance of
+    /// surroundings counts, where the light is drawn from them.
+    pub irradiance: [f32; 4],
     /// Albedo of the pigment; w: 1 where the texture counts.
     pub base_color: [f32; 4],
     /// Cosine and sine of the angle by which the patch is turned, where it is one for all of an object; zw unused.
@@ -41,16 +41,16 @@ pub struct FrameBlock {
     /// How the surroundings stand: cosine and sine of their rotation, what their picture's 1 stands for, and the variance of (u, v) over which
     /// the specular order spreads.
     pub surroundings: [f32; 4],
-    /// World to the clip space of each light's depth map, column by column.
-    pub shadow_from_world: [[[f32; 4]; 4]; MAX_LIGHTS],
+    /// World to the clip space of the light's depth map, column by column.
+    pub shadow_from_world: [[f32; 4]; 4],
     /// Which sample of the picture the frame is.
     pub sample: SampleBlock,
 }
 
 impl FrameBlock {
-    /// What `emitters` hold of a light: 0 in w where it is far away; the middle of a lamp that emits all around, and 1; the normal of one that
+    /// What `emitter` holds of a light: 0 in w where it is far away; the middle of a lamp that emits all around, and 1; the normal of one that
     /// emits to one side, and 2.
-    pub fn emitter(place: Option<&LampPoint>) -> [f32; 4] {
+    pub fn emitter_of(place: Option<&LampPoint>) -> [f32; 4] {
         match place.map(|place| place.emits) {
             None => [0.0; 4],
             Some(Emits::AllAround { middle }) => middle.as_vec3().extend(1.0).to_array(),
@@ -67,9 +67,9 @@ pub struct SampleBlock {
     pub jitter: [f32; 2],
     /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
     pub footprint: f32,
-    /// Number of the sample, from 0.
+    /// Number of the sample among those of its light, from 0.
     pub index: u32,
-    /// Number of samples in the picture.
+    /// Number of samples in the picture that draw the light.
     pub count: u32,
     /// Low bits of the sequence's seed.
     pub seed: u32,
@@ -79,31 +79,26 @@ pub struct SampleBlock {
     pub padding: u32,
 }
 
-/// Images of the directions to lights beyond the first, two lights each.
-const MORE_LIGHTS: u32 = (MAX_LIGHTS as u32 - 1).div_ceil(2);
-
 /// Binding numbers.
 pub mod binding {
     /// [`super::FrameBlock`].
     pub const FRAME: u32 = 0;
     /// Pigment texture.
     pub const PIGMENT: u32 = 1;
-    /// ω_r and the first light's ω_i of every pixel.
+    /// ω_r and ω_i of every pixel.
     pub const DIRECTIONS: u32 = 2;
-    /// Pigment of every pixel.
+    /// Pigment of every pixel, and how bright a lamp is there.
     pub const ALBEDOS: u32 = 3;
-    /// ω_i of every pixel for the second and the third light; the fourth follows.
-    pub const MORE_LIGHTS: u32 = 4;
-    /// Footprints of every pixel for the first light; those of the others follow.
-    pub const FOOTPRINTS: u32 = 6;
-    /// Depth from the first light; those from the others follow.
-    pub const SHADOWS: u32 = 10;
+    /// Footprints of every pixel.
+    pub const FOOTPRINTS: u32 = 4;
+    /// Radiance of the surroundings in the mirrored direction of every pixel.
+    pub const MIRRORED: u32 = 5;
+    /// Depth from the light.
+    pub const SHADOW: u32 = 6;
     /// Picture of the surroundings.
-    pub const SURROUNDINGS: u32 = SHADOWS + super::MAX_LIGHTS as u32;
-    /// How bright lamps are at every pixel.
-    pub const FALLOFFS: u32 = SURROUNDINGS + 1;
+    pub const SURROUNDINGS: u32 = 7;
     /// Directions of grooves.
-    pub const GROOVES: u32 = FALLOFFS + 1;
+    pub const GROOVES: u32 = 8;
 }
 
 /// The set and what it points to.
@@ -169,7 +164,7 @@ impl FrameSet {
             surroundings: None,
         };
         set.read_from(geometry);
-        set.read_shadows(&[]);
+        set.read_shadow(None);
         Ok(set)
     }
 
@@ -177,25 +172,20 @@ impl FrameSet {
     pub fn read_from(&self, geometry: &Geometry) {
         let there = &geometry.directions;
         self.descriptors.image(binding::DIRECTIONS, there, &self.edge);
-        self.descriptors.image(binding::ALBEDOS, geometry.albedo.as_ref().unwrap_or(there), &self.edge);
-        self.descriptors.image(binding::FALLOFFS, geometry.falloffs.as_ref().unwrap_or(there), &self.edge);
-        for place in 0..MORE_LIGHTS {
-            let image = geometry.more_lights.get(place as usize).unwrap_or(there);
-            self.descriptors.image(binding::MORE_LIGHTS + place, image, &self.edge);
-        }
-        for light in 0..MAX_LIGHTS {
-            let image = geometry.footprints.get(light).unwrap_or(there);
-            self.descriptors.image(binding::FOOTPRINTS + light as u32, image, &self.edge);
+        let images = [
+            (binding::ALBEDOS, &geometry.albedo),
+            (binding::FOOTPRINTS, &geometry.footprints),
+            (binding::MIRRORED, &geometry.mirrored),
+        ];
+        for (number, image) in images {
+            self.descriptors.image(number, image.as_ref().unwrap_or(there), &self.edge);
         }
     }
 
-    /// Points the set at the depth maps of the lights. The device must not be using the set.
-    pub fn read_shadows(&self, maps: &[Image]) {
-        for light in 0..MAX_LIGHTS {
-            // What is there is readable at any time.
-            let image = maps.get(light).unwrap_or(&self.pigment);
-            self.descriptors.image(binding::SHADOWS + light as u32, image, &self.nearest);
-        }
+    /// Points the set at the depth map of the light, where there is one. The device must not be using the set.
+    pub fn read_shadow(&self, map: Option<&Image>) {
+        // What is there is readable at any time.
+        self.descriptors.image(binding::SHADOW, map.unwrap_or(&self.pigment), &self.nearest);
     }
 
     /// Uploads the picture of `environment`, unless it is there already, and points the set at it. What a stored 1 stands for. The device must

@@ -24,6 +24,7 @@ pub mod source;
 mod surroundings;
 pub mod tables;
 pub mod target;
+pub mod turns;
 pub mod upload;
 pub mod window;
 

@@ -13,10 +13,11 @@ use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
 use super::source::{BoundSource, Source};
 use super::target::{self, Geometry, GeometrySettings, Target};
+use super::turns::{Turn, all_lights};
 use crate::error::{Error, Result};
 use crate::optics::color;
 use crate::optics::spectrum::Illuminant;
-use crate::scene::{MAX_LIGHTS, Mesh};
+use crate::scene::Mesh;
 use crate::vk::access::Access;
 use crate::vk::commands::{Commands, Recorder};
 use crate::vk::device::Device;
@@ -67,8 +68,8 @@ pub struct Painter {
 struct ObjectShading {
     /// Number of the object.
     object: usize,
-    // Whether it adds to what the one before has drawn of the same object.
-    adds: bool,
+    // Whether it is the object's first: that of the lights without an illuminant of their own.
+    is_first: bool,
     illuminant: Illuminant,
     // Of its illuminant, linear sRGB.
     white: Vec3,
@@ -79,17 +80,18 @@ struct ObjectShading {
 }
 
 impl ObjectShading {
-    /// The object as it is shaded, which is one of `objects`.
-    fn of<'a>(&'a self, objects: &'a [DeviceObject], lights: u32) -> ShadedObject<'a> {
-        let Self { object: number, adds, white, source, pass, .. } = self;
+    /// The object, which is one of `objects`, as it is shaded under a light that is drawn from surroundings whose specular order is `mirrored`, or under
+    /// another. Whether its pixels `count` as covered once more.
+    fn of<'a>(&'a self, objects: &'a [DeviceObject], mirrored: bool, counts: bool) -> ShadedObject<'a> {
+        let Self { object: number, white, source, pass, .. } = self;
         ShadedObject {
             number: *number,
             object: &objects[*number],
             source,
             pass,
-            lights,
+            mirrored,
             white: *white,
-            adds: *adds,
+            counts,
         }
     }
 }
@@ -102,13 +104,12 @@ fn object_shadings(
     settings: GeometrySettings,
 ) -> Result<Vec<ObjectShading>> {
     let shading = |(place, (source, illuminant)): (usize, (BoundSource, &Illuminant))| {
-        let adds = place > 0;
         Ok(ObjectShading {
             object: number,
-            adds,
+            is_first: place == 0,
             illuminant: illuminant.clone(),
             white: white_of(illuminant),
-            pass: PixelPass::shading(device, &object.frame.descriptors, &source, settings, adds)?,
+            pass: PixelPass::shading(device, &object.frame.descriptors, &source, settings)?,
             specular_spread: source.specular_spread,
             source,
         })
@@ -125,8 +126,17 @@ fn white_of(illuminant: &Illuminant) -> Vec3 {
 #[derive(Clone, PartialEq)]
 struct Written {
     view: View,
-    sample: Sample,
+    turn: Turn,
     size: [u32; 2],
+}
+
+/// What is drawn into the radiance.
+#[derive(Clone, Copy)]
+struct Drawn<'a> {
+    view: &'a View,
+    size: [u32; 2],
+    /// One after the other; at least one.
+    turns: &'a [Turn],
 }
 
 /// What can be displayed and read back.
@@ -136,19 +146,19 @@ enum Content {
     Nothing,
     /// Nothing: radiance holds a part of a picture, and more tiles of it may follow.
     PictureArea,
-    /// One sample: the radiance, where the depth says that the mesh covers.
+    /// One sample: the radiance.
     Sample,
     /// The mean of the samples that are summed.
     Mean,
 }
 
-/// What follows the last row of a sample.
+/// What follows the last row of what is drawn.
 #[derive(Clone, Copy)]
 enum Finish {
     /// It is displayed.
     Display(Shown),
-    /// It is added to the sum of the samples `before` it. Where it is to be `shown`, their mean is displayed.
-    Add { before: u32, shown: Option<Shown> },
+    /// Its `samples` are added to the sum of those `before` them. Where they are to be `shown`, the mean of all is displayed.
+    Add { before: u32, samples: u32, shown: Option<Shown> },
 }
 
 /// A finished picture.
@@ -164,7 +174,7 @@ pub struct Picture {
 }
 
 impl Painter {
-    /// Uploads everything for pictures of `size` pixels under at most `lights` lights, shaded from `source`.
+    /// Uploads everything for pictures of `size` pixels, shaded from `source`.
     ///
     /// # Errors
     /// Where the device has no room.
@@ -175,25 +185,19 @@ impl Painter {
         mesh: &Mesh,
         pigment: &Pigment,
         size: [u32; 2],
-        lights: usize,
     ) -> Result<Self> {
         let grooves = &GrooveDirections::along();
         let (base_color, casts_shadows) = (None, true);
         let sources = &ObjectSources::new(source.clone(), shading.clone());
         let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, sources };
-        Self::of_objects(device, &[object], size, lights)
+        Self::of_objects(device, &[object], size)
     }
 
     /// Uploads everything for pictures of `objects`, as [`Self::new`]. What is asked of the source of a painter is asked of the first.
     ///
     /// # Errors
     /// Where the device has no room, and without any object.
-    pub fn of_objects(
-        device: &Arc<Device>,
-        objects: &[ObjectData<'_>],
-        size: [u32; 2],
-        lights: usize,
-    ) -> Result<Self> {
+    pub fn of_objects(device: &Arc<Device>, objects: &[ObjectData<'_>], size: [u32; 2]) -> Result<Self> {
         if objects.is_empty() {
             return Err(Error::failed("there is no object", "report this as a bug of diffract"));
         }
@@ -203,7 +207,6 @@ impl Painter {
             sources.push(object.sources.all().map(bind).collect::<Result<Vec<_>>>()?);
         }
         let settings = GeometrySettings {
-            lights: lights.min(MAX_LIGHTS),
             textured: objects.iter().any(|object| object.pigment.is_textured()),
             marked: sources.iter().flatten().any(|source| source.asks_what_is_covered),
             footprints: sources.iter().flatten().any(|source| source.reads_footprints),
@@ -244,25 +247,22 @@ impl Painter {
         })
     }
 
-    /// Other sizes and numbers of lights for the pictures from now on.
+    /// Another size for the pictures from now on.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn resize(&mut self, size: [u32; 2], lights: usize) -> Result<()> {
-        let old = self.geometry.settings;
-        let settings = GeometrySettings { lights: lights.min(MAX_LIGHTS), ..old };
-        if settings != old || size != self.target.size() {
-            self.forget();
-            self.find_anew(size, settings)?;
+    pub fn resize(&mut self, size: [u32; 2]) -> Result<()> {
+        if [self.target.size(), self.geometry.directions.size()] == [size; 2] {
+            return Ok(());
         }
-        if size != self.target.size() {
-            self.target = Target::new(&self.device, size)?;
-            self.display.read_from(&self.target.radiance);
-            if let Some(accumulation) = &mut self.accumulation {
-                accumulation.resize(&self.device, &self.target)?;
-            }
-            self.point_around();
+        self.forget();
+        self.find_anew(size, self.geometry.settings)?;
+        self.target = Target::new(&self.device, size)?;
+        self.display.read_from(&self.target.radiance);
+        if let Some(accumulation) = &mut self.accumulation {
+            accumulation.resize(&self.device, &self.target)?;
         }
+        self.point_around();
         Ok(())
     }
 
@@ -270,11 +270,11 @@ impl Painter {
     /// them cannot be made, the former ones stay.
     fn find_anew(&mut self, size: [u32; 2], settings: GeometrySettings) -> Result<()> {
         let geometry = Geometry::new(&self.device, size, settings)?;
-        let of_shading = |s: GeometrySettings| (s.lights, s.mirrored, s.lamps);
+        let of_shading = |s: GeometrySettings| (s.mirrored, s.lamps);
         let same = of_shading(settings) == of_shading(self.geometry.settings);
         let shade = |own: &ObjectShading| {
             let frame = &self.objects[own.object].frame.descriptors;
-            PixelPass::shading(&self.device, frame, &own.source, settings, own.adds)
+            PixelPass::shading(&self.device, frame, &own.source, settings)
         };
         let changed = if same { &[] } else { self.shadings.as_slice() };
         let passes = changed.iter().map(shade).collect::<Result<Vec<_>>>()?;
@@ -322,15 +322,14 @@ impl Painter {
     /// The frames from now on are surrounded as `view` is. Where the source knows the specular order, the geometry pass writes the radiance in
     /// the mirrored direction. What a 1 of the picture on the device stands for.
     fn surround(&mut self, view: &View) -> Result<f32> {
-        let last = self.geometry.settings.lights == view.light_count();
         let known = self.shadings.iter().any(|shading| shading.specular_spread.is_some());
-        let around = view.surroundings().filter(|_| known && last);
+        let around = view.environment.as_ref().filter(|_| known);
         self.find_by(GeometrySettings {
             mirrored: around.is_some(),
             lamps: view.has_lamps(),
             ..self.geometry.settings
         })?;
-        let shown = view.surroundings().filter(|_| view.shows_surroundings);
+        let shown = view.environment.as_ref().filter(|_| view.shows_surroundings);
         if shown.is_some() && self.around.is_none() {
             let depth_format = self.geometry.settings.depth_format();
             self.around = Some(AroundPass::new(&self.device, &self.objects[0].frame, depth_format)?);
@@ -395,24 +394,9 @@ impl Painter {
                 own.illuminant.clone_from(&shading.illuminant);
                 own.white = white_of(&shading.illuminant);
             }
-            if own.source.parts(settings) != own.pass.parts {
-                let frame = &self.objects[own.object].frame.descriptors;
-                own.pass = PixelPass::shading(&self.device, frame, &own.source, settings, own.adds)?;
-            }
+            own.pass.parts = own.source.parts(settings.mirrored);
         }
         Ok(())
-    }
-
-    /// The lights of `view` by which `own` shades, one bit each: those of its illuminant; also those whose illuminant no shading of the object has,
-    /// where it is the object's first.
-    fn lights_of(&self, own: &ObjectShading, view: &View) -> u32 {
-        let of_object = self.shadings.iter().filter(|other| other.object == own.object);
-        let has = |illuminant: &Illuminant| of_object.clone().any(|other| other.illuminant == *illuminant);
-        let is_lit = |light: usize| match view.illuminant(light) {
-            Some(illuminant) if has(illuminant) => *illuminant == own.illuminant,
-            _ => !own.adds,
-        };
-        (0..view.light_count()).filter(|&light| is_lit(light)).map(|light| 1 << light).sum()
     }
 
     /// Draws one sample of `view` at the centres of pixels, displays it without a tone and leaves the result on the device; milliseconds that the
@@ -424,14 +408,13 @@ impl Painter {
         self.draw_sample(view, &Sampling::ONE.sample(0), Shown::plain(exposure, background))
     }
 
-    /// Draws `sample` alone of `view`, as [`Self::draw`] does.
+    /// Draws `sample` alone of `view`, under all lights, displayed as `shown` says; milliseconds that the device took for shading and display.
     ///
     /// # Errors
     /// Where the device is lost.
     pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<[f64; 2]> {
-        let size = self.target.size();
-        self.write(view, size, sample)?;
-        self.submit(size, Piece::whole(size, self.parts()), Finish::Display(shown))
+        let drawn = Drawn { view, size: self.target.size(), turns: &all_lights(view, *sample) };
+        self.draw_whole(drawn, Finish::Display(shown))
     }
 
     /// Draws one sample of `view` with `size` pixels, at most those of the pictures, in pieces of some ten milliseconds each, between which
@@ -447,8 +430,8 @@ impl Painter {
         size: [u32; 2],
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<f64>> {
-        self.write(view, size, &Sampling::ONE.sample(0))?;
-        let times = self.submit_tiles(size, Finish::Display(shown), go_on)?;
+        let drawn = Drawn { view, size, turns: &all_lights(view, Sampling::ONE.sample(0)) };
+        let times = self.draw_tiles(drawn, Finish::Display(shown), go_on)?;
         Ok(times.map(|times| times[0] + times[1]))
     }
 
@@ -457,28 +440,46 @@ impl Painter {
         self.shadings.iter().map(|own| own.pass.parts).max().unwrap_or(1)
     }
 
-    /// Draws the sample that was written in pieces, as [`Self::draw_while`] says; milliseconds for shading and for what follows it.
-    fn submit_tiles(
+    /// Draws `drawn` turn by turn, each at once; milliseconds for shading and for what follows it.
+    fn draw_whole(&mut self, drawn: Drawn<'_>, finish: Finish) -> Result<[f64; 2]> {
+        let mut total = [0.0; 2];
+        for number in 0..drawn.turns.len() {
+            self.write(drawn.view, drawn.size, &drawn.turns[number])?;
+            let piece = Piece::whole(drawn.size, self.parts());
+            let times = self.submit(drawn, number, piece, finish)?;
+            total = [total[0] + times[0], total[1] + times[1]];
+        }
+        Ok(total)
+    }
+
+    /// Draws `drawn` turn by turn in pieces, as [`Self::draw_while`] says; milliseconds for shading and for what follows it.
+    fn draw_tiles(
         &mut self,
-        size: [u32; 2],
+        drawn: Drawn<'_>,
         finish: Finish,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<[f64; 2]>> {
-        let iterations = |own: &ObjectShading| own.source.iterations_of_pixel(self.geometry.settings);
-        let iterations = self.shadings.iter().map(iterations).max().unwrap_or(0);
-        let mut tiles = Tiles::new(size, self.pixel_time, iterations, self.parts());
+        let Drawn { view, size, turns } = drawn;
+        let count = turns.len() as f64;
         let mut total = [0.0; 2];
-        loop {
-            let drawn = tiles.drawn();
-            let Some(piece) = tiles.next_piece() else { break };
-            if !go_on(drawn) {
-                return Ok(None);
+        for (number, turn) in turns.iter().enumerate() {
+            self.write(view, size, turn)?;
+            let surrounded = self.geometry.settings.mirrored;
+            let iterations = |own: &ObjectShading| own.source.iterations_of_pixel(surrounded);
+            let iterations = self.shadings.iter().map(iterations).max().unwrap_or(0);
+            let mut tiles = Tiles::new(size, self.pixel_time, iterations, self.parts());
+            loop {
+                let done = (number as f64 + tiles.drawn()) / count;
+                let Some(piece) = tiles.next_piece() else { break };
+                if !go_on(done) {
+                    return Ok(None);
+                }
+                let times = self.submit(drawn, number, piece, finish)?;
+                tiles.took(times[0]);
+                total = [total[0] + times[0], total[1] + times[1]];
             }
-            let times = self.submit(size, piece, finish)?;
-            tiles.took(times[0]);
-            total = [total[0] + times[0], total[1] + times[1]];
         }
-        self.pixel_time = Some(total[0] / (f64::from(size[0]) * f64::from(size[1])));
+        self.pixel_time = Some(total[0] / (count * f64::from(size[0]) * f64::from(size[1])));
         Ok(Some(total))
     }
 
@@ -514,17 +515,20 @@ impl Painter {
         Ok(true)
     }
 
-    /// Draws a `piece` of a sample of `size`: with the first goes the geometry, with the last the `finish`.
-    fn submit(&mut self, size: [u32; 2], piece: Piece, finish: Finish) -> Result<[f64; 2]> {
-        let (first, last) = (piece.is_first(), piece.is_last(size, self.parts()));
+    /// Draws a `piece` of turn number `number`, which was written: with the first goes the geometry, with the last of the last turn the `finish`.
+    fn submit(&mut self, drawn: Drawn<'_>, number: usize, piece: Piece, finish: Finish) -> Result<[f64; 2]> {
+        let Drawn { view, size, turns } = drawn;
+        let turn = turns[number];
+        let first = piece.is_first();
+        let last = number + 1 == turns.len() && piece.is_last(size, self.parts());
         let Piece { tile, parts } = piece;
         let (geometry, target) = (&self.geometry, &self.target);
         let accumulation = &self.accumulation;
         let objects = &self.objects;
         let frame = &self.objects[0].frame.descriptors;
         let (around, written) = (self.around.as_ref(), self.written.as_ref());
-        let lights = |own| written.map_or(0, |written| self.lights_of(own, &written.view));
-        let shaded: Vec<_> = self.shadings.iter().map(|own| own.of(objects, lights(own))).collect();
+        let mirrored = self.mirrors(view, &turn);
+        let shaded = shaded(&self.shadings, objects, view, &turn, mirrored);
         let display = Display::new((geometry, target), &self.display, around, frame, written);
         if self.shows == Content::Sample {
             self.shows = Content::Nothing;
@@ -537,17 +541,20 @@ impl Painter {
             record.reset(&self.timestamps);
             record.timestamp(&self.timestamps, 0);
             if first {
-                self.find.record(&all, geometry, objects);
-                begin_shading(&some, (geometry, target));
+                self.find.record(&all, geometry, objects, mirrored);
             }
-            record_shading(&some, (geometry, target), &shaded, parts);
+            if first && number == 0 {
+                begin_shading(&some, target);
+            }
+            let begins = number == 0 && parts.start == 0;
+            record_shading(&some, (geometry, target), &shaded, parts, begins);
             record.timestamp(&self.timestamps, 1);
             match (finish, accumulation) {
-                (Finish::Add { before, shown }, Some(accumulation)) if last => {
-                    accumulation.record(&all, (geometry, target), before == 0);
+                (Finish::Add { before, samples, shown }, Some(accumulation)) if last => {
+                    accumulation.record(&all, target, before == 0);
                     if let Some(shown) = shown {
                         record_display(&all, target, |all| {
-                            display.mean(all, accumulation, before + 1, shown);
+                            display.mean(all, accumulation, before + samples, shown);
                         });
                     }
                 }
@@ -573,6 +580,11 @@ impl Painter {
         }
         let times = self.timestamps.intervals()?;
         Ok([times[0], times[1]])
+    }
+
+    /// Whether the light of `turn` is drawn from the surroundings of `view`, whose specular order is mirrored.
+    fn mirrors(&self, view: &View, turn: &Turn) -> bool {
+        self.geometry.settings.mirrored && view.is_surroundings(turn.light)
     }
 
     /// The images of the pictures.
@@ -650,28 +662,23 @@ impl Painter {
                 let [width, height] = self.target.size();
                 vec![[0.0; 4]; width as usize * height as usize]
             }
-            None => {
-                let mut radiance = self.read(&self.target.radiance, PictureArea::All)?;
-                let uncovered = self.covered(PictureArea::All)?.into_iter().map(|covered| !covered);
-                radiance.iter_mut().zip(uncovered).filter(|(_, u)| *u).for_each(|(p, _)| *p = [0.0; 4]);
-                radiance
-            }
+            None => self.read(&self.target.radiance, PictureArea::All)?,
         };
         let display = target::read_back(&self.device, &self.target.display, Access::ShaderRead)?;
         Ok(Picture { size: self.target.size(), radiance, display: bytemuck::pod_collect_to_vec(&display) })
     }
 
-    /// Writes the `Frame` block of `view` for a `sample` of pictures of `size`.
-    fn write(&mut self, view: &View, size: [u32; 2], sample: &Sample) -> Result<()> {
+    /// Writes the `Frame` block of `view` for a `turn` in pictures of `size`.
+    fn write(&mut self, view: &View, size: [u32; 2], turn: &Turn) -> Result<()> {
         let unit = self.surround(view)?;
-        let mut block = view.block(size, sample);
+        let mut block = view.block(size, turn);
         block.surroundings[2] *= unit;
-        let first = self.shadings.iter().filter(|shading| !shading.adds);
+        let first = self.shadings.iter().filter(|shading| shading.is_first);
         for (object, shading) in self.objects.iter_mut().zip(first) {
             let own = object.block(block, shading.specular_spread.unwrap_or_default());
             object.frame.write(&own)?;
         }
-        self.written = Some(Written { view: view.clone(), sample: *sample, size });
+        self.written = Some(Written { view: view.clone(), turn: *turn, size });
         Ok(())
     }
 
@@ -680,12 +687,36 @@ impl Painter {
         let shown = match self.shows {
             Content::Nothing | Content::PictureArea => None,
             Content::Sample => self.found.clone(),
-            Content::Mean => self.summed.as_ref().map(samples::Summed::last),
+            Content::Mean => self.summed.as_ref().map(samples::Summed::first),
         };
         match shown.filter(|shown| self.written.as_ref() != Some(shown)) {
-            Some(Written { view, sample, size }) => self.write(&view, size, &sample),
+            Some(Written { view, turn, size }) => self.write(&view, size, &turn),
             None => Ok(()),
         }
+    }
+}
+
+/// The `objects` as `shadings` shade them in a `turn` of `view`, whose light is drawn from surroundings whose specular order is `mirrored` or is another.
+fn shaded<'a>(
+    shadings: &'a [ObjectShading],
+    objects: &'a [DeviceObject],
+    view: &View,
+    turn: &Turn,
+    mirrored: bool,
+) -> Vec<ShadedObject<'a>> {
+    let lit = shadings.iter().filter(|own| shades(own, shadings, view.illuminant(turn.light)));
+    lit.map(|own| own.of(objects, mirrored, turn.is_first)).collect()
+}
+
+/// Whether `own`, one of `shadings`, shades its object under a light of this `illuminant`: where it has the same; where no shading of the object has
+/// it, or the light has none of its own, if it is the object's first.
+fn shades(own: &ObjectShading, shadings: &[ObjectShading], illuminant: Option<&Illuminant>) -> bool {
+    let mut of_object = shadings.iter().filter(|other| other.object == own.object);
+    match illuminant {
+        Some(illuminant) if of_object.any(|other| other.illuminant == *illuminant) => {
+            *illuminant == own.illuminant
+        }
+        _ => own.is_first,
     }
 }
 

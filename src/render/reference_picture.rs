@@ -2,8 +2,9 @@
 
 use super::directions::Directions;
 use super::frame::{Shown, View};
-use super::sampling::{Sample, Sampling};
+use super::sampling::Sampling;
 use super::shading::Shading;
+use super::turns::{Group, Turn, Turns};
 use crate::brdf::mean::{MeanBrdf, SummedOrders, TabulatedMean};
 use crate::brdf::without_cosine;
 use crate::error::Result;
@@ -112,7 +113,7 @@ impl<'a> PixelReference<'a> {
         let mut colors = vec![DVec3::ZERO; pixels.len()];
         let lights = directions.len();
         for (number, seen) in directions.iter().enumerate() {
-            let illuminant = view.illuminant(number).unwrap_or(&self.shading.illuminant);
+            let illuminant = view.illuminant(seen.light_number).unwrap_or(&self.shading.illuminant);
             let pair = |i: usize| Pair::new(unit(seen.light[i]), unit(seen.view[i]));
             let asked: Vec<(Pair, Covariance)> =
                 pixels.iter().map(|&i| (pair(i), seen.covariance(i))).collect();
@@ -215,7 +216,7 @@ pub fn displayed(radiance: &[[f32; 4]], shown: Shown) -> Vec<[u8; 4]> {
 
 /// The same before the surroundings of `view`, of `size` pixels, where it shows them.
 pub fn displayed_of(view: &View, size: [u32; 2], radiance: &[[f32; 4]], shown: Shown) -> Vec<[u8; 4]> {
-    let Some(environment) = view.surroundings().filter(|_| view.shows_surroundings) else {
+    let Some(environment) = view.environment.as_ref().filter(|_| view.shows_surroundings) else {
         return displayed(radiance, shown);
     };
     let world = view.clip_from_world(size).as_dmat4().inverse();
@@ -259,7 +260,7 @@ pub struct ReferenceObject<'a> {
 }
 
 /// The mean of `sampling`'s samples of `objects`, each shaded in f64, for the pixels that are `chosen` by their number; the others stay empty.
-/// `directions` gives those of a sample, one entry per light of `view`. RGBA as [`super::picture::Picture::radiance`]. The mean over
+/// `directions` gives those of a turn. RGBA as [`super::picture::Picture::radiance`]. The mean over
 /// windows is averaged over the footprint of each sample.
 ///
 /// # Errors
@@ -268,7 +269,7 @@ pub fn reference_mean(
     objects: &[ReferenceObject<'_>],
     view: &View,
     sampling: &Sampling,
-    directions: &mut dyn FnMut(&Sample) -> Result<Vec<Directions>>,
+    directions: &mut dyn FnMut(&Turn) -> Result<Directions>,
     chosen: &dyn Fn(usize) -> bool,
     progress: Progress<'_>,
 ) -> Result<Vec<[f32; 4]>> {
@@ -282,20 +283,23 @@ pub fn reference_mean(
         references.push((reference, View { base_color, ..view.clone() }));
     }
     let mut sum: Vec<DVec4> = Vec::new();
-    for index in 0..count {
-        let seen = directions(&sampling.sample(index))?;
-        sum.resize(seen.first().map_or(0, |seen| seen.view.len()), DVec4::ZERO);
+    let turns = Turns::new(view, sampling);
+    let groups: Vec<Group> = turns.groups().collect();
+    let turns: Vec<Turn> = groups.into_iter().flat_map(|group| group.turns).collect();
+    for (place, turn) in turns.iter().enumerate() {
+        let seen = [directions(turn)?];
+        sum.resize(seen[0].view.len(), DVec4::ZERO);
         let mut pixels = covered(&seen);
         pixels.retain(|&pixel| chosen(pixel));
+        let coverage = if turn.is_first { 1.0 } else { 0.0 };
         for (number, (reference, view)) in references.iter().enumerate() {
-            let shows = |&&pixel: &&usize| seen.first().is_some_and(|seen| seen.object(pixel) == number);
+            let shows = |&&pixel: &&usize| seen[0].object(pixel) == number;
             let pixels: Vec<usize> = pixels.iter().filter(shows).copied().collect();
-            let (part, parts) =
-                (index as usize * references.len() + number, count as usize * references.len());
+            let (part, parts) = (place * references.len() + number, turns.len() * references.len());
             let told = |done, of| progress(part * of + done, parts * of);
             let colors = reference.colors(view, &seen, &pixels, &told)?;
             for (pixel, color) in pixels.into_iter().zip(colors) {
-                sum[pixel] += color.extend(1.0);
+                sum[pixel] += color.extend(coverage);
             }
         }
     }

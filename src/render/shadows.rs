@@ -1,4 +1,4 @@
-//! Shadows: the depth of the mesh from each light, drawn anew for every sample, so that the samples of a light with an extent add up to
+//! Shadows: the depth of the mesh from the light, drawn anew for every sample, so that the samples of a light with an extent add up to
 //! soft shadows. The geometry pass compares with it; its twins are `shaders/shadow.vert` and `in_shadow` of `shaders/geometry.frag`.
 //!
 //! Shadows that a height field casts on itself are not modelled: Kirchhoff's approximation, on which the BRDF rests, leaves them out.
@@ -14,7 +14,7 @@ use crate::vk::commands::Recorder;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
 use crate::vk::image::{Description, Image};
-use crate::vk::pipeline::{Constant, Depth, Drawing, Pipeline};
+use crate::vk::pipeline::{Depth, Drawing, Pipeline};
 use ash::vk;
 use glam::{DVec3, Mat4, Vec3, Vec4};
 use std::sync::Arc;
@@ -24,25 +24,20 @@ fn side(size: [u32; 2]) -> u32 {
     (4 * size[0].max(size[1])).clamp(256, 2048)
 }
 
-/// Depth maps of the lights.
+/// The depth map of the light that is drawn.
 pub struct Shadows {
-    maps: Vec<Image>,
+    map: Image,
     side: u32,
-    pipelines: Vec<Pipeline>,
+    pipeline: Pipeline,
     block: Descriptors,
 }
 
 impl Shadows {
-    /// Maps for `lights` lights of the frames of `size` pixels of `objects`, which read them from now on.
+    /// A map for the frames of `size` pixels of `objects`, which read it from now on.
     ///
     /// # Errors
     /// Where the device has no room.
-    pub fn new(
-        device: &Arc<Device>,
-        objects: &[DeviceObject],
-        lights: usize,
-        size: [u32; 2],
-    ) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, objects: &[DeviceObject], size: [u32; 2]) -> Result<Self> {
         let side = side(size);
         let binding = Binding {
             number: 0,
@@ -50,7 +45,7 @@ impl Shadows {
             stages: vk::ShaderStageFlags::VERTEX,
         };
         let block = Descriptors::new(device, "shadow set", &[binding])?;
-        // The lights are the same for all objects.
+        // The light is the same for all objects.
         if let Some(first) = objects.first() {
             first.frame.share_block(&block, 0);
         }
@@ -65,38 +60,24 @@ impl Shadows {
                 stencil: None,
             }),
         };
-        /// `constant_id` of `shadow.vert`.
-        const LIGHT: u32 = 0;
-        let pipeline = |light: usize| {
-            let constants = [Constant::new(LIGHT, light as u32)];
-            let vertex = shader!("shadow.vert").with(&constants);
-            Pipeline::graphics(device, vertex, None, &drawing, &[&block], 0)
-        };
-        let map = |_| {
-            let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
-            let (size, format) = ([side; 2], target::DEPTH);
-            Image::new(
-                device,
-                &Description { name: "shadow map", format, size, layers: 1, array: false, usage },
-            )
-        };
-        let pipelines = (0..lights).map(pipeline).collect::<Result<_>>()?;
-        let maps: Vec<Image> = (0..lights).map(map).collect::<Result<_>>()?;
-        objects.iter().for_each(|object| object.frame.read_shadows(&maps));
-        Ok(Self { maps, side, pipelines, block })
+        let pipeline = Pipeline::graphics(device, shader!("shadow.vert"), None, &drawing, &[&block], 0)?;
+        let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
+        let (size, format) = ([side; 2], target::DEPTH);
+        let description = Description { name: "shadow map", format, size, layers: 1, array: false, usage };
+        let map = Image::new(device, &description)?;
+        objects.iter().for_each(|object| object.frame.read_shadow(Some(&map)));
+        Ok(Self { map, side, pipeline, block })
     }
 
-    /// Records the drawing of `objects` into the maps, which it leaves readable by shaders.
+    /// Records the drawing of `objects` into the map, which it leaves readable by shaders.
     pub fn record(&self, record: &Recorder<'_>, objects: &[DeviceObject]) {
         let all = record.within([self.side; 2], 0..self.side);
-        for (map, pipeline) in self.maps.iter().zip(&self.pipelines) {
-            all.images(&[(map, Access::Nothing, Access::DepthAttachment)]);
-            all.render(&[], Some(map), |draw| {
-                draw.bind(pipeline, &[&self.block]);
-                objects.iter().filter(|o| o.casts_shadows).for_each(|object| object.mesh.draw(draw));
-            });
-            all.images(&[(map, Access::DepthAttachment, Access::ShaderRead)]);
-        }
+        all.images(&[(&self.map, Access::Nothing, Access::DepthAttachment)]);
+        all.render(&[], Some(&self.map), |draw| {
+            draw.bind(&self.pipeline, &[&self.block]);
+            objects.iter().filter(|o| o.casts_shadows).for_each(|object| object.mesh.draw(draw));
+        });
+        all.images(&[(&self.map, Access::DepthAttachment, Access::ShaderRead)]);
     }
 }
 

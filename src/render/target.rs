@@ -31,19 +31,17 @@ pub const FOOTPRINTS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 /// What the geometry pass is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GeometrySettings {
-    /// Lights.
-    pub lights: usize,
     /// Whether the pigment is of a texture.
     pub textured: bool,
     /// Whether directions hold [`UNCOVERED`] where nothing is covered; else they hold anything there.
     pub marked: bool,
-    /// Whether footprints are written for each light.
+    /// Whether footprints are written.
     pub footprints: bool,
-    /// Whether lights cast shadows.
+    /// Whether the light casts shadows.
     pub shadows: bool,
-    /// Whether the radiance of surroundings in the mirrored direction is written.
+    /// Whether surroundings are among the lights; under them, their radiance in the mirrored direction is written.
     pub mirrored: bool,
-    /// Whether lamps are among the lights, at most [`crate::scene::light::MAX_LIGHTS_WITH_LAMPS`] then.
+    /// Whether lamps are among the lights.
     pub lamps: bool,
     /// Whether there are several objects, so that the number of the one that is seen stands beside the depth.
     pub several: bool,
@@ -56,21 +54,20 @@ impl GeometrySettings {
     }
 }
 
-/// What the geometry pass finds at each pixel, directions in stereographic projection.
+/// What the geometry pass finds at each pixel under one light, directions in stereographic projection.
 pub struct Geometry {
-    /// ω_r (xy) and the first light's ω_i (zw).
+    /// ω_r (xy) and ω_i (zw).
     pub directions: Image,
-    /// Albedo of the pigment, linear sRGB, where it is of a texture or more lights stand behind it; w: blue of the mirrored radiance.
+    /// Albedo of the pigment, linear sRGB; w: how bright the light is at the pixel, its falloff, or 1 where it is far away. Where the pigment is of a
+    /// texture, lamps are among the lights, or another image stands behind it.
     pub albedo: Option<Image>,
-    /// ω_i of the other lights, two to an image; red and green of the mirrored radiance stand behind the last.
-    pub more_lights: Vec<Image>,
-    /// Of each light, one a channel, how bright it is at the pixel: its falloff, or 1 where it is far away. Where lamps are among the lights.
-    pub falloffs: Option<Image>,
+    /// Radiance of the surroundings in the mirrored direction, where they are among the lights; written where the light is drawn from them.
+    pub mirrored: Option<Image>,
     /// Depth; [`crate::vk::commands::FAR`] where nothing is covered. Where there are several objects, beside it the number of the one that is seen, from 1.
     pub depth: Image,
-    /// For each light how (u, v) = −(ω_i + ω_r).xy changes from pixel to pixel: du/dx, dv/dx, du/dy, dv/dy, x to the right and y downward.
-    /// Empty where they are not asked for; anything where nothing is covered.
-    pub footprints: Vec<Image>,
+    /// How (u, v) = −(ω_i + ω_r).xy changes from pixel to pixel: du/dx, dv/dx, du/dy, dv/dy, x to the right and y downward, where it is asked
+    /// for; anything where nothing is covered.
+    pub footprints: Option<Image>,
     /// What the images are for.
     pub settings: GeometrySettings,
 }
@@ -81,43 +78,33 @@ impl Geometry {
     /// # Errors
     /// Where the device has no room or does not make images of that size.
     pub fn new(device: &Arc<Device>, size: [u32; 2], settings: GeometrySettings) -> Result<Self> {
-        let GeometrySettings { lights, textured, footprints, mirrored, lamps, .. } = settings;
+        let GeometrySettings { textured, footprints, mirrored, lamps, .. } = settings;
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
             | vk::ImageUsageFlags::TRANSFER_SRC
             | vk::ImageUsageFlags::SAMPLED;
         let make = |name, format, usage| {
             Image::new(device, &Description { name, format, size, layers: 1, array: false, usage })
         };
-        // The attachments of a pass have no gaps.
-        let more = (lights + usize::from(mirrored)).saturating_sub(1).div_ceil(2).max(lamps.into());
-        let albedo = (textured || more > 0).then(|| make("albedos", GEOMETRY, usage)).transpose()?;
+        let image = |wanted: bool, name, format| wanted.then(|| make(name, format, usage)).transpose();
         Ok(Self {
             directions: make("directions", GEOMETRY, usage)?,
-            albedo,
-            more_lights: (0..more)
-                .map(|_| make("light directions", GEOMETRY, usage))
-                .collect::<Result<_>>()?,
-            falloffs: lamps.then(|| make("falloffs", GEOMETRY, usage)).transpose()?,
+            // The attachments of a pass have no gaps.
+            albedo: image(textured || lamps || mirrored, "albedos", GEOMETRY)?,
+            mirrored: image(mirrored, "mirrored radiance", GEOMETRY)?,
+            footprints: image(footprints, "footprints", FOOTPRINTS)?,
             depth: make(
                 "depth",
                 settings.depth_format(),
                 vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
             )?,
-            footprints: (0..if footprints { lights } else { 0 })
-                .map(|_| make("footprints", FOOTPRINTS, usage))
-                .collect::<Result<_>>()?,
             settings,
         })
     }
 
-    /// The colour images in the order of `geometry.frag`, without gaps for any number of lights; at most
-    /// [`crate::vk::selection::ATTACHMENTS`].
-    pub fn images(&self) -> impl Iterator<Item = &Image> {
-        let footprint = |light: usize| self.footprints.get(light);
-        let more = |place: usize| self.more_lights.get(place);
-        let [albedo, falloffs] = [&self.albedo, &self.falloffs].map(Option::as_ref);
-        let others =
-            [footprint(0), albedo, more(0), falloffs, footprint(1), footprint(2), more(1), footprint(3)];
+    /// The colour images in the order of `geometry.frag`, those that the pass writes for a light that is drawn from the surroundings or not.
+    pub fn images(&self, mirrors: bool) -> impl Iterator<Item = &Image> {
+        let mirrored = self.mirrored.as_ref().filter(|_| mirrors);
+        let others = [self.footprints.as_ref(), self.albedo.as_ref(), mirrored];
         std::iter::once(&self.directions).chain(others.into_iter().flatten())
     }
 }

@@ -23,6 +23,11 @@ pub struct Incident {
     pub variance: f64,
 }
 
+impl Incident {
+    /// No light.
+    pub const NONE: Self = Self { direction: DVec3::Z, place: None, irradiance: Vec3::ZERO, variance: 0.0 };
+}
+
 /// A point of a lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LampPoint {

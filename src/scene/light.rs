@@ -36,17 +36,6 @@ pub enum Emitter {
     Lamp(Lamp),
 }
 
-/// Most lights of a scene: each costs a whole spectrum per fragment. Twin of `MAX_LIGHTS` in `frame.glsl`.
-pub const MAX_LIGHTS: usize = 4;
-
-/// Most lights where one of them is a lamp: how bright it is differs from pixel to pixel and takes the image of a fourth.
-pub const MAX_LIGHTS_WITH_LAMPS: usize = 3;
-
-/// The most of `lights` that a picture takes.
-pub fn most_lights(lights: &[Light]) -> usize {
-    if lights.iter().any(Light::is_lamp) { MAX_LIGHTS_WITH_LAMPS } else { MAX_LIGHTS }
-}
-
 impl Light {
     /// What emits as [`Emitter::parse`] reads it, and behind an `@` the spectrum, as [`Illuminant::from_name_or_file`] reads it.
     ///

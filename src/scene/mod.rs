@@ -27,7 +27,7 @@ pub use environment::Environment;
 pub use far_light::FarLight;
 pub use incident::Incident;
 pub use lamp::{Lamp, Room};
-pub use light::{Emitter, Light, MAX_LIGHTS};
+pub use light::{Emitter, Light};
 pub use mesh::{Bounds, Mesh, Progress, Vertex};
 pub use object::{Grooves, Object};
 pub use scene_file::Scene;

@@ -3,7 +3,7 @@
 use super::background::Background;
 use super::camera::Camera;
 use super::environment::{self, Environment, Placement};
-use super::light::{Light, most_lights};
+use super::light::Light;
 use super::mesh::Bounds;
 use super::object::{
     FileObject, Grooves, MAX_OBJECTS, MeshSource, Object, Triple, Up, black, check_colors, open_mesh,
@@ -54,7 +54,7 @@ pub struct Scene {
     pub prepare: Vec<PreparationStep>,
     /// The camera.
     pub camera: Camera,
-    /// The lights, at most [`most_lights`].
+    /// The lights.
     pub lights: Vec<Light>,
     /// Surroundings that light the scene beside the lights.
     pub environment: Option<Environment>,
@@ -259,12 +259,6 @@ impl Scene {
             return Err(Error::failed("the exposure is not within -40 to 40 stops", "0 is a good start"));
         }
         let lights = file.lights.iter().map(|l| Light::parse_in(l, folder)).collect::<Result<Vec<_>>>()?;
-        if lights.len() > most_lights(&lights) {
-            return Err(Error::failed(
-                format!("there are {} lights", lights.len()),
-                format!("give at most {}", most_lights(&lights)),
-            ));
-        }
         let field_of_view = units::angle(&file.camera.field_of_view)?.to_radians() as f32;
         let surface = surface_name(&file.surface, folder);
         let built_in_surface = SurfaceKind::from_name(&file.surface).is_some();

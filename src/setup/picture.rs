@@ -9,9 +9,10 @@ use crate::render::footprints;
 use crate::render::frame::{Shown, View};
 use crate::render::object::{ObjectSource, ObjectSources, ObjectTextures, objects};
 use crate::render::picture::{Painter, Picture};
-use crate::render::sampling::{Sample, Sampling};
+use crate::render::sampling::Sampling;
 use crate::render::shading::Shading;
 use crate::render::source::Source;
+use crate::render::turns::Turn;
 use crate::scene::{Light, Mesh, Object, Scene};
 use crate::surface::{HeightField, SurfaceSource};
 use crate::vk::device::Device;
@@ -148,8 +149,7 @@ impl<'a> PreparedScene<'a> {
             sources.push(seen.sources(views, &mut make)?);
         }
         let objects = objects(scene, &textures, &sources);
-        let lights = views.iter().map(|view| view.light_count()).max().unwrap_or(0);
-        let mut painter = Painter::of_objects(device, &objects, size, lights)?;
+        let mut painter = Painter::of_objects(device, &objects, size)?;
         if scene.shadows {
             painter.cast_shadows()?;
         }
@@ -166,7 +166,8 @@ impl<'a> PreparedScene<'a> {
         if !self.source.has_limits(shading) {
             return Ok(());
         }
-        let seen = self.directions(view, &Sampling::ONE.sample(0))?;
+        let lights = 0..view.light_count();
+        let seen = lights.map(|light| self.painter.directions(view, light)).collect::<Result<Vec<_>>>()?;
         self.source.check(shading, &seen)
     }
 
@@ -193,12 +194,12 @@ impl<'a> PreparedScene<'a> {
         Ok(exposure::automatic(&self.painter.picture()?.radiance))
     }
 
-    /// The directions that each light of `view` comes from in `sample`.
+    /// The directions of `turn` of `view`.
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn directions(&mut self, view: &View, sample: &Sample) -> Result<Vec<Directions>> {
-        (0..view.light_count()).map(|light| self.painter.directions_of(view, light, sample)).collect()
+    pub fn directions(&mut self, view: &View, turn: &Turn) -> Result<Directions> {
+        self.painter.directions_in(view, turn)
     }
 
     /// What draws.

@@ -69,15 +69,15 @@ impl Slot {
             })
     }
 
-    /// Adds a sample to what it shows of `request`, and shows the mean; how many samples there are, or `None` where `go_on` said no.
-    fn add_sample(
+    /// Adds samples to what it shows of `request`, and shows the mean; how many samples there are, or `None` where `go_on` said no.
+    fn add_samples(
         &mut self,
         request: &FrameRequest,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<u32>> {
         let FrameRequest { view, sampling, size, .. } = request;
         let shown = self.displayed.as_ref().map_or(request.shown, |displayed| displayed.shown);
-        let added = self.painter.add_sample(view, sampling, shown, *size, go_on)?;
+        let added = self.painter.add_samples(view, sampling, shown, *size, go_on)?;
         if added.is_some() {
             self.displayed = Some(Displayed { view: view.clone(), shown, size: *size, sampling: *sampling });
         }
@@ -256,7 +256,7 @@ impl Renderer {
         }))))
     }
 
-    /// Adds a sample to the frame of `request`; `None` where it is not shown any more, or gave way to something else.
+    /// Adds samples to the frame of `request`; `None` where it is not shown any more, or gave way to something else.
     fn refine(&mut self, request: FrameRequest, queue: &JobQueue) -> Result<Option<RenderReply>> {
         let start = Instant::now();
         let Some(slot) = self.own.as_mut().filter(|slot| slot.is_ready_for(&request)) else {
@@ -267,7 +267,7 @@ impl Renderer {
             let pending = queue.pending();
             !pending.stop && pending.frame.is_none() && pending.pixel.is_none() && pending.jobs.is_empty()
         };
-        let Some(samples) = slot.add_sample(&request, &mut go_on)? else {
+        let Some(samples) = slot.add_samples(&request, &mut go_on)? else {
             queue.refine(request);
             return Ok(None);
         };
@@ -340,13 +340,13 @@ impl Renderer {
     }
 
     /// Reads a pixel of a frame; `None` where the frame is not the one that is on the device.
-    fn read_pixel(&self, request: PixelRequest) -> Result<Option<RenderReply>> {
+    fn read_pixel(&mut self, request: PixelRequest) -> Result<Option<RenderReply>> {
         let PixelRequest { number, frame, at } = request;
-        let is_there = |slot: &&Slot| {
+        let is_there = |slot: &&mut Slot| {
             let shows = |shown: &Displayed| shown.view == frame.view && shown.size == frame.size;
             slot.prepared.number == frame.own.number && slot.displayed.as_ref().is_some_and(shows)
         };
-        let Some(slot) = self.own.as_ref().filter(is_there) else { return Ok(None) };
+        let Some(slot) = self.own.as_mut().filter(is_there) else { return Ok(None) };
         let pixel = slot.painter.pixel(&frame.view, at)?;
         // The settings are those of the first object.
         let pixel = pixel.filter(|pixel| pixel.directions.iter().all(|seen| seen.object(0) == 0));
@@ -402,7 +402,7 @@ impl Renderer {
                 let mut samples = 1;
                 while samples < sampling.count {
                     samples = slot
-                        .add_sample(request, &mut |_| {
+                        .add_samples(request, &mut |_| {
                             queue.give_way();
                             !queue.pending().stop
                         })?
@@ -494,18 +494,17 @@ fn serving<'a>(
     prepared: &Arc<Prepared>,
     request: &FrameRequest,
 ) -> Result<&'a mut Slot> {
-    let lights = request.view.light_count();
     // A painter that does not serve is dropped here, so that its memory is free for the next one.
     let ready = match slot.take().filter(|slot| slot.serves(prepared, request)) {
         Some(mut ready) => {
-            ready.painter.resize(request.size, lights)?;
+            ready.painter.resize(request.size)?;
             ready.take_over(prepared)?;
             ready
         }
         None => {
             let LoadedScene { scene, textures } = &*request.loaded;
             let objects = objects(scene, textures, prepared.of_objects(textures.len()));
-            let mut painter = Painter::of_objects(device, &objects, request.size, lights)?;
+            let mut painter = Painter::of_objects(device, &objects, request.size)?;
             if scene.shadows {
                 painter.cast_shadows()?;
             }

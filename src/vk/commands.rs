@@ -338,10 +338,10 @@ impl Recorder<'_> {
         self.rendering(&cleared(colors), Some((depth, vk::AttachmentLoadOp::LOAD)), draw);
     }
 
-    /// Draws into `color`, which keeps what is not drawn over, with a `depth` that was drawn before.
-    pub fn render_onto(&self, color: &Image, depth: &Image, draw: impl FnOnce(&Self)) {
+    /// Draws into `color`, which keeps what is not drawn over, with a `depth` that was drawn before, or with none.
+    pub fn render_onto(&self, color: &Image, depth: Option<&Image>, draw: impl FnOnce(&Self)) {
         let load = vk::AttachmentLoadOp::LOAD;
-        self.rendering(&[(color, load, [0.0; 4])], Some((depth, load)), draw);
+        self.rendering(&[(color, load, [0.0; 4])], depth.map(|image| (image, load)), draw);
     }
 
     fn rendering(

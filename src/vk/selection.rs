@@ -33,9 +33,6 @@ pub struct Candidate {
     pub missing: Vec<&'static str>,
 }
 
-/// Images that a pass draws into at once, at the most. Devices of Vulkan 1.3 draw into 8 at least, but for a few of phones.
-pub const ATTACHMENTS: u32 = 8;
-
 /// How a device is chosen.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum DeviceChoice {
@@ -118,7 +115,6 @@ fn describe(instance: &Instance, raw: vk::PhysicalDevice) -> Candidate {
             mask,
             raw,
             p.api_version,
-            p.limits.max_color_attachments.min(p.limits.max_fragment_output_attachments),
             queue_family.filter(|&i| families[i as usize].timestamp_valid_bits > 0),
         ),
         driver: format!("{} {}", text(&driver.driver_name), text(&driver.driver_info)),
@@ -131,7 +127,6 @@ fn missing(
     mask: &Mask,
     device: vk::PhysicalDevice,
     version: u32,
-    attachments: u32,
     queue_family: Option<u32>,
 ) -> Vec<&'static str> {
     let mut missing = Vec::new();
@@ -160,7 +155,6 @@ fn missing(
             float.optimal_tiling_features.contains(wanted),
             "linear filtering, drawing and blending of 32-bit float images",
         ),
-        (attachments >= ATTACHMENTS, "drawing into eight images at once"),
     ] {
         if !there || mask.hides(name) {
             missing.push(name);

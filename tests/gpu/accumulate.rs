@@ -18,10 +18,10 @@ use std::sync::Arc;
 const SIZE: [u32; 2] = [48, 36];
 const SHOWN: Shown = Shown::plain(0.5, DVec3::new(0.1, 0.2, 0.3));
 
-fn painter(device: &Arc<Device>, scene: &Scene, lights: usize) -> Painter {
+fn painter(device: &Arc<Device>, scene: &Scene) -> Painter {
     let shading = shading(4.0, 1e-1);
     let layers = layers(&patch(SurfaceKind::Flat, 2.0), &shading);
-    Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), SIZE, lights).unwrap()
+    Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap()
 }
 
 fn view(scene: &Scene) -> View {
@@ -45,11 +45,11 @@ fn a_sum_of_one_sample_is_the_single_sample_to_the_bit() {
     let scene = Scene::open("snake").unwrap();
     let view = view(&scene);
     with_device(|device| {
-        let mut painter = painter(device, &scene, 1);
+        let mut painter = painter(device, &scene);
         let plain = painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
         let one = Sampling { count: 1, seed: 9 };
         assert!(all(&mut painter, &view, one) == plain);
-        let added = painter.add_sample(&view, &one, SHOWN, SIZE, &mut |_| true).unwrap().unwrap();
+        let added = painter.add_samples(&view, &one, SHOWN, SIZE, &mut |_| true).unwrap().unwrap();
         assert_eq!(added.samples, 1);
         assert!(painter.picture().unwrap() == plain);
     });
@@ -61,7 +61,7 @@ fn a_picture_is_the_mean_of_its_samples_each_drawn_alone() {
     let view = view(&scene);
     let sampling = Sampling { count: 8, seed: 3 };
     with_device(|device| {
-        let mut painter = painter(device, &scene, 1);
+        let mut painter = painter(device, &scene);
         let mean = all(&mut painter, &view, sampling);
         assert!(all(&mut painter, &view, sampling) == mean, "the second time it is another picture");
         assert!(all(&mut painter, &view, Sampling { seed: 4, ..sampling }) != mean, "no seed changes it");
@@ -110,10 +110,10 @@ fn samples_start_anew_when_anything_changes_and_go_on_after_one_that_was_given_u
     let mut other = view.clone();
     other.camera.phi += 0.2;
     with_device(|device| {
-        let (mut fresh, mut painter) = (painter(device, &scene, 1), painter(device, &scene, 1));
+        let (mut fresh, mut painter) = (painter(device, &scene), painter(device, &scene));
         let expected = [all(&mut fresh, &view, sampling), all(&mut fresh, &other, sampling)];
         let add = |painter: &mut Painter, view: &View, sampling: &Sampling, go_on: bool| {
-            let added = painter.add_sample(view, sampling, SHOWN, SIZE, &mut |_| go_on).unwrap();
+            let added = painter.add_samples(view, sampling, SHOWN, SIZE, &mut |_| go_on).unwrap();
             added.map(|added| added.samples)
         };
         assert_eq!(add(&mut painter, &view, &sampling, true), Some(1));
@@ -139,8 +139,8 @@ fn samples_start_anew_when_anything_changes_and_go_on_after_one_that_was_given_u
             add(&mut painter, &other, &sampling, true);
         }
         assert!(painter.picture().unwrap() == expected[1]);
-        painter.resize([24, 18], 1).unwrap();
-        painter.resize(SIZE, 1).unwrap();
+        painter.resize([24, 18]).unwrap();
+        painter.resize(SIZE).unwrap();
         assert_eq!(add(&mut painter, &other, &sampling, true), Some(1), "another size keeps a sum");
     });
 }
@@ -150,11 +150,11 @@ fn sample_after_sample_the_device_holds_the_same() {
     let scene = Scene::open("sphere").unwrap();
     let (view, sampling) = (view(&scene), Sampling { count: 64, seed: 1 });
     with_device(|device| {
-        let mut painter = painter(device, &scene, 1);
-        painter.add_sample(&view, &sampling, SHOWN, SIZE, &mut |_| true).unwrap();
+        let mut painter = painter(device, &scene);
+        painter.add_samples(&view, &sampling, SHOWN, SIZE, &mut |_| true).unwrap();
         let before = device.memory_in_use();
         for _ in 1..64 {
-            painter.add_sample(&view, &sampling, SHOWN, SIZE, &mut |_| true).unwrap();
+            painter.add_samples(&view, &sampling, SHOWN, SIZE, &mut |_| true).unwrap();
             assert_eq!(device.memory_in_use(), before);
         }
     });
@@ -187,7 +187,7 @@ fn coverage_beside_a_straight_edge_is_the_gaussian_of_the_jitter() {
         normal((place - start).perp_dot(along) / jitter)
     };
     with_device(|device| {
-        let mut painter = painter(device, &scene, 1);
+        let mut painter = painter(device, &scene);
         let mut former = f64::INFINITY;
         for count in [16u32, 64, 256, 1024] {
             let sampling = Sampling { count, seed: 5 };
@@ -215,7 +215,7 @@ fn footprints_are_the_differences_of_directions() {
         for (name, count, tolerance) in [("plate", 4, 2e-5), ("plate", 1, 2e-5), ("sphere", 3, 2e-2)] {
             let scene = Scene::open(name).unwrap();
             let view = View::of(&scene, lights[..count].to_vec());
-            let mut painter = painter(device, &scene, count);
+            let mut painter = painter(device, &scene);
             let plain = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
             assert!(painter.directions(&view, 0).unwrap().footprints.is_empty());
             painter.ask_for_footprints().unwrap();
@@ -274,7 +274,7 @@ fn footprints_of_a_sphere_are_those_of_exact_normals() {
         Some(DVec2::new(sum.dot(east), sum.dot(normal.cross(east))))
     };
     with_device(|device| {
-        let mut painter = painter(device, &scene, 1);
+        let mut painter = painter(device, &scene);
         painter.ask_for_footprints().unwrap();
         let seen = painter.directions(&view, 0).unwrap();
         let mut errors = Vec::new();
@@ -310,7 +310,7 @@ fn a_pixel_of_the_plate_shows_as_much_of_it_as_it_covers() {
     view.camera = Camera::looking(Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, 0.4).unwrap();
     let side = 2.0 * 2.0 * 0.2f64.tan() / f64::from(SIZE[1]);
     with_device(|device| {
-        let mut painter = painter(device, &scene, 1);
+        let mut painter = painter(device, &scene);
         let area = median_pixel_area(&mut painter, &view).unwrap().unwrap();
         assert!((area / (side * side) - 1.0).abs() < 5e-3, "{area} for {}", side * side);
         // From 60° the same pixel shows twice as much. From afar: directions are interpolated over the plate's two triangles.
@@ -330,7 +330,7 @@ fn the_jitter_moves_what_is_seen_and_not_how_it_is_lit() {
     let view = view(&scene);
     let whole = Sample { jitter: [2.0, -1.0], ..Sampling::ONE.sample(0) };
     with_device(|device| {
-        let mut painter = painter(device, &scene, 1);
+        let mut painter = painter(device, &scene);
         let still = painter.directions(&view, 0).unwrap();
         let moved = painter.directions_of(&view, 0, &whole).unwrap();
         let mut compared = 0;

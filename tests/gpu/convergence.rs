@@ -59,7 +59,7 @@ fn many_samples_show_what_many_more_pixels_show() {
         let sizes = footprints::sizes(device, &scene.mesh, views, fine, &Sampling::ONE).unwrap();
         let source = source(device, &field, &shading, Method::Table, sizes);
         let painter =
-            |size| Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), size, 1).unwrap();
+            |size| Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), size).unwrap();
         let exact = painter(fine).paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
         let exact = supersampled(&exact.radiance);
         let mut small = painter(SIZE);

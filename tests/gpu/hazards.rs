@@ -107,7 +107,7 @@ fn pictures_from_spectra_tables_and_windows_have_all_their_barriers() {
             let draw = |source: &_, shading: &Shading| {
                 let white = Pigment::white();
                 let mesh = &scene.mesh;
-                let mut painter = Painter::new(device, source, shading, mesh, &white, SIZE, lights).unwrap();
+                let mut painter = Painter::new(device, source, shading, mesh, &white, SIZE).unwrap();
                 // A frame and its read-back, the accumulation of several, and another size.
                 painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
                 let sampling = Sampling { count: 3, seed: 1 };
@@ -115,7 +115,7 @@ fn pictures_from_spectra_tables_and_windows_have_all_their_barriers() {
                 painter.display_again(SIZE, Shown { exposure: 1.0, ..SHOWN }).unwrap();
                 painter.picture().unwrap();
                 painter.directions(&view, lights - 1).unwrap();
-                painter.resize([12, 8], lights).unwrap();
+                painter.resize([12, 8]).unwrap();
                 painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
             };
             let mut recordings = vec![recorded(device, || draw(&window(&layers), &one))];
@@ -174,7 +174,7 @@ fn a_picture_before_its_surroundings_and_under_a_lamp_has_all_its_barriers() {
             source(device, &field, &mean(), Method::Table, FootprintSizes { shorter: 1e-2, longer: 1e-2 });
         let events = recorded(device, || {
             let mut painter =
-                Painter::new(device, &source, &mean(), &scene.mesh, &Pigment::white(), SIZE, 2).unwrap();
+                Painter::new(device, &source, &mean(), &scene.mesh, &Pigment::white(), SIZE).unwrap();
             painter.cast_shadows().unwrap();
             painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
             painter.paint_samples(&view, &Sampling { count: 3, seed: 1 }, SHOWN, &mut |_| Ok(())).unwrap();

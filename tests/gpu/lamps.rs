@@ -14,6 +14,7 @@ use diffract::render::reference_picture::{displayed_of, reference_picture};
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
+use diffract::render::turns::Turn;
 use diffract::scene::environment::Placement;
 use diffract::scene::{Camera, Emitter, Environment, Lamp, Light, Scene};
 use diffract::setup::Method;
@@ -59,15 +60,15 @@ fn pixels_see_a_lamp_where_it_stands_and_as_bright_as_its_distance_makes_it() {
             let lights = view.light_count();
             assert_eq!(lights, count + usize::from(around));
             let mut painter =
-                Painter::new(device, &source, &shading, &mesh, &Pigment::white(), SIZE, lights).unwrap();
+                Painter::new(device, &source, &shading, &mesh, &Pigment::white(), SIZE).unwrap();
             painter.ask_for_mirrored(1e-4);
             if footprints {
                 painter.ask_for_footprints().unwrap();
             }
             let sample = Sampling { count: 16, seed: 3 }.sample(5);
             let still = diffract::render::sampling::Sample { jitter: [0.0; 2], ..sample };
-            let incidents = view.incidents(&still);
-            for (number, incident) in incidents.iter().enumerate() {
+            for number in 0..lights {
+                let incident = view.incident(&Turn::of_all(number, still));
                 let seen = painter.directions_of(&view, number, &still).unwrap();
                 assert_eq!(seen.footprints.len(), if footprints { seen.light.len() } else { 0 });
                 for (i, found) in seen.light.iter().enumerate().filter(|(_, found)| found[3] == 1.0) {
@@ -96,7 +97,7 @@ fn a_white_floor_is_as_bright_as_closed_forms_say() {
             let shading = Shading { reflectance: 1.0.into(), ..Shading::default() };
             let source = Source::ClassicalGrating(ClassicalGrating::default());
             let mut painter =
-                Painter::new(device, &source, &shading, &mesh, &Pigment::white(), SIZE, 1).unwrap();
+                Painter::new(device, &source, &shading, &mesh, &Pigment::white(), SIZE).unwrap();
             let sampling = Sampling { count: 256, seed: 4 };
             let picture = painter.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
             for i in [0, 20, 15 * 40 + 20, 29 * 40 + 39] {
@@ -163,7 +164,7 @@ fn pictures_under_a_lamp_are_those_of_the_reference() {
     with_device(|device| {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
         let new = |source: &Source| {
-            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), [160, 120], 2).unwrap()
+            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), [160, 120]).unwrap()
         };
         let mut found = new(&probe);
         found.ask_for_footprints().unwrap();
@@ -197,8 +198,7 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
     let shown = Shown { exposure: -1.0, tone: Tone::Neutral, background: DVec3::ZERO };
     with_device(|device| {
         let mut painter =
-            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), size, view.light_count())
-                .unwrap();
+            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), size).unwrap();
         for count in [1, 8] {
             let sampling = Sampling { count, seed: 1 };
             let picture = painter.paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap();

@@ -93,7 +93,7 @@ fn lights_of_several_spectra_add_up_to_pictures_under_each_alone() {
             let picture = |lights: Vec<Light>, sources: [ObjectSources; 2]| {
                 let view = View::of(&scene, lights);
                 let all = objects(&scene, &textures, &sources);
-                let mut painter = Painter::of_objects(device, &all, SIZE, view.light_count()).unwrap();
+                let mut painter = Painter::of_objects(device, &all, SIZE).unwrap();
                 painter.draw_sample(&view, &sample, shown).unwrap();
                 painter.picture().unwrap().radiance
             };
@@ -146,7 +146,7 @@ fn a_light_with_the_spectrum_of_the_scene_is_a_light_without_one() {
     with_device(|device| {
         let sources = [dark(&[Illuminant::D65]), dark(&[Illuminant::D65])];
         let all = objects(&scene, &textures, &sources);
-        let mut painter = Painter::of_objects(device, &all, SIZE, 3).unwrap();
+        let mut painter = Painter::of_objects(device, &all, SIZE).unwrap();
         let mut picture = |spectra: [&str; 3]| {
             let texts = ["50,-60,2", "30,-100,1", "sphere:0.4:2,-2,2"];
             let light = |(text, spectrum)| Light::parse(&format!("{text}{spectrum}")).unwrap();
@@ -168,7 +168,7 @@ fn a_white_surface_has_the_white_of_the_light() {
             let shading = Shading { reflectance: 1.0.into(), ..shading(illuminant.clone()) };
             let pigment = Pigment::white();
             let mut painter =
-                Painter::new(device, &pigment_alone(), &shading, &scene.mesh, &pigment, SIZE, 1).unwrap();
+                Painter::new(device, &pigment_alone(), &shading, &scene.mesh, &pigment, SIZE).unwrap();
             let lights = vec![Light::point(0.0, 0.0, 2.0)];
             let view = View { base_color: Vec3::ONE, ..View::of(&scene, lights) };
             let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
@@ -200,7 +200,7 @@ fn pictures_under_several_spectra_are_those_of_the_reference() {
         for (method, most) in [(Method::Table, 2e-2), (Method::Spectral, 2e-2)] {
             let sources = [sources(device, &field, method, &every)];
             let all = objects(&scene, &textures, &sources);
-            let mut painter = Painter::of_objects(device, &all, SIZE, 3).unwrap();
+            let mut painter = Painter::of_objects(device, &all, SIZE).unwrap();
             let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
             let seen: Vec<_> = (0..3).map(|light| painter.directions(&view, light).unwrap()).collect();
             let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();

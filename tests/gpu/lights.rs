@@ -64,9 +64,7 @@ fn radiance(
 ) -> Vec<DVec3> {
     const SIZE: [u32; 2] = [12, 12];
     let source = source(device, field, shading, Method::Table, FootprintSizes::default());
-    let lights = view.light_count();
-    let mut painter =
-        Painter::new(device, &source, shading, &scene.mesh, &Pigment::white(), SIZE, lights).unwrap();
+    let mut painter = Painter::new(device, &source, shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
     let mean = |sampling: &Sampling| {
         let picture = painter.paint_samples(view, sampling, SHOWN, &mut |_| Ok(())).unwrap();
         let inside = picture.radiance.iter().filter(|p| p[3] == 1.0);
@@ -171,8 +169,7 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
             let mut former: Option<(Vec<Directions>, Vec<[f32; 4]>)> = None;
             for (method, allowed) in methods {
                 let source = source(device, &field, &shading, method, sizes);
-                let mut painter =
-                    Painter::new(device, &source, &shading, mesh, &white, SIZE, lights).unwrap();
+                let mut painter = Painter::new(device, &source, &shading, mesh, &white, SIZE).unwrap();
                 painter.draw_sample(view, &sample, SHOWN).unwrap();
                 let found = painter.picture().unwrap().radiance;
                 let seen: Vec<Directions> =
@@ -303,7 +300,7 @@ pub fn across_the_edge(device: &Arc<Device>, light: Light, height: f32, samples:
     view.base_color = Vec3::ONE;
     let column = |shadows: bool| -> Vec<f64> {
         let shading = Shading { reflectance: 1.0.into(), ..Shading::default() };
-        let mut painter = Painter::new(device, &source, &shading, &mesh, &Pigment::white(), SIZE, 1).unwrap();
+        let mut painter = Painter::new(device, &source, &shading, &mesh, &Pigment::white(), SIZE).unwrap();
         if shadows {
             painter.cast_shadows().unwrap();
         }
@@ -365,7 +362,6 @@ fn convex_meshes_cast_no_shadow_on_themselves() {
                         &scene.mesh,
                         &Pigment::white(),
                         [160, 120],
-                        1,
                     )
                     .unwrap();
                     if shadows {
@@ -399,7 +395,7 @@ fn a_mesh_that_is_wound_inward_is_as_bright_as_one_that_is_not() {
             view.base_color = Vec3::ONE;
             let shading = Shading::default();
             let mut painter =
-                Painter::new(device, &source, &shading, &mesh, &Pigment::white(), [40, 30], 1).unwrap();
+                Painter::new(device, &source, &shading, &mesh, &Pigment::white(), [40, 30]).unwrap();
             painter.cast_shadows().unwrap();
             painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance
         };
@@ -422,7 +418,7 @@ fn no_single_sample_at_a_silhouette_outshines_all_others() {
         let sizes = FootprintSizes { shorter: 0.01, longer: 0.03 };
         let source = source(device, &field, &shading, Method::Table, sizes);
         let mut painter =
-            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE, 1).unwrap();
+            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
         let [few, more, most] = [16, 64, 256].map(|count| {
             let sampling = Sampling { count, seed: 1 };
             painter.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance

@@ -28,5 +28,6 @@ mod promise;
 mod repeats;
 mod single_samples;
 mod thesis;
+mod turns;
 #[cfg(feature = "viewer")]
 mod viewer;

@@ -20,9 +20,10 @@ use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{
     PixelReference, ReferenceObject, covered, reference_mean, reference_picture,
 };
-use diffract::render::sampling::{Sample, Sampling};
+use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
+use diffract::render::turns::Turn;
 use diffract::scene::{Camera, Light, Scene};
 use diffract::setup::{self, InUse, Method};
 use diffract::surface::HeightField;
@@ -188,7 +189,7 @@ const SIZE: [u32; 2] = [64, 48];
 fn directions(device: &Arc<Device>, scene: &Scene, view: &View) -> Vec<Directions> {
     let source = Source::ClassicalGrating(ClassicalGrating::default());
     let (shading, pigment, lights) = (Shading::default(), Pigment::white(), view.lights.len());
-    let mut painter = Painter::new(device, &source, &shading, &scene.mesh, &pigment, SIZE, lights).unwrap();
+    let mut painter = Painter::new(device, &source, &shading, &scene.mesh, &pigment, SIZE).unwrap();
     painter.ask_for_footprints().unwrap();
     (0..lights).map(|light| painter.directions(view, light).unwrap()).collect()
 }
@@ -204,9 +205,7 @@ fn pictures_are_the_reference_picture(method: Method, allowed: f64) {
         let seen = directions(device, &scene, &view);
         let source = source(device, &field, &shading, method, sizes_of(&seen));
         let mesh = &scene.mesh;
-        let mut painter =
-            Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE, view.lights.len())
-                .unwrap();
+        let mut painter = Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
         let mut paint = |view: &View| painter.paint(view, 0.0, DVec3::ZERO).unwrap().radiance;
         let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
         let errors = |found: &[[f32; 4]]| [0, 1, 2].map(|c| channel(found, &exact, c));
@@ -270,7 +269,7 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
             for (method, allowed) in [Method::Table, Method::Spectral].into_iter().zip(allowed) {
                 let source = source(device, &field, &shading, method, sizes_of(&seen));
                 let mut painter =
-                    Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE, 1).unwrap();
+                    Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
                 let found = painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
                 let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
                 eprintln!("{} under large pixels by {}: {errors:.4?}", kind.name(), method.name());
@@ -291,13 +290,12 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
     with_device(|device| {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
         let new = |source: &Source| {
-            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), SIZE, view.lights.len())
-                .unwrap()
+            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap()
         };
         let mut directions = new(&probe);
         directions.ask_for_footprints().unwrap();
         let least = sizes_of(&[directions.directions_of(&view, 0, &sampling.sample(0)).unwrap()]);
-        let mut seen = |sample: &Sample| Ok(vec![directions.directions_of(&view, 0, sample)?]);
+        let mut seen = |turn: &Turn| directions.directions_in(&view, turn);
         let (shading, base_color) = (&shading, view.base_color);
         let object = ReferenceObject { field: Some(&field), shading, base_color };
         let exact =
@@ -332,7 +330,7 @@ fn a_turntable_does_not_shimmer() {
         let pixels = error::sample(&covered(&first), COMPARED);
         let source = source(device, &field, &shading, Method::Table, sizes_of(&first));
         let mesh = &scene.mesh;
-        let mut painter = Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE, 1).unwrap();
+        let mut painter = Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
         let reference = PixelReference::new(&field, &shading, &|_, _| Ok(())).unwrap();
         let mut colors_of = |frame: usize| -> [Vec<DVec3>; 2] {
             let view = view_of(frame);

@@ -81,17 +81,17 @@ fn each_object_of_a_scene_is_drawn_as_it_would_be_alone_where_nothing_stands_bef
         let sources = [first, second, pigment_alone()].into_iter().zip(shadings);
         let sources: Vec<_> = sources.map(|(source, shading)| ObjectSources::new(source, shading)).collect();
         let all = objects(&scene, &textures, &sources);
-        let mut painter = Painter::of_objects(device, &all, SIZE, view.light_count()).unwrap();
+        let mut painter = Painter::of_objects(device, &all, SIZE).unwrap();
         painter.draw_sample(&view, &sample, shown).unwrap();
         let together = painter.picture().unwrap();
         let seen = painter.directions_of(&view, 0, &sample).unwrap();
         let without = objects(&scene, &textures, std::iter::repeat_n(&sources[2], 3));
-        let mut pigments = Painter::of_objects(device, &without, SIZE, view.light_count()).unwrap();
+        let mut pigments = Painter::of_objects(device, &without, SIZE).unwrap();
         pigments.draw_sample(&view, &sample, shown).unwrap();
         let pigments = pigments.picture().unwrap();
         let (mut counts, mut greens) = ([0; 3], [[0.0; 2]; 3]);
         for (number, object) in all.iter().enumerate() {
-            let mut alone = Painter::of_objects(device, &[*object], SIZE, view.light_count()).unwrap();
+            let mut alone = Painter::of_objects(device, &[*object], SIZE).unwrap();
             alone.draw_sample(&view, &sample, shown).unwrap();
             let alone = alone.picture().unwrap();
             for pixel in 0..together.radiance.len() {
@@ -132,7 +132,7 @@ fn objects_cast_shadows_on_each_other_and_on_the_ground_which_casts_none() {
     with_device(|device| {
         let all = objects(&scene, &textures, &sources);
         let lit = |objects: &[ObjectData<'_>], light: usize| {
-            let mut painter = Painter::of_objects(device, objects, SIZE, 2).unwrap();
+            let mut painter = Painter::of_objects(device, objects, SIZE).unwrap();
             painter.cast_shadows().unwrap();
             painter.directions(&view, light).unwrap()
         };
@@ -169,7 +169,7 @@ fn directions(device: &Arc<Device>, view: &View, grooves: &GrooveDirections) -> 
         casts_shadows: true,
         sources: &sources,
     };
-    let mut painter = Painter::of_objects(device, &[object], SIZE, 1).unwrap();
+    let mut painter = Painter::of_objects(device, &[object], SIZE).unwrap();
     painter.ask_for_footprints().unwrap();
     painter.directions(view, 0).unwrap()
 }

@@ -56,7 +56,7 @@ fn paint(
     let layers = layers(field, shading);
     let source = grating(&layers, copies, field);
     let (mesh, lights) = (&scene.mesh, view.lights.len());
-    let mut painter = Painter::new(device, &source, shading, mesh, &Pigment::white(), SIZE, lights).unwrap();
+    let mut painter = Painter::new(device, &source, shading, mesh, &Pigment::white(), SIZE).unwrap();
     let picture = painter.paint(view, 0.0, DVec3::ZERO).unwrap();
     let directions = (0..lights).map(|light| painter.directions(view, light).unwrap()).collect();
     (picture, directions)
@@ -81,7 +81,7 @@ fn answers_through_repeats_are_the_reference_within_their_tolerance() {
                 let layers = layers(&field, &shading);
                 let source = grating(&layers, copies, &field);
                 let mut painter =
-                    Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE, 1).unwrap();
+                    Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
                 let single = Query { wavelength: Some(0.5), ..queries[0] };
                 assert!(painter.cosine_weighted(&[single]).is_err(), "wavelengths are chosen by the shader");
                 painter.cosine_weighted(&queries).unwrap()

@@ -66,7 +66,7 @@ fn errors_of<const N: usize>(case: &Case, sample: &Sample, methods: [Method; N])
     let mut errors = [0.0; N];
     with_device(|device| {
         let new = |source: &Source| {
-            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), size, lights).unwrap()
+            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), size).unwrap()
         };
         let mut found = new(&Source::ClassicalGrating(ClassicalGrating::default()));
         found.ask_for_footprints().unwrap();
@@ -189,7 +189,7 @@ fn parts_of_a_sum_that_are_drawn_one_by_one_make_the_same_picture() {
     let size = [24, 18];
     with_device(|device| {
         let new = |source: &Source| {
-            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), size, 1).unwrap()
+            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), size).unwrap()
         };
         let mut found = new(&Source::ClassicalGrating(ClassicalGrating::default()));
         found.ask_for_footprints().unwrap();

@@ -4,9 +4,7 @@ mod figure;
 pub(super) mod map;
 mod variant;
 
-use super::options::{
-    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, check_light_count, exposure,
-};
+use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, exposure};
 use super::{captions, evaluation, say};
 use crate::error::{Error, Result};
 use crate::figure::FigureFormat;
@@ -114,7 +112,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .reads(arguments.optics.files())
         .writes([&arguments.output, &arguments.plot].into_iter().flatten())
         .check()?;
-    check_light_count(arguments.light.len())?;
     let ways = match &arguments.compare {
         Some(variants) => variants.iter().map(|v| v.of(&arguments.optics)).collect::<Result<Vec<_>>>()?,
         None => vec![arguments.optics.clone()],

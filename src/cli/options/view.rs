@@ -4,8 +4,7 @@ use super::{Exposure, exposure};
 use crate::error::{Error, Result};
 use crate::optics::color::Tone;
 use crate::scene::environment::{self, Placement};
-use crate::scene::light::most_lights;
-use crate::scene::{Background, Camera, Environment, Light, MAX_LIGHTS, Scene};
+use crate::scene::{Background, Camera, Environment, Light, Scene};
 use crate::units;
 use clap::Args;
 use glam::Vec3;
@@ -24,8 +23,8 @@ pub struct ViewOptions {
     /// with their hue: the Khronos PBR Neutral Tone Mapper) [default: none]
     #[arg(long, value_name = "NAME", value_parser = Tone::from_name)]
     pub tone: Option<Tone>,
-    /// A light instead of the scene's lights and surroundings, in degrees from up and around it; up to four. A point, or sun:THETA,PHI (0.533
-    /// degrees across), or disc:SIZE:THETA,PHI as in disc:5deg:40,90. Or a lamp in the scene, up to three lights then, in the scene's units:
+    /// A light instead of the scene's lights and surroundings, in degrees from up and around it; as many as there are. A point, or sun:THETA,PHI (0.533
+    /// degrees across), or disc:SIZE:THETA,PHI as in disc:5deg:40,90. Or a lamp in the scene, in the scene's units:
     /// sphere:DIAMETER:X,Y,Z[,STRENGTH] or rectangle:WIDTHxHEIGHT:X,Y,Z[,STRENGTH][:X,Y,Z that it faces], as in rectangle:0.4x0.2:0,-1,1.
     /// STRENGTH is a radiance, or a power as in 60W; without it the middle of the scene gets what a light of intensity 1 gives.
     /// @ and a name or file as for --illuminant behind it gives the light a spectrum of its own, as in sun:40,90@a
@@ -65,9 +64,9 @@ impl ViewOptions {
     /// Changes what the options name in `scene`.
     ///
     /// # Errors
-    /// Too many lights; a camera that cannot be.
+    /// A camera that cannot be; surroundings that cannot be read.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
-        light_by(&self.light, scene)?;
+        light_by(&self.light, scene);
         self.surround(scene)?;
         if let Some(Exposure::Stops(exposure)) = self.exposure {
             scene.exposure = exposure;
@@ -134,48 +133,16 @@ impl ViewOptions {
                 )?;
             }
         }
-        let most = most_lights(&scene.lights);
-        if scene.environment.is_some() && scene.lights.len() >= most {
-            return Err(Error::usage(
-                "there are too many lights",
-                format!("give at most {} beside surroundings", most - 1),
-            ));
-        }
         Ok(())
     }
 }
 
-/// Fails where there are more lights than a picture takes.
-pub fn check_lights(lights: &[Light]) -> Result<()> {
-    let most = most_lights(lights);
-    if lights.len() > most && lights.len() <= MAX_LIGHTS {
-        return Err(Error::usage(
-            "there are too many lights",
-            format!("give at most {most} where one is a lamp"),
-        ));
-    }
-    check_light_count(lights.len())
-}
-
-/// Fails for more than [`MAX_LIGHTS`].
-pub fn check_light_count(count: usize) -> Result<()> {
-    if count <= MAX_LIGHTS {
-        return Ok(());
-    }
-    Err(Error::usage("there are too many lights", format!("give at most {MAX_LIGHTS}")))
-}
-
 /// Lights `scene` by `named` alone, without surroundings, where the user names any.
-///
-/// # Errors
-/// Too many lights.
-pub fn light_by(named: &[Light], scene: &mut Scene) -> Result<()> {
-    check_lights(named)?;
+pub fn light_by(named: &[Light], scene: &mut Scene) {
     if !named.is_empty() {
         scene.lights = named.to_vec();
         scene.environment = None;
     }
-    Ok(())
 }
 
 fn switch(text: &str) -> Result<bool> {

@@ -4,7 +4,7 @@ mod report;
 
 use super::autotune::{TunedSetting, tune};
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, PictureErrors, fps};
-use super::options::{check_lights, sample_pixels};
+use super::options::sample_pixels;
 use super::{prepare, write};
 use crate::error::Result;
 use crate::files::Files;
@@ -48,7 +48,6 @@ fn compared_pixels(text: &str) -> Result<usize> {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let options = &arguments.benchmark;
     options.cache.apply();
-    check_lights(&options.light)?;
     let files = Files::new()
         .reads([&options.scene])
         .reads(options.surface.files(None))

@@ -6,7 +6,7 @@ mod figure;
 pub use figure::figure;
 
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimits, fps};
-use super::options::{CacheOptions, DeviceOptions, SurfaceOptions, check_lights, coherence, ior, tolerance};
+use super::options::{CacheOptions, DeviceOptions, SurfaceOptions, coherence, ior, tolerance};
 use super::remedies::in_options;
 use super::{prepare, say, write};
 use crate::error::{Error, Result};
@@ -87,7 +87,6 @@ const LARGEST_CSV: u64 = 16 << 20;
 /// Measures, and writes the results.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
-    check_lights(&arguments.light)?;
     if arguments.folder.as_os_str().is_empty() {
         return Err(Error::usage("--folder: the name is empty", "give the results a folder"));
     }

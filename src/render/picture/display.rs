@@ -27,7 +27,7 @@ impl<'a> Display<'a> {
         frame: &'a Descriptors,
         written: Option<&Written>,
     ) -> Self {
-        let shows = |view: &View| view.shows_surroundings && view.surroundings().is_some();
+        let shows = |view: &View| view.shows_surroundings && view.environment.is_some();
         let around = around.filter(|_| written.is_some_and(|written| shows(&written.view)));
         Self { geometry, target, pass, around, frame }
     }

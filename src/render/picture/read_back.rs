@@ -1,11 +1,12 @@
 //! Reads back what the geometry pass wrote: the directions that pixels see.
 
-use super::{Content, Painter};
+use super::{Content, Painter, Written};
 use crate::error::{Error, Result};
 use crate::render::directions::{Directions, Pixel};
 use crate::render::frame::View;
 use crate::render::sampling::{Sample, Sampling};
-use crate::render::target::{self, Geometry};
+use crate::render::target;
+use crate::render::turns::Turn;
 use crate::vk::access::Access;
 use crate::vk::commands::FAR;
 use crate::vk::image::Image;
@@ -29,19 +30,27 @@ impl Painter {
         self.directions_of(view, light, &Sampling::ONE.sample(0))
     }
 
-    /// The directions of light number `light` in `sample` of `view`, as the shading has them.
+    /// The directions of light number `light` in a `sample` of `view` that draws all lights, as the shading has them.
     ///
     /// # Errors
     /// As [`Self::directions`].
     pub fn directions_of(&mut self, view: &View, light: usize, sample: &Sample) -> Result<Directions> {
-        if light >= self.geometry.settings.lights {
+        if light >= view.light_count() {
             return Err(Error::failed(
                 format!("there is no light {light}"),
                 "report this as a bug of diffract",
             ));
         }
-        self.draw_geometry(view, sample)?;
-        self.found(view, light, sample, PictureArea::All)
+        self.directions_in(view, &Turn::of_all(light, *sample))
+    }
+
+    /// The directions of `turn` of `view`, as the shading has them.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn directions_in(&mut self, view: &View, turn: &Turn) -> Result<Directions> {
+        self.draw_geometry(view, turn)?;
+        self.found(view, turn, PictureArea::All)
     }
 
     /// What pixel `at` of the frame of `view` that was drawn last shows, one sample at the centres of pixels; `None` where the mesh does not
@@ -49,8 +58,8 @@ impl Painter {
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn pixel(&self, view: &View, at: [u32; 2]) -> Result<Option<Pixel>> {
-        let (part, lights) = (PictureArea::Pixel(at), self.geometry.settings.lights.min(view.light_count()));
+    pub fn pixel(&mut self, view: &View, at: [u32; 2]) -> Result<Option<Pixel>> {
+        let part = PictureArea::Pixel(at);
         let size = self.target.size();
         let is_there = self.shows == Content::Sample && at[0] < size[0] && at[1] < size[1];
         if !is_there || self.covered(part)? != [true] {
@@ -59,63 +68,52 @@ impl Painter {
         let radiance = self.read(&self.target.radiance, part)?;
         let radiance =
             radiance.first().map_or(DVec3::ZERO, |&[r, g, b, _]| DVec3::new(r.into(), g.into(), b.into()));
-        let of = |light| self.found(view, light, &Sampling::ONE.sample(0), part);
-        Ok(Some(Pixel { radiance, directions: (0..lights).map(of).collect::<Result<_>>()? }))
+        let sample = Sampling::ONE.sample(0);
+        let mut directions = Vec::with_capacity(view.light_count());
+        for light in 0..view.light_count() {
+            let turn = Turn::of_all(light, sample);
+            self.draw_geometry(view, &turn)?;
+            directions.push(self.found(view, &turn, part)?);
+        }
+        Ok(Some(Pixel { radiance, directions }))
     }
 
-    /// The directions of light number `light` in `part` of the frame of `sample` of `view` that was drawn last.
-    fn found(&self, view: &View, light: usize, sample: &Sample, part: PictureArea) -> Result<Directions> {
-        let first = self.read(&self.geometry.directions, part)?;
-        let lights = match light.checked_sub(1) {
-            None => first.iter().map(|&[.., x, y]| [x, y]).collect(),
-            Some(more) => {
-                let image = self.read(&self.geometry.more_lights[more / 2], part)?;
-                image
-                    .iter()
-                    .map(|&[a, b, c, d]| if more % 2 == 0 { [a, b] } else { [c, d] })
-                    .collect::<Vec<_>>()
-            }
-        };
+    /// The directions in `part` of the frame of `turn` of `view` that was drawn last.
+    fn found(&self, view: &View, turn: &Turn, part: PictureArea) -> Result<Directions> {
+        let stored = self.read(&self.geometry.directions, part)?;
         let covered = self.covered(part)?;
-        let of = |(s, covered): ([f32; 2], &bool)| if *covered { unprojected(s) } else { [0.0; 4] };
-        let footprints = match self.geometry.footprints.get(light) {
+        let unit = |s: [f32; 2], covered: bool| if covered { unprojected(s) } else { [0.0; 4] };
+        let both = || stored.iter().zip(&covered);
+        let footprints = match &self.geometry.footprints {
             Some(image) => self.read(image, part)?,
             None => Vec::new(),
         };
         let kept = |(f, covered): ([f32; 4], &bool)| if *covered { f } else { [0.0; 4] };
-        let falloffs = match &self.geometry.falloffs {
-            Some(image) => self.read(image, part)?.iter().map(|falloffs| falloffs[light]).collect(),
-            None => Vec::new(),
+        let falloffs = match &self.geometry.albedo {
+            Some(image) if self.geometry.settings.lamps => {
+                self.read(image, part)?.iter().map(|[.., falloff]| *falloff).collect()
+            }
+            _ => Vec::new(),
         };
-        let surrounds = self.geometry.settings.mirrored && light == view.lights.len();
-        let mirrored = if surrounds { self.mirrored(&covered, part)? } else { Vec::new() };
+        let mirrored = match &self.geometry.mirrored {
+            Some(image) if self.mirrors(view, turn) => {
+                let read = self.read(image, part)?.into_iter();
+                read.zip(&covered).map(kept).map(|[red, green, blue, _]| [red, green, blue]).collect()
+            }
+            _ => Vec::new(),
+        };
         Ok(Directions {
-            light: lights.into_iter().zip(&covered).map(of).collect(),
-            view: first.iter().map(|stored| [stored[0], stored[1]]).zip(&covered).map(of).collect(),
+            light_number: turn.light,
+            light: both().map(|(&[.., x, y], &covered)| unit([x, y], covered)).collect(),
+            view: both().map(|(&[x, y, ..], &covered)| unit([x, y], covered)).collect(),
             footprints: footprints.into_iter().zip(&covered).map(kept).collect(),
-            filter: sample.footprint,
-            share: sample.share(),
-            irradiance: view.incidents(sample).get(light).map_or(DVec3::ZERO, |i| i.irradiance.as_dvec3()),
+            filter: turn.sample.footprint,
+            share: turn.sample.share(),
+            irradiance: view.incident(turn).irradiance.as_dvec3(),
             falloffs,
             mirrored,
             objects: self.objects_seen(part)?,
         })
-    }
-
-    /// Radiance of the surroundings in the mirrored direction of each `covered` pixel, as the geometry pass wrote it: behind the last light,
-    /// and beside the albedo.
-    fn mirrored(&self, covered: &[bool], part: PictureArea) -> Result<Vec<[f32; 3]>> {
-        let Geometry { more_lights, albedo, settings, .. } = &self.geometry;
-        let place = settings.lights - 1;
-        let (Some(image), Some(albedo)) = (more_lights.get(place / 2), albedo) else {
-            return Ok(Vec::new());
-        };
-        let of = |((lights, albedo), covered): (([f32; 4], [f32; 4]), &bool)| {
-            let [a, b, c, d] = lights;
-            let [red, green] = if place % 2 == 0 { [a, b] } else { [c, d] };
-            if *covered { [red, green, albedo[3]] } else { [0.0; 3] }
-        };
-        Ok(self.read(image, part)?.into_iter().zip(self.read(albedo, part)?).zip(covered).map(of).collect())
     }
 
     /// Number of the object that each pixel of `part` shows, from 0; empty where there is one object.
@@ -131,19 +129,25 @@ impl Painter {
         Ok(stencil.into_iter().map(|number| number.saturating_sub(1)).collect())
     }
 
-    /// Draws the geometry of a `sample` of `view` alone, unless it is there.
-    fn draw_geometry(&mut self, view: &View, sample: &Sample) -> Result<()> {
-        self.write(view, self.target.size(), sample)?;
+    /// Draws the geometry of a `turn` of `view` alone, unless it is there.
+    fn draw_geometry(&mut self, view: &View, turn: &Turn) -> Result<()> {
+        self.write(view, self.target.size(), turn)?;
         if self.found.is_some() && self.found == self.written {
             return Ok(());
         }
         // What is covered may be other pixels than those of the radiance that is there.
-        if self.shows == Content::Sample {
+        let of_same_pixels = |found: &Written| {
+            found.view == *view
+                && found.size == self.target.size()
+                && found.turn.sample.jitter == turn.sample.jitter
+        };
+        if self.shows == Content::Sample && !self.found.as_ref().is_some_and(of_same_pixels) {
             self.shows = Content::Nothing;
         }
         self.found = None;
+        let mirrored = self.mirrors(view, turn);
         self.commands.run(|record| {
-            self.find.record(record, &self.geometry, &self.objects);
+            self.find.record(record, &self.geometry, &self.objects, mirrored);
             Ok(())
         })?;
         self.found = self.written.clone();

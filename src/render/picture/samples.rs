@@ -1,10 +1,11 @@
 //! Pictures that are the mean of samples, one sample after the other.
 
-use super::{Content, Finish, Painter, Picture, Written};
+use super::{Content, Drawn, Finish, Painter, Picture, Written};
 use crate::error::Result;
 use crate::render::accumulate::Accumulation;
 use crate::render::frame::{Shown, View};
 use crate::render::sampling::Sampling;
+use crate::render::turns::{Group, Turn, Turns};
 
 /// What the samples in a sum are of.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,25 +18,24 @@ pub(super) struct Summed {
 }
 
 impl Summed {
-    /// The sample that was added last.
-    pub fn last(&self) -> Written {
-        let sample = self.sampling.sample(self.samples.saturating_sub(1));
-        Written { view: self.view.clone(), sample, size: self.size }
+    /// Its first turn, the `Frame` block of which has all that the display of the mean asks for.
+    pub fn first(&self) -> Written {
+        Written { view: self.view.clone(), turn: Turn::of_all(0, self.sampling.sample(0)), size: self.size }
     }
 }
 
-/// What a picture has after a sample was added.
+/// What a picture has after samples were added.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Added {
     /// Samples that the picture is the mean of.
     pub samples: u32,
-    /// Milliseconds that the device took for the sample: geometry and shading; addition and display.
+    /// Milliseconds that the device took for those that were added: geometry and shading; addition and display.
     pub times: [f64; 2],
 }
 
 impl Painter {
-    /// Draws all samples of `view`, shown as `shown` says, and reads the picture back. Tells `progress` after each how many are done; what it
-    /// returns as an error ends the picture.
+    /// Draws all samples of `view`, shown as `shown` says, and reads the picture back. Tells `progress` how many are done; what it returns
+    /// as an error ends the picture.
     ///
     /// # Errors
     /// Where the device is lost or has no room for the sum, and what `progress` returns.
@@ -52,22 +52,25 @@ impl Painter {
         }
         let size = self.target.size();
         self.summed = None;
-        for before in 0..sampling.count {
-            let is_last = before + 1 == sampling.count;
-            self.add(view, sampling, is_last.then_some(shown), size, &mut |_| true)?;
-            progress(before + 1)?;
+        let turns = Turns::new(view, sampling);
+        let mut before = 0;
+        for group in turns.groups() {
+            let shown = Some(shown).filter(|_| before + group.samples >= sampling.count);
+            self.add(view, sampling, &group, shown, size, &mut |_| true)?;
+            before += group.samples;
+            progress(before)?;
         }
         self.picture()
     }
 
-    /// Adds the next sample of `view`, with `size` pixels in the corner of the pictures, to those that were drawn of the same view, sampling
+    /// Adds the next group of samples of `view`, with `size` pixels in the corner of the pictures, to those that were drawn of the same view, sampling
     /// and size; where there are none, the first. The display shows the mean so far. Shades in tiles as [`Self::draw_while`] does;
-    /// `None` where `go_on` said no: then the sample is not added, and the next call draws it anew. Once all samples are there, nothing
+    /// `None` where `go_on` said no: then nothing is added, and the next call draws it anew. Once all samples are there, nothing
     /// is drawn but the display.
     ///
     /// # Errors
     /// Where the device is lost or has no room for the sum.
-    pub fn add_sample(
+    pub fn add_samples(
         &mut self,
         view: &View,
         sampling: &Sampling,
@@ -81,33 +84,33 @@ impl Painter {
             self.display_again(size, shown)?;
             return Ok(Some(Added { samples: before, times: [0.0; 2] }));
         }
-        self.add(view, sampling, Some(shown), size, go_on)
+        let group = Turns::new(view, sampling).after(before);
+        self.add(view, sampling, &group, Some(shown), size, go_on)
     }
 
-    /// [`Self::add_sample`] where samples are left to add. The display keeps what it has unless the mean is to be `shown`.
+    /// Adds the next `group` as [`Self::add_samples`] does. The display keeps what it has unless the mean is to be `shown`.
     fn add(
         &mut self,
         view: &View,
         sampling: &Sampling,
+        group: &Group,
         shown: Option<Shown>,
         size: [u32; 2],
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<Added>> {
         if self.accumulation.is_none() {
-            self.accumulation =
-                Some(Accumulation::new(&self.device, &self.target, self.geometry.settings.depth_format())?);
+            self.accumulation = Some(Accumulation::new(&self.device, &self.target)?);
             self.point_around();
         }
         let before = self.samples_of(view, sampling, size);
         if before == 0 {
-            // Until its first sample is there, the sum is of nothing.
+            // Until its first samples are there, the sum is of nothing.
             self.forget();
         }
-        self.write(view, size, &sampling.sample(before))?;
-        let Some(times) = self.submit_tiles(size, Finish::Add { before, shown }, go_on)? else {
-            return Ok(None);
-        };
-        let samples = before + 1;
+        let drawn = Drawn { view, size, turns: &group.turns };
+        let finish = Finish::Add { before, samples: group.samples, shown };
+        let Some(times) = self.draw_tiles(drawn, finish, go_on)? else { return Ok(None) };
+        let samples = before + group.samples;
         match &mut self.summed {
             Some(summed) => summed.samples = samples,
             none => *none = Some(Summed { view: view.clone(), sampling: *sampling, size, samples }),

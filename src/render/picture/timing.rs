@@ -1,9 +1,10 @@
 //! The parts of a frame, each on its own clock.
 
-use super::Painter;
+use super::{Painter, shaded};
 use crate::error::Result;
 use crate::render::frame::{Shown, View, begin_shading, record_shading};
 use crate::render::sampling::Sampling;
+use crate::render::turns::{Turn, all_lights};
 use crate::vk::queries::Timestamps;
 use glam::DVec3;
 use std::time::Instant;
@@ -56,34 +57,58 @@ impl Painter {
         background: DVec3,
     ) -> Result<PassTimes> {
         let start = Instant::now();
-        let milliseconds = |since: Instant| since.elapsed().as_secs_f64() * 1e3;
-        self.write(view, self.target.size(), &Sampling::ONE.sample(0))?;
-        let parts = self.parts();
-        let (target, stamps) = (&self.target, &watch.timestamps);
-        let (find, objects, geometry) = (&self.find, &self.objects, &self.geometry);
-        let shaded: Vec<_> =
-            self.shadings.iter().map(|own| own.of(objects, self.lights_of(own, view))).collect();
         let mut times = PassTimes::default();
+        let turns = all_lights(view, Sampling::ONE.sample(0));
+        for (number, turn) in turns.iter().enumerate() {
+            self.write(view, self.target.size(), turn)?;
+            let is_last = number + 1 == turns.len();
+            let shown = is_last.then(|| Shown::plain(exposure, background));
+            self.time_turn(&watch.timestamps, (view, turn), shown, &mut times)?;
+        }
+        times.wall = milliseconds(start);
+        Ok(times)
+    }
+
+    /// Draws a `turn` of `view`, which was written, displays it where it is to be `shown`, and adds what its parts take to `times`.
+    fn time_turn(
+        &mut self,
+        stamps: &Timestamps,
+        (view, turn): (&View, &Turn),
+        shown: Option<Shown>,
+        times: &mut PassTimes,
+    ) -> Result<()> {
+        let parts = self.parts();
+        let (target, find, geometry, objects) = (&self.target, &self.find, &self.geometry, &self.objects);
+        let mirrored = self.mirrors(view, turn);
+        let shaded = shaded(&self.shadings, objects, view, turn, mirrored);
         self.commands.run(|record| {
             let begin = Instant::now();
             record.reset(stamps);
             record.timestamp(stamps, 0);
-            find.record(record, geometry, objects);
+            find.record(record, geometry, objects, mirrored);
             record.timestamp(stamps, 1);
-            begin_shading(record, (geometry, target));
-            record_shading(record, (geometry, target), &shaded, 0..parts);
+            if turn.is_first {
+                begin_shading(record, target);
+            }
+            record_shading(record, (geometry, target), &shaded, 0..parts, turn.is_first);
             record.timestamp(stamps, 2);
-            super::record_display(record, target, |record| {
-                let shown = Shown::plain(exposure, background);
-                self.display.record(record, (&self.geometry, target), &target.display, shown);
-            });
+            if let Some(shown) = shown {
+                super::record_display(record, target, |record| {
+                    self.display.record(record, (geometry, target), &target.display, shown);
+                });
+            }
             record.timestamp(stamps, 3);
-            times.record = milliseconds(begin);
+            times.record += milliseconds(begin);
             Ok(())
         })?;
-        times.wall = milliseconds(start);
         let passes = stamps.intervals()?;
-        (times.geometry, times.shade, times.display) = (passes[0], passes[1], passes[2]);
-        Ok(times)
+        times.geometry += passes[0];
+        times.shade += passes[1];
+        times.display += passes[2];
+        Ok(())
     }
+}
+
+fn milliseconds(since: Instant) -> f64 {
+    since.elapsed().as_secs_f64() * 1e3
 }

@@ -109,34 +109,37 @@ impl BoundSource {
         Ok(())
     }
 
-    /// The shading stage of what the geometry pass finds by its `settings`.
-    pub(in crate::render) fn shade_constants(&self, settings: GeometrySettings) -> Vec<Constant> {
+    /// The shading stage of what the geometry pass finds by its `settings` under a light that is drawn from surroundings whose specular order is
+    /// `mirrored`, or under another.
+    pub(in crate::render) fn shade_constants(
+        &self,
+        settings: GeometrySettings,
+        mirrored: bool,
+    ) -> Vec<Constant> {
         /// Constants of `shade.frag`.
-        const LIGHTS: u32 = 0;
-        const MARKED: u32 = 1;
-        const OWN_REFLECTANCE: u32 = 2;
-        const NORMAL_OF_PIGMENT: u32 = 3;
-        const MIRRORED: u32 = 4;
-        const LAMPS: u32 = 5;
+        const MARKED: u32 = 0;
+        const OWN_REFLECTANCE: u32 = 1;
+        const NORMAL_OF_PIGMENT: u32 = 2;
+        const MIRRORED: u32 = 3;
+        const LAMPS: u32 = 4;
         let own = [
-            Constant::new(LIGHTS, settings.lights as u32),
             Constant::new(MARKED, self.asks_what_is_covered),
             Constant::new(OWN_REFLECTANCE, self.normal_of_pigment.is_some()),
             Constant::float(NORMAL_OF_PIGMENT, self.normal_of_pigment.unwrap_or_default()),
-            Constant::new(MIRRORED, settings.mirrored),
+            Constant::new(MIRRORED, mirrored),
             Constant::new(LAMPS, settings.lamps),
         ];
         [own.as_slice(), &self.constants].concat()
     }
 
-    /// Parts of the sum of a pixel that the geometry pass found by its `settings`.
-    pub(in crate::render) fn parts(&self, settings: GeometrySettings) -> u32 {
-        self.iterations.parts_of_pixel(settings.lights + usize::from(settings.mirrored))
+    /// Parts of the sum of a pixel under one light, where surroundings are among the lights or not.
+    pub(in crate::render) fn parts(&self, surrounded: bool) -> u32 {
+        self.iterations.parts_of_pixel(1 + usize::from(surrounded))
     }
 
     /// Loop iterations of the sum of such a pixel, at most.
-    pub(in crate::render) fn iterations_of_pixel(&self, settings: GeometrySettings) -> usize {
-        self.iterations.of_pixel(settings.lights + usize::from(settings.mirrored))
+    pub(in crate::render) fn iterations_of_pixel(&self, surrounded: bool) -> usize {
+        self.iterations.of_pixel(1 + usize::from(surrounded))
     }
 
     /// Constants of the source alone.

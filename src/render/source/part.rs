@@ -27,12 +27,12 @@ impl Iterations {
         parts(self.of_tap)
     }
 
-    /// Parts of the sum of a pixel under so many directions of light.
+    /// Parts of the sums of a pixel for so many directions of light.
     pub fn parts_of_pixel(&self, lights: usize) -> u32 {
         parts(self.of_pixel(lights))
     }
 
-    /// Iterations of a pixel under so many directions of light, at most.
+    /// Iterations of a pixel for so many directions of light, at most.
     pub fn of_pixel(&self, lights: usize) -> usize {
         self.of_tap * self.taps * lights
     }

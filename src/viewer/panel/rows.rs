@@ -107,8 +107,8 @@ rows! {
     SURROUNDINGS = SettingRow::setting("surroundings", "--rotate-environment, --environment-exposure", "How far the surroundings are turned about the vertical, in degrees, and how much brighter they are, in stops (EV). Shift + right drag on the picture turns them.")
         .copied(|to, from| to.surroundings = from.surroundings);
     LIGHT_SPECTRUM = SettingRow::setting("spectrum of a light", "--light ...@a", "The spectrum of this light alone. Without one it has that of the illuminant. A colour table is made for each spectrum.");
-    ADD_LIGHT = SettingRow::setting("add a light", "--light", "Four lights at most, three beside surroundings.");
-    ADD_LAMP = SettingRow::setting("add a lamp", "--light sphere:", "A sphere that shines, above the scene. Three lights at most where one is a lamp, two beside surroundings.");
+    ADD_LIGHT = SettingRow::setting("add a light", "--light", "A point of the sky that shines on the whole scene.");
+    ADD_LAMP = SettingRow::setting("add a lamp", "--light sphere:", "A sphere that shines, above the scene.");
     DEVICE = SettingRow::setting("device", "--device, --present", "The device that draws, and how frames reach the display.");
     FRAME = SettingRow::other("frame time", "Time from the request of a frame to its picture: median and 95th percentile of the last 120.");
     TEXTURE = SettingRow::other("texture", "Size of the spectra or colours on the device.");

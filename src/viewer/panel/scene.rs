@@ -6,14 +6,13 @@ use crate::optics::color::Tone;
 use crate::optics::spectrum::BUILT_IN as BUILT_IN_SPECTRA;
 use crate::scene::environment::Placement;
 use crate::scene::lamp::{Lamp, LampShape, Strength};
-use crate::scene::light::{LightSpectrum, most_lights};
+use crate::scene::light::LightSpectrum;
 use crate::scene::scene_file::BUILT_IN;
 use crate::scene::{Emitter, FarLight, Light, Room};
 use crate::viewer::compare::Compare;
 use crate::viewer::model::Model;
 use crate::viewer::settings::ViewSettings;
 use egui::{ComboBox, Ui};
-use std::slice;
 
 /// Shows scene, exposure, tone mapping and pigment.
 pub fn show(ui: &mut Ui, model: &mut Model) {
@@ -91,7 +90,7 @@ fn base_color(ui: &mut Ui, settings: &mut ViewSettings) {
 /// Shows the lights.
 pub fn lights(ui: &mut Ui, model: &mut Model) {
     section(ui, "Lights", |ui| {
-        let around = usize::from(model.loaded.scene.environment.is_some());
+        let surrounded = model.loaded.scene.environment.is_some();
         let bounds = model.loaded.scene.bounds();
         let room = Room { centre: bounds.centre.as_dvec3(), unit: model.loaded.scene.unit };
         let lights = &mut model.settings.lights;
@@ -113,7 +112,7 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
         if let Some(index) = removed {
             lights.remove(index);
         }
-        if around > 0 {
+        if surrounded {
             surroundings(ui, &mut model.settings.surroundings);
         }
         let radius = f64::from(bounds.radius);
@@ -138,11 +137,8 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
         let mut added = None;
         ui.horizontal(|ui| {
             for (row, make) in new {
-                let light = make();
-                let all = [lights.as_slice(), slice::from_ref(&light)].concat();
-                let fits = all.len() + around <= most_lights(&all);
-                if fits && ui.small_button(row.label).on_hover_text(row.help()).clicked() {
-                    added = Some(light);
+                if ui.small_button(row.label).on_hover_text(row.help()).clicked() {
+                    added = Some(make());
                 }
             }
         });

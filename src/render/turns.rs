@@ -1,0 +1,170 @@
+//! Which lights the samples of a picture draw.
+//!
+//! Light from all around changes less from sample to sample than that of a lamp or of the sun, and takes as long to draw. So in a picture of many
+//! samples every sample draws the lights, and every fourth draws the surroundings, too, four times as brightly.
+
+use super::frame::View;
+use super::sampling::{Sample, Sampling};
+
+/// Samples for one that draws surroundings beside other lights.
+///
+/// In the default picture the sun makes forty times the noise that the sky makes (docs/decisions/0015-lights-one-after-the-other.md).
+const EVERY: u32 = 4;
+/// Fewest samples that draw the surroundings where not all do: fewer are too few to stand for all directions.
+const FEWEST: u32 = 4;
+
+/// A light as a sample of a picture draws it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// Number of the light.
+    pub light: usize,
+    /// The sample: its place in the pixel, and its number among the samples that draw this light.
+    pub sample: Sample,
+    /// How much brighter the light is drawn than it is: samples of the picture over those that draw this light.
+    pub weight: f64,
+    /// Whether it is the first light of its sample, so that the pixels which the sample covers are counted once.
+    pub is_first: bool,
+}
+
+impl Turn {
+    /// Light number `light` of a `sample` of a picture whose samples draw all lights.
+    pub const fn of_all(light: usize, sample: Sample) -> Self {
+        Self { light, sample, weight: 1.0, is_first: light == 0 }
+    }
+}
+
+/// All lights of `view` in one `sample`; of a view without any light, one that is dark.
+pub fn all_lights(view: &View, sample: Sample) -> Vec<Turn> {
+    (0..view.light_count().max(1)).map(|light| Turn::of_all(light, sample)).collect()
+}
+
+/// Samples that are drawn together: their mean shows all lights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// What they draw, one after the other.
+    pub turns: Vec<Turn>,
+    /// Number of samples.
+    pub samples: u32,
+}
+
+/// What the samples of a picture draw.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Turns {
+    sampling: Sampling,
+    /// Lights that every sample draws.
+    lights: usize,
+    /// Number of the surroundings, where some samples draw them and others do not.
+    seldom: Option<usize>,
+}
+
+impl Turns {
+    /// For pictures of `view` by `sampling`.
+    pub fn new(view: &View, sampling: &Sampling) -> Self {
+        let others = view.lights.len();
+        let enough = others > 0 && sampling.count >= FEWEST * EVERY;
+        let seldom = (view.is_surroundings(others) && enough).then_some(others);
+        // A view without any light shows dark objects.
+        let lights = if seldom.is_some() { others } else { view.light_count().max(1) };
+        Self { sampling: *sampling, lights, seldom }
+    }
+
+    /// Samples that are drawn together, but for the last of a picture.
+    fn group_size(&self) -> u32 {
+        if self.seldom.is_some() { EVERY } else { 1 }
+    }
+
+    /// What is drawn after the first `before` samples, which are of whole groups.
+    pub fn after(&self, before: u32) -> Group {
+        let samples = self.group_size().min(self.sampling.count.max(1).saturating_sub(before));
+        let lights =
+            |index| (0..self.lights).map(move |light| Turn::of_all(light, self.sampling.sample(index)));
+        let mut turns: Vec<Turn> = (before..before + samples).flat_map(lights).collect();
+        turns.extend(
+            self.seldom.filter(|_| samples > 0).map(|light| self.surroundings(light, before / EVERY)),
+        );
+        Group { turns, samples }
+    }
+
+    /// All groups of a picture.
+    pub fn groups(&self) -> impl Iterator<Item = Group> {
+        let firsts = (0..self.sampling.count.max(1)).step_by(self.group_size() as usize);
+        firsts.map(|before| self.after(before))
+    }
+
+    /// The surroundings, light number `light`, in group number `group`.
+    ///
+    /// They look at the places of the first samples, one group after the other: those are as evenly spread over the pixel as all are, where every
+    /// fourth would be of one quarter of it. And what they cover the lights have covered before.
+    fn surroundings(&self, light: usize, group: u32) -> Turn {
+        let count = self.sampling.count.div_ceil(EVERY);
+        let sample = Sample { count, ..self.sampling.sample(group) };
+        let weight = f64::from(self.sampling.count) / f64::from(count);
+        Turn { light, sample, weight, is_first: false }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Environment, Light, Scene};
+    use glam::Vec3;
+
+    fn view(lights: usize, surrounded: bool) -> View {
+        let scene = Scene::open("plate").unwrap();
+        let environment = surrounded.then(|| Environment::of(&|_| Vec3::ONE));
+        let light = |number| Light::point(30.0, 40.0 * number as f64, 1.0);
+        View { environment, ..View::of(&scene, (0..lights).map(light).collect()) }
+    }
+
+    #[test]
+    fn few_samples_draw_all_lights_and_so_do_those_without_surroundings_or_with_nothing_else() {
+        for (lights, surrounded, count) in
+            [(0, false, 64), (1, false, 64), (5, false, 64), (0, true, 64), (1, true, 15), (2, true, 1)]
+        {
+            let (view, sampling) = (view(lights, surrounded), Sampling { count, seed: 5 });
+            let groups: Vec<Group> = Turns::new(&view, &sampling).groups().collect();
+            assert_eq!(groups.len(), count as usize);
+            for (index, group) in groups.into_iter().enumerate() {
+                let turns = all_lights(&view, sampling.sample(index as u32));
+                assert_eq!(group, Group { turns, samples: 1 });
+            }
+        }
+    }
+
+    #[test]
+    fn of_many_samples_every_fourth_draws_the_surroundings_as_brightly_as_all_would() {
+        for (lights, count) in [(1, 16), (1, 64), (1, 50), (3, 29)] {
+            let (view, sampling) = (view(lights, true), Sampling { count, seed: 1 });
+            let groups: Vec<Group> = Turns::new(&view, &sampling).groups().collect();
+            assert_eq!(groups.iter().map(|group| group.samples).sum::<u32>(), count);
+            let all: Vec<Turn> = groups.iter().flat_map(|group| group.turns.clone()).collect();
+            assert_eq!(all.iter().filter(|turn| turn.is_first).count(), count as usize);
+            for light in 0..view.light_count() {
+                let own: Vec<&Turn> = all.iter().filter(|turn| turn.light == light).collect();
+                let weights: f64 = own.iter().map(|turn| turn.weight).sum();
+                assert!((weights - f64::from(count)).abs() < 1e-9, "{count}: {weights}");
+                let numbers: Vec<u32> = own.iter().map(|turn| turn.sample.index).collect();
+                assert_eq!(numbers, (0..own.len() as u32).collect::<Vec<_>>());
+                assert!(own.iter().all(|turn| turn.sample.count == own.len() as u32));
+                let places = |turn: &&Turn| sampling.sample(turn.sample.index).jitter == turn.sample.jitter;
+                assert!(own.iter().all(places));
+                let seldom = view.is_surroundings(light);
+                assert_eq!(own.len() as u32, if seldom { count.div_ceil(EVERY) } else { count });
+                let in_group =
+                    |group: &Group| group.turns.iter().filter(|turn| turn.light == light).count() as u32;
+                assert!(groups.iter().all(|group| in_group(group) == if seldom { 1 } else { group.samples }));
+            }
+        }
+    }
+
+    #[test]
+    fn a_picture_goes_on_where_it_was() {
+        let turns = Turns::new(&view(1, true), &Sampling { count: 18, seed: 0 });
+        let mut before = 0;
+        for group in turns.groups() {
+            assert_eq!(turns.after(before), group);
+            before += group.samples;
+        }
+        assert_eq!((before, turns.after(16).samples, turns.after(18).turns.len()), (18, 2, 0));
+    }
+}
