@@ -13,7 +13,7 @@ use std::path::Path;
 /// A picture file's format, by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// 8-bit sRGB, as displayed over the background; alpha is the coverage.
+    /// 8-bit sRGB, as displayed over the background; alpha is the coverage, or 1 where the background is surroundings.
     Png,
     /// Linear radiance, signed 32-bit float RGBA, before exposure; alpha is the coverage, and colours are premultiplied by it.
     Exr,
@@ -127,10 +127,11 @@ fn png(file: &mut impl Write, picture: &Picture, notes: &Notes) -> std::result::
 }
 
 /// RGBA of a PNG: what is displayed, over the background, and in alpha how much of each pixel the mesh covers. A program that drops alpha
-/// shows the whole picture with smooth edges.
+/// shows the whole picture with smooth edges. Surroundings are opaque: they are seen in every program.
 fn codes(picture: &Picture) -> Vec<u8> {
     let pixels = picture.display.iter().zip(&picture.radiance);
-    pixels.flat_map(|(&[r, g, b, _], radiance)| [r, g, b, (radiance[3] * 255.0).round() as u8]).collect()
+    let alpha = |coverage: f32| if picture.surrounded { 255 } else { (coverage * 255.0).round() as u8 };
+    pixels.flat_map(|(&[r, g, b, _], radiance)| [r, g, b, alpha(radiance[3])]).collect()
 }
 
 fn exr(file: &mut (impl Write + Seek), picture: &Picture, notes: &Notes) -> std::result::Result<(), IoError> {
@@ -177,6 +178,7 @@ mod tests {
             size,
             radiance: (0..count).map(|i| [number(i), -number(i + 1), 2.0, (i % 5) as f32 / 4.0]).collect(),
             display: (0..count).map(|i| [i as u8, (i / 7) as u8, 3, 255]).collect(),
+            surrounded: false,
         }
     }
 

@@ -22,7 +22,7 @@ use crate::render::reference_picture::{self, ReferenceObject, displayed_of, refe
 use crate::render::sampling::Sampling;
 use crate::render::sequence::Sequence;
 use crate::render::source::{ClassicalGrating, Source};
-use crate::render::turns::{Turn, Turns};
+use crate::render::turns::Turn;
 use crate::scene::Scene;
 use crate::setup::{self, InUse, Method, ObjectSurface, PictureSettings, PreparedScene, Settings};
 use crate::surface::HeightField;
@@ -48,7 +48,8 @@ pub struct Arguments {
     /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
     scene: OsString,
-    /// Where the picture goes: .png as displayed, .exr linear and signed, premultiplied; alpha is the coverage of the pixel
+    /// Where the picture goes: .png as displayed, .exr linear and signed, premultiplied; alpha is the coverage of the pixel, in a .png before
+    /// surroundings 1
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Width and height in pixels
@@ -306,7 +307,7 @@ fn reference_picture(
     let chosen = match shaded {
         Some(count) => {
             let mut covered = BTreeSet::new();
-            for turn in Turns::new(view, sampling).groups().flat_map(|group| group.turns) {
+            for turn in view.turns(sampling).groups().flat_map(|group| group.turns) {
                 covered.extend(reference_picture::covered(&[directions(&turn)?]));
             }
             let covered: Vec<usize> = covered.into_iter().collect();
@@ -323,5 +324,6 @@ fn reference_picture(
     }
     let radiance = reference_mean(&objects, view, sampling, &mut directions, &chosen, progress)?;
     let display = displayed_of(view, settings.size, &radiance, shown);
-    Ok(Picture { size: settings.size, radiance, display })
+    let surrounded = view.background().is_some();
+    Ok(Picture { size: settings.size, radiance, display, surrounded })
 }

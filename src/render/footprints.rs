@@ -8,7 +8,7 @@ use super::pigment::Pigment;
 use super::sampling::Sampling;
 use super::shading::Shading;
 use super::source::{ClassicalGrating, Source};
-use super::turns::{Turn, Turns};
+use super::turns::Turn;
 use crate::error::Result;
 use crate::optics::footprint::FootprintSizes;
 use crate::scene::Mesh;
@@ -105,7 +105,7 @@ pub fn sizes(
 
 /// The first turn of each light of `view`, at the centres of pixels.
 fn each_light(view: &View, sampling: &Sampling) -> Vec<Turn> {
-    let first = Turns::new(view, sampling).after(0).turns;
+    let first = view.turns(sampling).after(0).turns;
     let of = |light| first.iter().find(|turn| turn.light == light).copied();
     (0..view.light_count()).filter_map(of).collect()
 }

@@ -3,12 +3,13 @@
 use super::device_mesh::attributes;
 use super::frame_set::FrameBlock;
 use super::object::DeviceObject;
+use super::sampling::Sampling;
 use super::shader;
 use super::shadows::{self, Shadows};
 use super::source::BoundSource;
 use super::source::part::Part;
 use super::target::{self, Geometry, GeometrySettings, Target};
-use super::turns::Turn;
+use super::turns::{Turn, Turns};
 use crate::error::Result;
 use crate::optics::coherence::Coherence;
 use crate::optics::color::{self, Tone};
@@ -97,9 +98,19 @@ impl View {
         self.lights.len() + usize::from(self.environment.is_some())
     }
 
+    /// What the samples of a picture by `sampling` draw.
+    pub fn turns(&self, sampling: &Sampling) -> Turns {
+        Turns::new(self.lights.len(), self.environment.as_ref().map(Environment::extent), sampling)
+    }
+
     /// Whether light number `light` is the surroundings.
     pub fn is_surroundings(&self, light: usize) -> bool {
         light == self.lights.len() && self.environment.is_some()
+    }
+
+    /// The surroundings, where they are displayed as the background.
+    pub fn background(&self) -> Option<&Environment> {
+        self.environment.as_ref().filter(|_| self.shows_surroundings)
     }
 
     /// The illuminant of light number `light`, where it has one of its own.

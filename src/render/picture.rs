@@ -171,6 +171,8 @@ pub struct Picture {
     pub radiance: Vec<[f32; 4]>,
     /// What is displayed, sRGB-encoded and opaque RGBA: the mesh over the background.
     pub display: Vec<[u8; 4]>,
+    /// Whether the background is surroundings, which belong to the picture as the mesh does.
+    pub surrounded: bool,
 }
 
 impl Painter {
@@ -329,7 +331,7 @@ impl Painter {
             lamps: view.has_lamps(),
             ..self.geometry.settings
         })?;
-        let shown = view.environment.as_ref().filter(|_| view.shows_surroundings);
+        let shown = view.background();
         if shown.is_some() && self.around.is_none() {
             let depth_format = self.geometry.settings.depth_format();
             self.around = Some(AroundPass::new(&self.device, &self.objects[0].frame, depth_format)?);
@@ -413,7 +415,7 @@ impl Painter {
     /// # Errors
     /// Where the device is lost.
     pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<[f64; 2]> {
-        let drawn = Drawn { view, size: self.target.size(), turns: &all_lights(view, *sample) };
+        let drawn = Drawn { view, size: self.target.size(), turns: &all_lights(view.light_count(), *sample) };
         self.draw_whole(drawn, Finish::Display(shown))
     }
 
@@ -430,7 +432,7 @@ impl Painter {
         size: [u32; 2],
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<f64>> {
-        let drawn = Drawn { view, size, turns: &all_lights(view, Sampling::ONE.sample(0)) };
+        let drawn = Drawn { view, size, turns: &all_lights(view.light_count(), Sampling::ONE.sample(0)) };
         let times = self.draw_tiles(drawn, Finish::Display(shown), go_on)?;
         Ok(times.map(|times| times[0] + times[1]))
     }
@@ -665,7 +667,17 @@ impl Painter {
             None => self.read(&self.target.radiance, PictureArea::All)?,
         };
         let display = target::read_back(&self.device, &self.target.display, Access::ShaderRead)?;
-        Ok(Picture { size: self.target.size(), radiance, display: bytemuck::pod_collect_to_vec(&display) })
+        let view = match self.shows {
+            Content::Sample => self.found.as_ref().map(|found| &found.view),
+            Content::Mean => self.summed.as_ref().map(|summed| &summed.view),
+            Content::Nothing | Content::PictureArea => None,
+        };
+        Ok(Picture {
+            size: self.target.size(),
+            radiance,
+            display: bytemuck::pod_collect_to_vec(&display),
+            surrounded: view.is_some_and(|view| view.background().is_some()),
+        })
     }
 
     /// Writes the `Frame` block of `view` for a `turn` in pictures of `size`.

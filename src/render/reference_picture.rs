@@ -4,7 +4,7 @@ use super::directions::Directions;
 use super::frame::{Shown, View};
 use super::sampling::Sampling;
 use super::shading::Shading;
-use super::turns::{Group, Turn, Turns};
+use super::turns::{Group, Turn};
 use crate::brdf::mean::{MeanBrdf, SummedOrders, TabulatedMean};
 use crate::brdf::without_cosine;
 use crate::error::Result;
@@ -216,7 +216,7 @@ pub fn displayed(radiance: &[[f32; 4]], shown: Shown) -> Vec<[u8; 4]> {
 
 /// The same before the surroundings of `view`, of `size` pixels, where it shows them.
 pub fn displayed_of(view: &View, size: [u32; 2], radiance: &[[f32; 4]], shown: Shown) -> Vec<[u8; 4]> {
-    let Some(environment) = view.environment.as_ref().filter(|_| view.shows_surroundings) else {
+    let Some(environment) = view.background() else {
         return displayed(radiance, shown);
     };
     let world = view.clip_from_world(size).as_dmat4().inverse();
@@ -283,7 +283,7 @@ pub fn reference_mean(
         references.push((reference, View { base_color, ..view.clone() }));
     }
     let mut sum: Vec<DVec4> = Vec::new();
-    let turns = Turns::new(view, sampling);
+    let turns = view.turns(sampling);
     let groups: Vec<Group> = turns.groups().collect();
     let turns: Vec<Turn> = groups.into_iter().flat_map(|group| group.turns).collect();
     for (place, turn) in turns.iter().enumerate() {

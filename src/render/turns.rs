@@ -1,15 +1,18 @@
 //! Which lights the samples of a picture draw.
 //!
 //! Light from all around changes less from sample to sample than that of a lamp or of the sun, and takes as long to draw. So in a picture of many
-//! samples every sample draws the lights, and every fourth draws the surroundings, too, four times as brightly.
+//! samples every sample draws the lights, and every fourth draws such surroundings, too, four times as brightly.
 
-use super::frame::View;
 use super::sampling::{Sample, Sampling};
+use std::f64::consts::PI;
 
 /// Samples for one that draws surroundings beside other lights.
 ///
 /// In the default picture the sun makes forty times the noise that the sky makes (docs/decisions/0015-lights-one-after-the-other.md).
 const EVERY: u32 = 4;
+/// Solid angle from which light comes from all around \[sr\]: that of half a hemisphere. An overcast sky has 6, a room with lamps and windows, which make colours
+/// of their own, less than 1.
+const ALL_AROUND: f64 = PI;
 /// Fewest samples that draw the surroundings where not all do: fewer are too few to stand for all directions.
 const FEWEST: u32 = 4;
 
@@ -33,9 +36,9 @@ impl Turn {
     }
 }
 
-/// All lights of `view` in one `sample`; of a view without any light, one that is dark.
-pub fn all_lights(view: &View, sample: Sample) -> Vec<Turn> {
-    (0..view.light_count().max(1)).map(|light| Turn::of_all(light, sample)).collect()
+/// All of `lights` lights in one `sample`; where there are none, one that is dark.
+pub fn all_lights(lights: usize, sample: Sample) -> Vec<Turn> {
+    (0..lights.max(1)).map(|light| Turn::of_all(light, sample)).collect()
 }
 
 /// Samples that are drawn together: their mean shows all lights.
@@ -58,13 +61,13 @@ pub struct Turns {
 }
 
 impl Turns {
-    /// For pictures of `view` by `sampling`.
-    pub fn new(view: &View, sampling: &Sampling) -> Self {
-        let others = view.lights.len();
+    /// For pictures by `sampling` under `others` lights, beside surroundings whose light comes from this `extent` \[sr\] where there are any.
+    pub fn new(others: usize, extent: Option<f64>, sampling: &Sampling) -> Self {
+        let even = extent.is_some_and(|extent| extent >= ALL_AROUND);
         let enough = others > 0 && sampling.count >= FEWEST * EVERY;
-        let seldom = (view.is_surroundings(others) && enough).then_some(others);
-        // A view without any light shows dark objects.
-        let lights = if seldom.is_some() { others } else { view.light_count().max(1) };
+        let seldom = (even && enough).then_some(others);
+        // Without any light, objects are dark.
+        let lights = if seldom.is_some() { others } else { (others + usize::from(extent.is_some())).max(1) };
         Self { sampling: *sampling, lights, seldom }
     }
 
@@ -106,14 +109,20 @@ impl Turns {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Environment, Light, Scene};
-    use glam::Vec3;
+    use crate::scene::Environment;
 
-    fn view(lights: usize, surrounded: bool) -> View {
-        let scene = Scene::open("plate").unwrap();
-        let environment = surrounded.then(|| Environment::of(&|_| Vec3::ONE));
-        let light = |number| Light::point(30.0, 40.0 * number as f64, 1.0);
-        View { environment, ..View::of(&scene, (0..lights).map(light).collect()) }
+    /// Of a picture under so many lights, below a sky where it is surrounded.
+    fn turns(others: usize, surrounded: bool, sampling: &Sampling) -> Turns {
+        Turns::new(others, surrounded.then_some(6.0), sampling)
+    }
+
+    #[test]
+    fn surroundings_of_small_bright_parts_are_drawn_by_every_sample() {
+        for (name, groups) in [("sky", 16), ("studio", 64)] {
+            let extent = Environment::open(name).unwrap().extent();
+            let turns = Turns::new(1, Some(extent), &Sampling { count: 64, seed: 0 });
+            assert_eq!(turns.groups().count(), groups, "{name}");
+        }
     }
 
     #[test]
@@ -121,11 +130,11 @@ mod tests {
         for (lights, surrounded, count) in
             [(0, false, 64), (1, false, 64), (5, false, 64), (0, true, 64), (1, true, 15), (2, true, 1)]
         {
-            let (view, sampling) = (view(lights, surrounded), Sampling { count, seed: 5 });
-            let groups: Vec<Group> = Turns::new(&view, &sampling).groups().collect();
+            let sampling = Sampling { count, seed: 5 };
+            let groups: Vec<Group> = turns(lights, surrounded, &sampling).groups().collect();
             assert_eq!(groups.len(), count as usize);
             for (index, group) in groups.into_iter().enumerate() {
-                let turns = all_lights(&view, sampling.sample(index as u32));
+                let turns = all_lights(lights + usize::from(surrounded), sampling.sample(index as u32));
                 assert_eq!(group, Group { turns, samples: 1 });
             }
         }
@@ -134,12 +143,12 @@ mod tests {
     #[test]
     fn of_many_samples_every_fourth_draws_the_surroundings_as_brightly_as_all_would() {
         for (lights, count) in [(1, 16), (1, 64), (1, 50), (3, 29)] {
-            let (view, sampling) = (view(lights, true), Sampling { count, seed: 1 });
-            let groups: Vec<Group> = Turns::new(&view, &sampling).groups().collect();
+            let sampling = Sampling { count, seed: 1 };
+            let groups: Vec<Group> = turns(lights, true, &sampling).groups().collect();
             assert_eq!(groups.iter().map(|group| group.samples).sum::<u32>(), count);
             let all: Vec<Turn> = groups.iter().flat_map(|group| group.turns.clone()).collect();
             assert_eq!(all.iter().filter(|turn| turn.is_first).count(), count as usize);
-            for light in 0..view.light_count() {
+            for light in 0..=lights {
                 let own: Vec<&Turn> = all.iter().filter(|turn| turn.light == light).collect();
                 let weights: f64 = own.iter().map(|turn| turn.weight).sum();
                 assert!((weights - f64::from(count)).abs() < 1e-9, "{count}: {weights}");
@@ -148,7 +157,7 @@ mod tests {
                 assert!(own.iter().all(|turn| turn.sample.count == own.len() as u32));
                 let places = |turn: &&Turn| sampling.sample(turn.sample.index).jitter == turn.sample.jitter;
                 assert!(own.iter().all(places));
-                let seldom = view.is_surroundings(light);
+                let seldom = light == lights;
                 assert_eq!(own.len() as u32, if seldom { count.div_ceil(EVERY) } else { count });
                 let in_group =
                     |group: &Group| group.turns.iter().filter(|turn| turn.light == light).count() as u32;
@@ -159,7 +168,7 @@ mod tests {
 
     #[test]
     fn a_picture_goes_on_where_it_was() {
-        let turns = Turns::new(&view(1, true), &Sampling { count: 18, seed: 0 });
+        let turns = turns(1, true, &Sampling { count: 18, seed: 0 });
         let mut before = 0;
         for group in turns.groups() {
             assert_eq!(turns.after(before), group);

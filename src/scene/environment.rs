@@ -127,6 +127,8 @@ struct EnvironmentMap {
     radiance: Vec<Vec3>,
     /// How bright its pixels are.
     light: LightSums,
+    /// As [`Environment::extent`].
+    extent: f64,
     /// Cosine and sine of the azimuth of each column.
     azimuths: Vec<DVec2>,
 }
@@ -161,6 +163,11 @@ impl Environment {
     /// Surroundings of this radiance, linear sRGB, over directions.
     pub fn of(radiance: &dyn Fn(DVec3) -> Vec3) -> Self {
         Self::showing("", EnvironmentMap::of(WIDTH, radiance))
+    }
+
+    /// Solid angle that the light comes from \[sr\]: that of an even light which is as bright in all and on average, each direction as much as it is bright.
+    pub fn extent(&self) -> f64 {
+        self.picture.extent
     }
 
     /// What sample number `index` of `count` gets: the light of its own cell, one of as many as there are samples, from the middle of it. Cells have about
@@ -284,7 +291,12 @@ impl EnvironmentMap {
             brightness(radiance.as_dvec3()) * solid_angle(i / width, [width, height])
         };
         let light: Vec<f64> = radiance.iter().enumerate().map(light).collect();
-        Self { width, height, radiance, light: LightSums::new(width, &light), azimuths: azimuths(width) }
+        let all: f64 = light.iter().sum();
+        let weighed: f64 =
+            radiance.iter().zip(&light).map(|(c, light)| brightness(c.as_dvec3()) * light).sum();
+        let extent = if weighed > 0.0 { all.powi(2) / weighed } else { 0.0 };
+        let (light, azimuths) = (LightSums::new(width, &light), azimuths(width));
+        Self { width, height, radiance, light, extent, azimuths }
     }
 
     /// The direction of the middle of a pixel, not turned.

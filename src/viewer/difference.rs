@@ -96,7 +96,7 @@ mod tests {
             [r, g, b, 255]
         };
         let display = radiance.iter().map(shown).collect();
-        Picture { size, radiance, display }
+        Picture { size, radiance, display, surrounded: false }
     }
 
     #[test]

@@ -160,8 +160,6 @@ fn a_map_has_to_be_square_and_of_a_known_format() {
     {
         sandbox.run2(&["brdf", "flat", "--light", "30,0"], more).refused(2);
     }
-    let lights = ["--light", "1,1"].repeat(5);
-    sandbox.run2(&["brdf", "flat", "-o", "m.png"], &lights).refused(2);
 }
 
 /// ∫ f cos θ_r dω_r over the pixels of a map that `keep` takes: cos θ dω is the area on the disc of direction cosines.

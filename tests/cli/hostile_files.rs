@@ -180,7 +180,6 @@ fn bad_scenes_are_refused_by_name() {
         (with("\"flat\"", "\"/dev/zero\""), "/dev/zero"),
         (with("\"40,180,2\"", "\"40\""), "40"),
         (with("\"40,180,2\"", "40"), "line 3"),
-        (with("[\"40,180,2\"]", "[\"1,1\",\"1,1\",\"1,1\",\"1,1\",\"1,1\"]"), "lights"),
         (with("35deg", "35"), "35"),
         (with("35deg", "0deg"), "field of view"),
         (with("35deg", "NaNdeg"), ""),

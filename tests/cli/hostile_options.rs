@@ -339,7 +339,6 @@ fn absurd_but_sound_wishes_end_with_advice() {
         &["--windows", "1x1", "--coherence", "gaussian:100mm"][..],
         &["--height", "1m"],
         &["--tolerance", "1e-6", "--height", "3um"],
-        &["--light", "1,1", "--light", "1,1", "--light", "1,1", "--light", "1,1", "--light", "1,1"],
     ] {
         let mut arguments = sound(&["render"]);
         for option in more.iter().filter(|a| a.starts_with("--")) {

@@ -324,8 +324,23 @@ fn a_lamp_lights_what_is_near_it_and_surroundings_stand_behind_the_mesh() {
     refused(&["--light", "sphere:0:1,1,1"], "size '0'");
     refused(&["--light", "rectangle:1x1:1,1"], "write rectangle:WIDTHxHEIGHT");
     refused(&["--light", "sphere:1:0,0,1,-3W"], "strength '-3W'");
-    let lights = ["--light", "1,0", "--light", "2,0", "--light", "3,0", "--light", "sphere:1:0,0,3"];
-    refused(&lights, "where one is a lamp");
+    // Any number of lights: five as bright as a fifth each are as bright as one.
+    let brightness = |lights: &[&str]| {
+        render(&sandbox, "plate", "out.exr", &[&["--tolerance", "1e-1"], lights].concat());
+        exr(&sandbox, "out.exr").2.iter().map(|p| f64::from(p[1])).sum::<f64>()
+    };
+    let (five, one) = (["--light", "20,0,0.2"].repeat(5), ["--light", "20,0,1"]);
+    let ratio = brightness(&five) / brightness(&one);
+    assert!((ratio - 1.0).abs() < 1e-4, "{ratio}");
+    // Surroundings are opaque, so that every program shows them; a plain background is not.
+    let opaque = |background: &str| {
+        let more =
+            ["--tolerance", "1e-1", "--samples", "2", "--environment", "studio", "--background", background];
+        render(&sandbox, "sphere", "around.png", &more);
+        let shown = image::open(sandbox.path("around.png")).unwrap().into_rgba8();
+        shown.pixels().filter(|pixel| pixel.0[3] == 255).count() == shown.pixels().len()
+    };
+    assert!(opaque("surroundings") && !opaque("0.1,0.1,0.1"));
     refused(&["--light", "1,0", "--background", "surroundings"], "no surroundings to be the background");
     refused(&["--background", "blue"], "no background");
 }

@@ -9,7 +9,6 @@ use diffract::render::frame::{Shown, View};
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::sampling::Sampling;
-use diffract::render::turns::Turns;
 use diffract::scene::{Environment, Light, Scene};
 use diffract::setup::Method;
 use diffract::surface::synth::SurfaceKind;
@@ -74,14 +73,14 @@ fn one_sample_under_any_number_of_lights_is_the_sum_over_each() {
 #[test]
 fn surroundings_that_few_samples_draw_are_as_bright_as_alone() {
     let mut view = sphere(&["40,-97,1", "sphere:0.5:2,-1,2"]);
-    view.environment = Some(Environment::open("studio").unwrap());
+    view.environment = Some(Environment::open("sky").unwrap());
     // 16 groups of four samples, and a rest.
     let together = Sampling { count: 66, seed: 3 };
-    assert!(Turns::new(&view, &together).after(0).samples == 4, "all samples draw all lights");
+    assert!(view.turns(&together).after(0).samples == 4, "all samples draw all lights");
     let [each, all] = alone_and_together(&view, Sampling { count: 256, seed: 4 }, together);
     let total = |picture: &[[f32; 4]]| picture.iter().map(|p| f64::from(p[1])).sum::<f64>();
     let (error, energy) = (colours(&all, &each), total(&all) / total(&each));
-    eprintln!("two lights in a studio: {error:.4}, energy {energy:.4}");
+    eprintln!("two lights below a sky: {error:.4}, energy {energy:.4}");
     assert!((energy - 1.0).abs() < 0.01, "{energy}");
     assert!(error < 0.1, "{error}");
     let coverage = |picture: &[[f32; 4]]| picture.iter().map(|p| f64::from(p[3])).sum::<f64>();

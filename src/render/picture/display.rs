@@ -3,7 +3,7 @@
 use super::Written;
 use crate::render::accumulate::Accumulation;
 use crate::render::around::AroundPass;
-use crate::render::frame::{DisplayPass, Shown, View};
+use crate::render::frame::{DisplayPass, Shown};
 use crate::render::target::{Geometry, Target};
 use crate::vk::commands::Recorder;
 use crate::vk::descriptors::Descriptors;
@@ -27,8 +27,7 @@ impl<'a> Display<'a> {
         frame: &'a Descriptors,
         written: Option<&Written>,
     ) -> Self {
-        let shows = |view: &View| view.shows_surroundings && view.environment.is_some();
-        let around = around.filter(|_| written.is_some_and(|written| shows(&written.view)));
+        let around = around.filter(|_| written.is_some_and(|written| written.view.background().is_some()));
         Self { geometry, target, pass, around, frame }
     }
 

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::render::accumulate::Accumulation;
 use crate::render::frame::{Shown, View};
 use crate::render::sampling::Sampling;
-use crate::render::turns::{Group, Turn, Turns};
+use crate::render::turns::{Group, Turn};
 
 /// What the samples in a sum are of.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +52,7 @@ impl Painter {
         }
         let size = self.target.size();
         self.summed = None;
-        let turns = Turns::new(view, sampling);
+        let turns = view.turns(sampling);
         let mut before = 0;
         for group in turns.groups() {
             let shown = Some(shown).filter(|_| before + group.samples >= sampling.count);
@@ -84,7 +84,7 @@ impl Painter {
             self.display_again(size, shown)?;
             return Ok(Some(Added { samples: before, times: [0.0; 2] }));
         }
-        let group = Turns::new(view, sampling).after(before);
+        let group = view.turns(sampling).after(before);
         self.add(view, sampling, &group, Some(shown), size, go_on)
     }
 

@@ -58,7 +58,7 @@ impl Painter {
     ) -> Result<PassTimes> {
         let start = Instant::now();
         let mut times = PassTimes::default();
-        let turns = all_lights(view, Sampling::ONE.sample(0));
+        let turns = all_lights(view.light_count(), Sampling::ONE.sample(0));
         for (number, turn) in turns.iter().enumerate() {
             self.write(view, self.target.size(), turn)?;
             let is_last = number + 1 == turns.len();
