@@ -1,5 +1,5 @@
 // What `geometry.frag` finds at a pixel, for the stages that shade it. Directions are stored by stereographic projection from
-// -N, two numbers each: a frame writes and reads them for every pixel. Its twin is `Directions` of src/render/picture.rs.
+// -N, two numbers each: a frame writes and reads them for every pixel. Its twin is `Directions` of src/render/directions.rs.
 
 // Written by the geometry pass: to the viewer (xy) and to the light (zw).
 layout(set = 0, binding = 2) uniform sampler2D directions;

@@ -17,12 +17,12 @@ use crate::optics::spectrum::SHORTEST;
 use crate::picture_file::{self, Notes, PictureFormat};
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
+use crate::render::light_passes::LightPass;
 use crate::render::picture::Picture;
 use crate::render::reference_picture::{self, ReferenceObject, displayed_of, reference_mean};
 use crate::render::sampling::Sampling;
 use crate::render::sequence::Sequence;
 use crate::render::source::{ClassicalGrating, Source};
-use crate::render::turns::Turn;
 use crate::scene::Scene;
 use crate::setup::{self, InUse, Method, ObjectSurface, PictureSettings, PreparedScene, Settings};
 use crate::surface::HeightField;
@@ -303,12 +303,12 @@ fn reference_picture(
     let PictureWork { field, surfaces, settings, shaded, .. } = *work;
     prepare::warn_of_coarse_samples(field, SHORTEST);
     let sampling = &settings.sampling;
-    let mut directions = |turn: &Turn| prepared.directions(view, turn);
+    let mut directions = |pass: &LightPass| prepared.directions(view, pass);
     let chosen = match shaded {
         Some(count) => {
             let mut covered = BTreeSet::new();
-            for turn in view.turns(sampling).groups().flat_map(|group| group.turns) {
-                covered.extend(reference_picture::covered(&[directions(&turn)?]));
+            for pass in view.schedule(sampling).groups().flat_map(|group| group.passes) {
+                covered.extend(reference_picture::covered(&[directions(&pass)?]));
             }
             let covered: Vec<usize> = covered.into_iter().collect();
             Some(error::sample(&covered, count))

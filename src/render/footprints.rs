@@ -3,12 +3,12 @@
 
 use super::directions::Directions;
 use super::frame::View;
+use super::light_passes::LightPass;
 use super::picture::Painter;
 use super::pigment::Pigment;
 use super::sampling::Sampling;
 use super::shading::Shading;
 use super::source::{ClassicalGrating, Source};
-use super::turns::Turn;
 use crate::error::Result;
 use crate::optics::footprint::FootprintSizes;
 use crate::scene::Mesh;
@@ -93,7 +93,7 @@ pub fn sizes(
     views.iter().try_fold(FootprintSizes::default(), |finest, view| {
         let mut of = |sampling: &Sampling| {
             let directions =
-                each_light(view, sampling).into_iter().map(|turn| painter.directions_in(view, &turn));
+                each_light(view, sampling).into_iter().map(|pass| painter.directions_in(view, &pass));
             Ok(sizes_of(&directions.collect::<Result<Vec<_>>>()?))
         };
         let few = sampling.with_largest_footprints();
@@ -103,10 +103,10 @@ pub fn sizes(
     })
 }
 
-/// The first turn of each light of `view`, at the centres of pixels.
-fn each_light(view: &View, sampling: &Sampling) -> Vec<Turn> {
-    let first = view.turns(sampling).after(0).turns;
-    let of = |light| first.iter().find(|turn| turn.light == light).copied();
+/// The first pass of each light of `view` in a picture by `sampling`.
+fn each_light(view: &View, sampling: &Sampling) -> Vec<LightPass> {
+    let first = view.schedule(sampling).after(0).passes;
+    let of = |light| first.iter().find(|pass| pass.light == light).copied();
     (0..view.light_count()).filter_map(of).collect()
 }
 

@@ -2,6 +2,7 @@
 
 use super::device_mesh::attributes;
 use super::frame_set::FrameBlock;
+use super::light_passes::{LightPass, LightSchedule};
 use super::object::DeviceObject;
 use super::sampling::Sampling;
 use super::shader;
@@ -9,7 +10,6 @@ use super::shadows::{self, Shadows};
 use super::source::BoundSource;
 use super::source::part::Part;
 use super::target::{self, Geometry, GeometrySettings, Target};
-use super::turns::{Turn, Turns};
 use crate::error::Result;
 use crate::optics::coherence::Coherence;
 use crate::optics::color::{self, Tone};
@@ -99,8 +99,8 @@ impl View {
     }
 
     /// What the samples of a picture by `sampling` draw.
-    pub fn turns(&self, sampling: &Sampling) -> Turns {
-        Turns::new(self.lights.len(), self.environment.as_ref().map(Environment::extent), sampling)
+    pub fn schedule(&self, sampling: &Sampling) -> LightSchedule {
+        LightSchedule::new(self.lights.len(), self.environment.as_ref().map(Environment::extent), sampling)
     }
 
     /// Whether light number `light` is the surroundings.
@@ -123,10 +123,10 @@ impl View {
         self.lights.iter().any(Light::is_lamp)
     }
 
-    /// What the pixels of `turn` get from its light; no light where there is none of that number. Each light has a pair of dimensions of its own,
+    /// What the pixels of `pass` get from its light; no light where there is none of that number. Each light has a pair of dimensions of its own,
     /// behind that of the place in the pixel.
-    pub fn incident(&self, turn: &Turn) -> Incident {
-        let Turn { light, sample, weight, .. } = *turn;
+    pub fn incident(&self, pass: &LightPass) -> Incident {
+        let LightPass { light, sample, weight, .. } = *pass;
         let room = self.room();
         let incident = match (self.lights.get(light), &self.environment) {
             (Some(own), _) => own.emitter.incident(sample.pair(1 + light as u32), sample.count, &room),
@@ -138,16 +138,16 @@ impl View {
         Incident { irradiance: incident.irradiance * weight as f32, ..incident }
     }
 
-    /// The `Frame` block for a `turn` in a picture of `size` pixels.
-    pub fn block(&self, size: [u32; 2], turn: &Turn) -> FrameBlock {
-        let incident = self.incident(turn);
+    /// The `Frame` block for a `pass` in a picture of `size` pixels.
+    pub fn block(&self, size: [u32; 2], pass: &LightPass) -> FrameBlock {
+        let incident = self.incident(pass);
         let toward = incident.place.map_or(incident.direction, |place| place.point);
-        let (centre, radius, jitter) = (self.centre, self.radius, turn.sample.jitter);
+        let (centre, radius, jitter) = (self.centre, self.radius, pass.sample.jitter);
         let shadow_from_world = match incident.place {
             None => shadows::clip_from_world(incident.direction, centre, radius, size, jitter),
             Some(place) => shadows::clip_from_lamp(place.point.as_vec3(), centre, radius, size, jitter),
         };
-        let mirrored = if self.is_surroundings(turn.light) { turn.weight as f32 } else { 0.0 };
+        let mirrored = if self.is_surroundings(pass.light) { pass.weight as f32 } else { 0.0 };
         let clip_from_world = self.clip_from_world(size);
         FrameBlock {
             clip_from_world: camera::jittered(clip_from_world, size, jitter).to_cols_array_2d(),
@@ -163,7 +163,7 @@ impl View {
                 let (sin, cos) = rotation.to_radians().sin_cos();
                 [cos as f32, sin as f32, exposure.exp2() as f32, 0.0]
             }),
-            sample: turn.sample.block(),
+            sample: pass.sample.block(),
         }
     }
 }

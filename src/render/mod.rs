@@ -12,6 +12,7 @@ pub mod footprints;
 pub mod frame;
 pub mod frame_set;
 pub mod grooves;
+pub mod light_passes;
 pub mod object;
 pub mod picture;
 pub mod pigment;
@@ -24,7 +25,6 @@ pub mod source;
 mod surroundings;
 pub mod tables;
 pub mod target;
-pub mod turns;
 pub mod upload;
 pub mod window;
 

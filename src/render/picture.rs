@@ -7,13 +7,13 @@ use super::frame::{
     DisplayPass, GeometryPass, PixelPass, Probe, ShadedObject, Shown, View, begin_shading, record_shading,
 };
 use super::grooves::GrooveDirections;
+use super::light_passes::{LightPass, all_lights};
 use super::object::{DeviceObject, ObjectData, ObjectSource, ObjectSources};
 use super::pigment::Pigment;
 use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
 use super::source::{BoundSource, Source};
 use super::target::{self, Geometry, GeometrySettings, Target};
-use super::turns::{Turn, all_lights};
 use crate::error::{Error, Result};
 use crate::optics::color;
 use crate::optics::spectrum::Illuminant;
@@ -126,7 +126,7 @@ fn white_of(illuminant: &Illuminant) -> Vec3 {
 #[derive(Clone, PartialEq)]
 struct Written {
     view: View,
-    turn: Turn,
+    pass: LightPass,
     size: [u32; 2],
 }
 
@@ -136,7 +136,7 @@ struct Drawn<'a> {
     view: &'a View,
     size: [u32; 2],
     /// One after the other; at least one.
-    turns: &'a [Turn],
+    passes: &'a [LightPass],
 }
 
 /// What can be displayed and read back.
@@ -415,7 +415,8 @@ impl Painter {
     /// # Errors
     /// Where the device is lost.
     pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<[f64; 2]> {
-        let drawn = Drawn { view, size: self.target.size(), turns: &all_lights(view.light_count(), *sample) };
+        let drawn =
+            Drawn { view, size: self.target.size(), passes: &all_lights(view.light_count(), *sample) };
         self.draw_whole(drawn, Finish::Display(shown))
     }
 
@@ -432,7 +433,7 @@ impl Painter {
         size: [u32; 2],
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<f64>> {
-        let drawn = Drawn { view, size, turns: &all_lights(view.light_count(), Sampling::ONE.sample(0)) };
+        let drawn = Drawn { view, size, passes: &all_lights(view.light_count(), Sampling::ONE.sample(0)) };
         let times = self.draw_tiles(drawn, Finish::Display(shown), go_on)?;
         Ok(times.map(|times| times[0] + times[1]))
     }
@@ -442,11 +443,11 @@ impl Painter {
         self.shadings.iter().map(|own| own.pass.parts).max().unwrap_or(1)
     }
 
-    /// Draws `drawn` turn by turn, each at once; milliseconds for shading and for what follows it.
+    /// Draws `drawn` pass by pass, each at once; milliseconds for shading and for what follows it.
     fn draw_whole(&mut self, drawn: Drawn<'_>, finish: Finish) -> Result<[f64; 2]> {
         let mut total = [0.0; 2];
-        for number in 0..drawn.turns.len() {
-            self.write(drawn.view, drawn.size, &drawn.turns[number])?;
+        for number in 0..drawn.passes.len() {
+            self.write(drawn.view, drawn.size, &drawn.passes[number])?;
             let piece = Piece::whole(drawn.size, self.parts());
             let times = self.submit(drawn, number, piece, finish)?;
             total = [total[0] + times[0], total[1] + times[1]];
@@ -454,18 +455,18 @@ impl Painter {
         Ok(total)
     }
 
-    /// Draws `drawn` turn by turn in pieces, as [`Self::draw_while`] says; milliseconds for shading and for what follows it.
+    /// Draws `drawn` pass by pass in pieces, as [`Self::draw_while`] says; milliseconds for shading and for what follows it.
     fn draw_tiles(
         &mut self,
         drawn: Drawn<'_>,
         finish: Finish,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<[f64; 2]>> {
-        let Drawn { view, size, turns } = drawn;
-        let count = turns.len() as f64;
+        let Drawn { view, size, passes } = drawn;
+        let count = passes.len() as f64;
         let mut total = [0.0; 2];
-        for (number, turn) in turns.iter().enumerate() {
-            self.write(view, size, turn)?;
+        for (number, pass) in passes.iter().enumerate() {
+            self.write(view, size, pass)?;
             let surrounded = self.geometry.settings.mirrored;
             let iterations = |own: &ObjectShading| own.source.iterations_of_pixel(surrounded);
             let iterations = self.shadings.iter().map(iterations).max().unwrap_or(0);
@@ -517,20 +518,20 @@ impl Painter {
         Ok(true)
     }
 
-    /// Draws a `piece` of turn number `number`, which was written: with the first goes the geometry, with the last of the last turn the `finish`.
+    /// Draws a `piece` of pass number `number`, which was written: with the first goes the geometry, with the last of the last pass the `finish`.
     fn submit(&mut self, drawn: Drawn<'_>, number: usize, piece: Piece, finish: Finish) -> Result<[f64; 2]> {
-        let Drawn { view, size, turns } = drawn;
-        let turn = turns[number];
+        let Drawn { view, size, passes } = drawn;
+        let pass = passes[number];
         let first = piece.is_first();
-        let last = number + 1 == turns.len() && piece.is_last(size, self.parts());
+        let last = number + 1 == passes.len() && piece.is_last(size, self.parts());
         let Piece { tile, parts } = piece;
         let (geometry, target) = (&self.geometry, &self.target);
         let accumulation = &self.accumulation;
         let objects = &self.objects;
         let frame = &self.objects[0].frame.descriptors;
         let (around, written) = (self.around.as_ref(), self.written.as_ref());
-        let mirrored = self.mirrors(view, &turn);
-        let shaded = shaded(&self.shadings, objects, view, &turn, mirrored);
+        let mirrored = self.mirrors(view, &pass);
+        let shaded = shaded(&self.shadings, objects, view, &pass, mirrored);
         let display = Display::new((geometry, target), &self.display, around, frame, written);
         if self.shows == Content::Sample {
             self.shows = Content::Nothing;
@@ -584,9 +585,9 @@ impl Painter {
         Ok([times[0], times[1]])
     }
 
-    /// Whether the light of `turn` is drawn from the surroundings of `view`, whose specular order is mirrored.
-    fn mirrors(&self, view: &View, turn: &Turn) -> bool {
-        self.geometry.settings.mirrored && view.is_surroundings(turn.light)
+    /// Whether the light of `pass` is drawn from the surroundings of `view`, whose specular order is mirrored.
+    fn mirrors(&self, view: &View, pass: &LightPass) -> bool {
+        self.geometry.settings.mirrored && view.is_surroundings(pass.light)
     }
 
     /// The images of the pictures.
@@ -680,17 +681,17 @@ impl Painter {
         })
     }
 
-    /// Writes the `Frame` block of `view` for a `turn` in pictures of `size`.
-    fn write(&mut self, view: &View, size: [u32; 2], turn: &Turn) -> Result<()> {
+    /// Writes the `Frame` block of `view` for a `pass` in pictures of `size`.
+    fn write(&mut self, view: &View, size: [u32; 2], pass: &LightPass) -> Result<()> {
         let unit = self.surround(view)?;
-        let mut block = view.block(size, turn);
+        let mut block = view.block(size, pass);
         block.surroundings[2] *= unit;
         let first = self.shadings.iter().filter(|shading| shading.is_first);
         for (object, shading) in self.objects.iter_mut().zip(first) {
             let own = object.block(block, shading.specular_spread.unwrap_or_default());
             object.frame.write(&own)?;
         }
-        self.written = Some(Written { view: view.clone(), turn: *turn, size });
+        self.written = Some(Written { view: view.clone(), pass: *pass, size });
         Ok(())
     }
 
@@ -702,22 +703,22 @@ impl Painter {
             Content::Mean => self.summed.as_ref().map(samples::Summed::first),
         };
         match shown.filter(|shown| self.written.as_ref() != Some(shown)) {
-            Some(Written { view, turn, size }) => self.write(&view, size, &turn),
+            Some(Written { view, pass, size }) => self.write(&view, size, &pass),
             None => Ok(()),
         }
     }
 }
 
-/// The `objects` as `shadings` shade them in a `turn` of `view`, whose light is drawn from surroundings whose specular order is `mirrored` or is another.
+/// The `objects` as `shadings` shade them in a `pass` of `view`, whose light is drawn from surroundings whose specular order is `mirrored` or is another.
 fn shaded<'a>(
     shadings: &'a [ObjectShading],
     objects: &'a [DeviceObject],
     view: &View,
-    turn: &Turn,
+    pass: &LightPass,
     mirrored: bool,
 ) -> Vec<ShadedObject<'a>> {
-    let lit = shadings.iter().filter(|own| shades(own, shadings, view.illuminant(turn.light)));
-    lit.map(|own| own.of(objects, mirrored, turn.is_first)).collect()
+    let lit = shadings.iter().filter(|own| shades(own, shadings, view.illuminant(pass.light)));
+    lit.map(|own| own.of(objects, mirrored, pass.is_first)).collect()
 }
 
 /// Whether `own`, one of `shadings`, shades its object under a light of this `illuminant`: where it has the same; where no shading of the object has

@@ -2,9 +2,9 @@
 
 use super::directions::Directions;
 use super::frame::{Shown, View};
+use super::light_passes::{LightPass, SampleGroup};
 use super::sampling::Sampling;
 use super::shading::Shading;
-use super::turns::{Group, Turn};
 use crate::brdf::mean::{MeanBrdf, SummedOrders, TabulatedMean};
 use crate::brdf::without_cosine;
 use crate::error::Result;
@@ -260,7 +260,7 @@ pub struct ReferenceObject<'a> {
 }
 
 /// The mean of `sampling`'s samples of `objects`, each shaded in f64, for the pixels that are `chosen` by their number; the others stay empty.
-/// `directions` gives those of a turn. RGBA as [`super::picture::Picture::radiance`]. The mean over
+/// `directions` gives those of a pass. RGBA as [`super::picture::Picture::radiance`]. The mean over
 /// windows is averaged over the footprint of each sample.
 ///
 /// # Errors
@@ -269,7 +269,7 @@ pub fn reference_mean(
     objects: &[ReferenceObject<'_>],
     view: &View,
     sampling: &Sampling,
-    directions: &mut dyn FnMut(&Turn) -> Result<Directions>,
+    directions: &mut dyn FnMut(&LightPass) -> Result<Directions>,
     chosen: &dyn Fn(usize) -> bool,
     progress: Progress<'_>,
 ) -> Result<Vec<[f32; 4]>> {
@@ -283,19 +283,18 @@ pub fn reference_mean(
         references.push((reference, View { base_color, ..view.clone() }));
     }
     let mut sum: Vec<DVec4> = Vec::new();
-    let turns = view.turns(sampling);
-    let groups: Vec<Group> = turns.groups().collect();
-    let turns: Vec<Turn> = groups.into_iter().flat_map(|group| group.turns).collect();
-    for (place, turn) in turns.iter().enumerate() {
-        let seen = [directions(turn)?];
+    let groups = view.schedule(sampling).groups().collect::<Vec<SampleGroup>>();
+    let passes: Vec<LightPass> = groups.into_iter().flat_map(|group| group.passes).collect();
+    for (place, pass) in passes.iter().enumerate() {
+        let seen = [directions(pass)?];
         sum.resize(seen[0].view.len(), DVec4::ZERO);
         let mut pixels = covered(&seen);
         pixels.retain(|&pixel| chosen(pixel));
-        let coverage = if turn.is_first { 1.0 } else { 0.0 };
+        let coverage = if pass.is_first { 1.0 } else { 0.0 };
         for (number, (reference, view)) in references.iter().enumerate() {
             let shows = |&&pixel: &&usize| seen[0].object(pixel) == number;
             let pixels: Vec<usize> = pixels.iter().filter(shows).copied().collect();
-            let (part, parts) = (place * references.len() + number, turns.len() * references.len());
+            let (part, parts) = (place * references.len() + number, passes.len() * references.len());
             let told = |done, of| progress(part * of + done, parts * of);
             let colors = reference.colors(view, &seen, &pixels, &told)?;
             for (pixel, color) in pixels.into_iter().zip(colors) {

@@ -7,12 +7,12 @@ use crate::render::directions::Directions;
 use crate::render::exposure;
 use crate::render::footprints;
 use crate::render::frame::{Shown, View};
+use crate::render::light_passes::LightPass;
 use crate::render::object::{ObjectSource, ObjectSources, ObjectTextures, objects};
 use crate::render::picture::{Painter, Picture};
 use crate::render::sampling::Sampling;
 use crate::render::shading::Shading;
 use crate::render::source::Source;
-use crate::render::turns::Turn;
 use crate::scene::{Light, Mesh, Object, Scene};
 use crate::surface::{HeightField, SurfaceSource};
 use crate::vk::device::Device;
@@ -194,12 +194,12 @@ impl<'a> PreparedScene<'a> {
         Ok(exposure::automatic(&self.painter.picture()?.radiance))
     }
 
-    /// The directions of `turn` of `view`.
+    /// The directions of `pass` of `view`.
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn directions(&mut self, view: &View, turn: &Turn) -> Result<Directions> {
-        self.painter.directions_in(view, turn)
+    pub fn directions(&mut self, view: &View, pass: &LightPass) -> Result<Directions> {
+        self.painter.directions_in(view, pass)
     }
 
     /// What draws.

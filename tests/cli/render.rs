@@ -331,6 +331,7 @@ fn a_lamp_lights_what_is_near_it_and_surroundings_stand_behind_the_mesh() {
     };
     let (five, one) = (["--light", "20,0,0.2"].repeat(5), ["--light", "20,0,1"]);
     let ratio = brightness(&five) / brightness(&one);
+    // 32-bit sums round to 1e-7.
     assert!((ratio - 1.0).abs() < 1e-4, "{ratio}");
     // Surroundings are opaque, so that every program shows them; a plain background is not.
     let opaque = |background: &str| {

@@ -8,13 +8,13 @@ use crate::measure::colours;
 use diffract::optics::color::Tone;
 use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
+use diffract::render::light_passes::LightPass;
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{displayed_of, reference_picture};
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
-use diffract::render::turns::Turn;
 use diffract::scene::environment::Placement;
 use diffract::scene::{Camera, Emitter, Environment, Lamp, Light, Scene};
 use diffract::setup::Method;
@@ -68,7 +68,7 @@ fn pixels_see_a_lamp_where_it_stands_and_as_bright_as_its_distance_makes_it() {
             let sample = Sampling { count: 16, seed: 3 }.sample(5);
             let still = diffract::render::sampling::Sample { jitter: [0.0; 2], ..sample };
             for number in 0..lights {
-                let incident = view.incident(&Turn::of_all(number, still));
+                let incident = view.incident(&LightPass::of_all(number, still));
                 let seen = painter.directions_of(&view, number, &still).unwrap();
                 assert_eq!(seen.footprints.len(), if footprints { seen.light.len() } else { 0 });
                 for (i, found) in seen.light.iter().enumerate().filter(|(_, found)| found[3] == 1.0) {

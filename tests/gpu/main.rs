@@ -15,6 +15,7 @@ mod faults;
 mod hazards;
 mod interface;
 mod lamps;
+mod light_passes;
 mod light_spectra;
 mod lights;
 mod long_run;
@@ -28,6 +29,5 @@ mod promise;
 mod repeats;
 mod single_samples;
 mod thesis;
-mod turns;
 #[cfg(feature = "viewer")]
 mod viewer;

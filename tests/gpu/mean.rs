@@ -15,6 +15,7 @@ use diffract::render::directions::Directions;
 use diffract::render::evaluator::Evaluator;
 use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
+use diffract::render::light_passes::LightPass;
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{
@@ -23,7 +24,6 @@ use diffract::render::reference_picture::{
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
-use diffract::render::turns::Turn;
 use diffract::scene::{Camera, Light, Scene};
 use diffract::setup::{self, InUse, Method};
 use diffract::surface::HeightField;
@@ -295,7 +295,7 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
         let mut directions = new(&probe);
         directions.ask_for_footprints().unwrap();
         let least = sizes_of(&[directions.directions_of(&view, 0, &sampling.sample(0)).unwrap()]);
-        let mut seen = |turn: &Turn| directions.directions_in(&view, turn);
+        let mut seen = |pass: &LightPass| directions.directions_in(&view, pass);
         let (shading, base_color) = (&shading, view.base_color);
         let object = ReferenceObject { field: Some(&field), shading, base_color };
         let exact =

@@ -23,7 +23,7 @@ pub struct ViewOptions {
     /// with their hue: the Khronos PBR Neutral Tone Mapper) [default: none]
     #[arg(long, value_name = "NAME", value_parser = Tone::from_name)]
     pub tone: Option<Tone>,
-    /// A light instead of the scene's lights and surroundings, in degrees from up and around it; as many as there are. A point, or sun:THETA,PHI (0.533
+    /// A light instead of the scene's lights and surroundings, in degrees from up and around it; give it again for more lights. A point, or sun:THETA,PHI (0.533
     /// degrees across), or disc:SIZE:THETA,PHI as in disc:5deg:40,90. Or a lamp in the scene, in the scene's units:
     /// sphere:DIAMETER:X,Y,Z[,STRENGTH] or rectangle:WIDTHxHEIGHT:X,Y,Z[,STRENGTH][:X,Y,Z that it faces], as in rectangle:0.4x0.2:0,-1,1.
     /// STRENGTH is a radiance, or a power as in 60W; without it the middle of the scene gets what a light of intensity 1 gives.

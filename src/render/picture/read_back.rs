@@ -4,9 +4,9 @@ use super::{Content, Painter, Written};
 use crate::error::{Error, Result};
 use crate::render::directions::{Directions, Pixel};
 use crate::render::frame::View;
+use crate::render::light_passes::LightPass;
 use crate::render::sampling::{Sample, Sampling};
 use crate::render::target;
-use crate::render::turns::Turn;
 use crate::vk::access::Access;
 use crate::vk::commands::FAR;
 use crate::vk::image::Image;
@@ -41,16 +41,16 @@ impl Painter {
                 "report this as a bug of diffract",
             ));
         }
-        self.directions_in(view, &Turn::of_all(light, *sample))
+        self.directions_in(view, &LightPass::of_all(light, *sample))
     }
 
-    /// The directions of `turn` of `view`, as the shading has them.
+    /// The directions of `pass` of `view`, as the shading has them.
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn directions_in(&mut self, view: &View, turn: &Turn) -> Result<Directions> {
-        self.draw_geometry(view, turn)?;
-        self.found(view, turn, PictureArea::All)
+    pub fn directions_in(&mut self, view: &View, pass: &LightPass) -> Result<Directions> {
+        self.draw_geometry(view, pass)?;
+        self.found(view, pass, PictureArea::All)
     }
 
     /// What pixel `at` of the frame of `view` that was drawn last shows, one sample at the centres of pixels; `None` where the mesh does not
@@ -71,15 +71,15 @@ impl Painter {
         let sample = Sampling::ONE.sample(0);
         let mut directions = Vec::with_capacity(view.light_count());
         for light in 0..view.light_count() {
-            let turn = Turn::of_all(light, sample);
-            self.draw_geometry(view, &turn)?;
-            directions.push(self.found(view, &turn, part)?);
+            let pass = LightPass::of_all(light, sample);
+            self.draw_geometry(view, &pass)?;
+            directions.push(self.found(view, &pass, part)?);
         }
         Ok(Some(Pixel { radiance, directions }))
     }
 
-    /// The directions in `part` of the frame of `turn` of `view` that was drawn last.
-    fn found(&self, view: &View, turn: &Turn, part: PictureArea) -> Result<Directions> {
+    /// The directions in `part` of the frame of `pass` of `view` that was drawn last.
+    fn found(&self, view: &View, pass: &LightPass, part: PictureArea) -> Result<Directions> {
         let stored = self.read(&self.geometry.directions, part)?;
         let covered = self.covered(part)?;
         let unit = |s: [f32; 2], covered: bool| if covered { unprojected(s) } else { [0.0; 4] };
@@ -96,20 +96,20 @@ impl Painter {
             _ => Vec::new(),
         };
         let mirrored = match &self.geometry.mirrored {
-            Some(image) if self.mirrors(view, turn) => {
+            Some(image) if self.mirrors(view, pass) => {
                 let read = self.read(image, part)?.into_iter();
                 read.zip(&covered).map(kept).map(|[red, green, blue, _]| [red, green, blue]).collect()
             }
             _ => Vec::new(),
         };
         Ok(Directions {
-            light_number: turn.light,
+            light_number: pass.light,
             light: both().map(|(&[.., x, y], &covered)| unit([x, y], covered)).collect(),
             view: both().map(|(&[x, y, ..], &covered)| unit([x, y], covered)).collect(),
             footprints: footprints.into_iter().zip(&covered).map(kept).collect(),
-            filter: turn.sample.footprint,
-            share: turn.sample.share(),
-            irradiance: view.incident(turn).irradiance.as_dvec3(),
+            filter: pass.sample.footprint,
+            share: pass.sample.share(),
+            irradiance: view.incident(pass).irradiance.as_dvec3(),
             falloffs,
             mirrored,
             objects: self.objects_seen(part)?,
@@ -129,9 +129,9 @@ impl Painter {
         Ok(stencil.into_iter().map(|number| number.saturating_sub(1)).collect())
     }
 
-    /// Draws the geometry of a `turn` of `view` alone, unless it is there.
-    fn draw_geometry(&mut self, view: &View, turn: &Turn) -> Result<()> {
-        self.write(view, self.target.size(), turn)?;
+    /// Draws the geometry of a `pass` of `view` alone, unless it is there.
+    fn draw_geometry(&mut self, view: &View, pass: &LightPass) -> Result<()> {
+        self.write(view, self.target.size(), pass)?;
         if self.found.is_some() && self.found == self.written {
             return Ok(());
         }
@@ -139,13 +139,13 @@ impl Painter {
         let of_same_pixels = |found: &Written| {
             found.view == *view
                 && found.size == self.target.size()
-                && found.turn.sample.jitter == turn.sample.jitter
+                && found.pass.sample.jitter == pass.sample.jitter
         };
         if self.shows == Content::Sample && !self.found.as_ref().is_some_and(of_same_pixels) {
             self.shows = Content::Nothing;
         }
         self.found = None;
-        let mirrored = self.mirrors(view, turn);
+        let mirrored = self.mirrors(view, pass);
         self.commands.run(|record| {
             self.find.record(record, &self.geometry, &self.objects, mirrored);
             Ok(())

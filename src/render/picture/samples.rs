@@ -4,8 +4,8 @@ use super::{Content, Drawn, Finish, Painter, Picture, Written};
 use crate::error::Result;
 use crate::render::accumulate::Accumulation;
 use crate::render::frame::{Shown, View};
+use crate::render::light_passes::{LightPass, SampleGroup};
 use crate::render::sampling::Sampling;
-use crate::render::turns::{Group, Turn};
 
 /// What the samples in a sum are of.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,9 +18,13 @@ pub(super) struct Summed {
 }
 
 impl Summed {
-    /// Its first turn, the `Frame` block of which has all that the display of the mean asks for.
+    /// Its first pass, the `Frame` block of which has all that the display of the mean asks for.
     pub fn first(&self) -> Written {
-        Written { view: self.view.clone(), turn: Turn::of_all(0, self.sampling.sample(0)), size: self.size }
+        Written {
+            view: self.view.clone(),
+            pass: LightPass::of_all(0, self.sampling.sample(0)),
+            size: self.size,
+        }
     }
 }
 
@@ -52,9 +56,9 @@ impl Painter {
         }
         let size = self.target.size();
         self.summed = None;
-        let turns = view.turns(sampling);
+        let schedule = view.schedule(sampling);
         let mut before = 0;
-        for group in turns.groups() {
+        for group in schedule.groups() {
             let shown = Some(shown).filter(|_| before + group.samples >= sampling.count);
             self.add(view, sampling, &group, shown, size, &mut |_| true)?;
             before += group.samples;
@@ -84,7 +88,7 @@ impl Painter {
             self.display_again(size, shown)?;
             return Ok(Some(Added { samples: before, times: [0.0; 2] }));
         }
-        let group = view.turns(sampling).after(before);
+        let group = view.schedule(sampling).after(before);
         self.add(view, sampling, &group, Some(shown), size, go_on)
     }
 
@@ -93,7 +97,7 @@ impl Painter {
         &mut self,
         view: &View,
         sampling: &Sampling,
-        group: &Group,
+        group: &SampleGroup,
         shown: Option<Shown>,
         size: [u32; 2],
         go_on: &mut dyn FnMut(f64) -> bool,
@@ -107,7 +111,7 @@ impl Painter {
             // Until its first samples are there, the sum is of nothing.
             self.forget();
         }
-        let drawn = Drawn { view, size, turns: &group.turns };
+        let drawn = Drawn { view, size, passes: &group.passes };
         let finish = Finish::Add { before, samples: group.samples, shown };
         let Some(times) = self.draw_tiles(drawn, finish, go_on)? else { return Ok(None) };
         let samples = before + group.samples;

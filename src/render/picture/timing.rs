@@ -3,8 +3,8 @@
 use super::{Painter, shaded};
 use crate::error::Result;
 use crate::render::frame::{Shown, View, begin_shading, record_shading};
+use crate::render::light_passes::{LightPass, all_lights};
 use crate::render::sampling::Sampling;
-use crate::render::turns::{Turn, all_lights};
 use crate::vk::queries::Timestamps;
 use glam::DVec3;
 use std::time::Instant;
@@ -58,39 +58,39 @@ impl Painter {
     ) -> Result<PassTimes> {
         let start = Instant::now();
         let mut times = PassTimes::default();
-        let turns = all_lights(view.light_count(), Sampling::ONE.sample(0));
-        for (number, turn) in turns.iter().enumerate() {
-            self.write(view, self.target.size(), turn)?;
-            let is_last = number + 1 == turns.len();
+        let passes = all_lights(view.light_count(), Sampling::ONE.sample(0));
+        for (number, pass) in passes.iter().enumerate() {
+            self.write(view, self.target.size(), pass)?;
+            let is_last = number + 1 == passes.len();
             let shown = is_last.then(|| Shown::plain(exposure, background));
-            self.time_turn(&watch.timestamps, (view, turn), shown, &mut times)?;
+            self.time_pass(&watch.timestamps, (view, pass), shown, &mut times)?;
         }
         times.wall = milliseconds(start);
         Ok(times)
     }
 
-    /// Draws a `turn` of `view`, which was written, displays it where it is to be `shown`, and adds what its parts take to `times`.
-    fn time_turn(
+    /// Draws a `pass` of `view`, which was written, displays it where it is to be `shown`, and adds what its parts take to `times`.
+    fn time_pass(
         &mut self,
         stamps: &Timestamps,
-        (view, turn): (&View, &Turn),
+        (view, pass): (&View, &LightPass),
         shown: Option<Shown>,
         times: &mut PassTimes,
     ) -> Result<()> {
         let parts = self.parts();
         let (target, find, geometry, objects) = (&self.target, &self.find, &self.geometry, &self.objects);
-        let mirrored = self.mirrors(view, turn);
-        let shaded = shaded(&self.shadings, objects, view, turn, mirrored);
+        let mirrored = self.mirrors(view, pass);
+        let shaded = shaded(&self.shadings, objects, view, pass, mirrored);
         self.commands.run(|record| {
             let begin = Instant::now();
             record.reset(stamps);
             record.timestamp(stamps, 0);
             find.record(record, geometry, objects, mirrored);
             record.timestamp(stamps, 1);
-            if turn.is_first {
+            if pass.is_first {
                 begin_shading(record, target);
             }
-            record_shading(record, (geometry, target), &shaded, 0..parts, turn.is_first);
+            record_shading(record, (geometry, target), &shaded, 0..parts, pass.is_first);
             record.timestamp(stamps, 2);
             if let Some(shown) = shown {
                 super::record_display(record, target, |record| {

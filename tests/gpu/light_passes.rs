@@ -66,6 +66,7 @@ fn one_sample_under_any_number_of_lights_is_the_sum_over_each() {
     let [each, all] = alone_and_together(&sphere(&lights), Sampling::ONE, Sampling::ONE);
     let error = colours(&all, &each);
     eprintln!("one sample under {} lights: {error:.1e}", lights.len());
+    // The rounding of 32-bit sums.
     assert!(error < 1e-6, "{error}");
     assert!(all.iter().zip(&each).all(|(a, b)| a[3] == b[3]), "coverage depends on the lights");
 }
@@ -76,11 +77,12 @@ fn surroundings_that_few_samples_draw_are_as_bright_as_alone() {
     view.environment = Some(Environment::open("sky").unwrap());
     // 16 groups of four samples, and a rest.
     let together = Sampling { count: 66, seed: 3 };
-    assert!(view.turns(&together).after(0).samples == 4, "all samples draw all lights");
+    assert!(view.schedule(&together).after(0).samples == 4, "all samples draw all lights");
     let [each, all] = alone_and_together(&view, Sampling { count: 256, seed: 4 }, together);
     let total = |picture: &[[f32; 4]]| picture.iter().map(|p| f64::from(p[1])).sum::<f64>();
     let (error, energy) = (colours(&all, &each), total(&all) / total(&each));
     eprintln!("two lights below a sky: {error:.4}, energy {energy:.4}");
+    // 1.002 and 0.056 are measured: two pictures of few samples each, with other jitter. Surroundings of a quarter of their light would be far off.
     assert!((energy - 1.0).abs() < 0.01, "{energy}");
     assert!(error < 0.1, "{error}");
     let coverage = |picture: &[[f32; 4]]| picture.iter().map(|p| f64::from(p[3])).sum::<f64>();

@@ -18,7 +18,7 @@ const FEWEST: u32 = 4;
 
 /// A light as a sample of a picture draws it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
+pub struct LightPass {
     /// Number of the light.
     pub light: usize,
     /// The sample: its place in the pixel, and its number among the samples that draw this light.
@@ -29,7 +29,7 @@ pub struct Turn {
     pub is_first: bool,
 }
 
-impl Turn {
+impl LightPass {
     /// Light number `light` of a `sample` of a picture whose samples draw all lights.
     pub const fn of_all(light: usize, sample: Sample) -> Self {
         Self { light, sample, weight: 1.0, is_first: light == 0 }
@@ -37,22 +37,22 @@ impl Turn {
 }
 
 /// All of `lights` lights in one `sample`; where there are none, one that is dark.
-pub fn all_lights(lights: usize, sample: Sample) -> Vec<Turn> {
-    (0..lights.max(1)).map(|light| Turn::of_all(light, sample)).collect()
+pub fn all_lights(lights: usize, sample: Sample) -> Vec<LightPass> {
+    (0..lights.max(1)).map(|light| LightPass::of_all(light, sample)).collect()
 }
 
 /// Samples that are drawn together: their mean shows all lights.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Group {
+pub struct SampleGroup {
     /// What they draw, one after the other.
-    pub turns: Vec<Turn>,
+    pub passes: Vec<LightPass>,
     /// Number of samples.
     pub samples: u32,
 }
 
 /// What the samples of a picture draw.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Turns {
+pub struct LightSchedule {
     sampling: Sampling,
     /// Lights that every sample draws.
     lights: usize,
@@ -60,14 +60,13 @@ pub struct Turns {
     seldom: Option<usize>,
 }
 
-impl Turns {
+impl LightSchedule {
     /// For pictures by `sampling` under `others` lights, beside surroundings whose light comes from this `extent` \[sr\] where there are any.
     pub fn new(others: usize, extent: Option<f64>, sampling: &Sampling) -> Self {
         let even = extent.is_some_and(|extent| extent >= ALL_AROUND);
         let enough = others > 0 && sampling.count >= FEWEST * EVERY;
         let seldom = (even && enough).then_some(others);
-        // Without any light, objects are dark.
-        let lights = if seldom.is_some() { others } else { (others + usize::from(extent.is_some())).max(1) };
+        let lights = if seldom.is_some() { others } else { others + usize::from(extent.is_some()) };
         Self { sampling: *sampling, lights, seldom }
     }
 
@@ -77,19 +76,18 @@ impl Turns {
     }
 
     /// What is drawn after the first `before` samples, which are of whole groups.
-    pub fn after(&self, before: u32) -> Group {
+    pub fn after(&self, before: u32) -> SampleGroup {
         let samples = self.group_size().min(self.sampling.count.max(1).saturating_sub(before));
-        let lights =
-            |index| (0..self.lights).map(move |light| Turn::of_all(light, self.sampling.sample(index)));
-        let mut turns: Vec<Turn> = (before..before + samples).flat_map(lights).collect();
-        turns.extend(
-            self.seldom.filter(|_| samples > 0).map(|light| self.surroundings(light, before / EVERY)),
-        );
-        Group { turns, samples }
+        let lights = |index| all_lights(self.lights, self.sampling.sample(index));
+        let mut passes: Vec<LightPass> = (before..before + samples).flat_map(lights).collect();
+        if let Some(light) = self.seldom.filter(|_| samples > 0) {
+            passes.push(self.surroundings(light, before / EVERY));
+        }
+        SampleGroup { passes, samples }
     }
 
     /// All groups of a picture.
-    pub fn groups(&self) -> impl Iterator<Item = Group> {
+    pub fn groups(&self) -> impl Iterator<Item = SampleGroup> {
         let firsts = (0..self.sampling.count.max(1)).step_by(self.group_size() as usize);
         firsts.map(|before| self.after(before))
     }
@@ -98,11 +96,11 @@ impl Turns {
     ///
     /// They look at the places of the first samples, one group after the other: those are as evenly spread over the pixel as all are, where every
     /// fourth would be of one quarter of it. And what they cover the lights have covered before.
-    fn surroundings(&self, light: usize, group: u32) -> Turn {
+    fn surroundings(&self, light: usize, group: u32) -> LightPass {
         let count = self.sampling.count.div_ceil(EVERY);
         let sample = Sample { count, ..self.sampling.sample(group) };
         let weight = f64::from(self.sampling.count) / f64::from(count);
-        Turn { light, sample, weight, is_first: false }
+        LightPass { light, sample, weight, is_first: false }
     }
 }
 
@@ -112,16 +110,16 @@ mod tests {
     use crate::scene::Environment;
 
     /// Of a picture under so many lights, below a sky where it is surrounded.
-    fn turns(others: usize, surrounded: bool, sampling: &Sampling) -> Turns {
-        Turns::new(others, surrounded.then_some(6.0), sampling)
+    fn schedule(others: usize, surrounded: bool, sampling: &Sampling) -> LightSchedule {
+        LightSchedule::new(others, surrounded.then_some(6.0), sampling)
     }
 
     #[test]
     fn surroundings_of_small_bright_parts_are_drawn_by_every_sample() {
         for (name, groups) in [("sky", 16), ("studio", 64)] {
             let extent = Environment::open(name).unwrap().extent();
-            let turns = Turns::new(1, Some(extent), &Sampling { count: 64, seed: 0 });
-            assert_eq!(turns.groups().count(), groups, "{name}");
+            let schedule = LightSchedule::new(1, Some(extent), &Sampling { count: 64, seed: 0 });
+            assert_eq!(schedule.groups().count(), groups, "{name}");
         }
     }
 
@@ -131,11 +129,11 @@ mod tests {
             [(0, false, 64), (1, false, 64), (5, false, 64), (0, true, 64), (1, true, 15), (2, true, 1)]
         {
             let sampling = Sampling { count, seed: 5 };
-            let groups: Vec<Group> = turns(lights, surrounded, &sampling).groups().collect();
+            let groups: Vec<SampleGroup> = schedule(lights, surrounded, &sampling).groups().collect();
             assert_eq!(groups.len(), count as usize);
             for (index, group) in groups.into_iter().enumerate() {
-                let turns = all_lights(lights + usize::from(surrounded), sampling.sample(index as u32));
-                assert_eq!(group, Group { turns, samples: 1 });
+                let passes = all_lights(lights + usize::from(surrounded), sampling.sample(index as u32));
+                assert_eq!(group, SampleGroup { passes, samples: 1 });
             }
         }
     }
@@ -144,23 +142,25 @@ mod tests {
     fn of_many_samples_every_fourth_draws_the_surroundings_as_brightly_as_all_would() {
         for (lights, count) in [(1, 16), (1, 64), (1, 50), (3, 29)] {
             let sampling = Sampling { count, seed: 1 };
-            let groups: Vec<Group> = turns(lights, true, &sampling).groups().collect();
+            let groups: Vec<SampleGroup> = schedule(lights, true, &sampling).groups().collect();
             assert_eq!(groups.iter().map(|group| group.samples).sum::<u32>(), count);
-            let all: Vec<Turn> = groups.iter().flat_map(|group| group.turns.clone()).collect();
-            assert_eq!(all.iter().filter(|turn| turn.is_first).count(), count as usize);
+            let all: Vec<LightPass> = groups.iter().flat_map(|group| group.passes.clone()).collect();
+            assert_eq!(all.iter().filter(|pass| pass.is_first).count(), count as usize);
             for light in 0..=lights {
-                let own: Vec<&Turn> = all.iter().filter(|turn| turn.light == light).collect();
-                let weights: f64 = own.iter().map(|turn| turn.weight).sum();
+                let own: Vec<&LightPass> = all.iter().filter(|pass| pass.light == light).collect();
+                let weights: f64 = own.iter().map(|pass| pass.weight).sum();
                 assert!((weights - f64::from(count)).abs() < 1e-9, "{count}: {weights}");
-                let numbers: Vec<u32> = own.iter().map(|turn| turn.sample.index).collect();
+                let numbers: Vec<u32> = own.iter().map(|pass| pass.sample.index).collect();
                 assert_eq!(numbers, (0..own.len() as u32).collect::<Vec<_>>());
-                assert!(own.iter().all(|turn| turn.sample.count == own.len() as u32));
-                let places = |turn: &&Turn| sampling.sample(turn.sample.index).jitter == turn.sample.jitter;
+                assert!(own.iter().all(|pass| pass.sample.count == own.len() as u32));
+                let places =
+                    |pass: &&LightPass| sampling.sample(pass.sample.index).jitter == pass.sample.jitter;
                 assert!(own.iter().all(places));
                 let seldom = light == lights;
                 assert_eq!(own.len() as u32, if seldom { count.div_ceil(EVERY) } else { count });
-                let in_group =
-                    |group: &Group| group.turns.iter().filter(|turn| turn.light == light).count() as u32;
+                let in_group = |group: &SampleGroup| {
+                    group.passes.iter().filter(|pass| pass.light == light).count() as u32
+                };
                 assert!(groups.iter().all(|group| in_group(group) == if seldom { 1 } else { group.samples }));
             }
         }
@@ -168,12 +168,12 @@ mod tests {
 
     #[test]
     fn a_picture_goes_on_where_it_was() {
-        let turns = turns(1, true, &Sampling { count: 18, seed: 0 });
+        let schedule = schedule(1, true, &Sampling { count: 18, seed: 0 });
         let mut before = 0;
-        for group in turns.groups() {
-            assert_eq!(turns.after(before), group);
+        for group in schedule.groups() {
+            assert_eq!(schedule.after(before), group);
             before += group.samples;
         }
-        assert_eq!((before, turns.after(16).samples, turns.after(18).turns.len()), (18, 2, 0));
+        assert_eq!((before, schedule.after(16).samples, schedule.after(18).passes.len()), (18, 2, 0));
     }
 }
