@@ -1,10 +1,28 @@
 #version 460
-// Adds samples to those before them, by blending. Alpha counts the samples that the mesh covers.
+// Adds a sample of a picture, or samples that are added already, to those before them, by blending. A sample counts for its pixel and for the eight
+// around it. Alpha counts the samples that the mesh covers. Beside the picture is what its last row or column has.
 
-layout(set = 0, binding = 0) uniform sampler2D radiance; // of the samples
+layout(set = 0, binding = 0) uniform sampler2D radiance;
+
+// `PixelWeights` of src/render/sampling.rs: of the pixels before, here, and behind.
+layout(push_constant) uniform Weights {
+    vec3 across;
+    vec3 down;
+    ivec2 last; // column and row
+} weights;
 
 layout(location = 0) out vec4 added;
 
+vec4 row(int x, int y) {
+    int before = max(x - 1, 0), behind = min(x + 1, weights.last.x);
+    return weights.across.x * texelFetch(radiance, ivec2(before, y), 0)
+        + weights.across.y * texelFetch(radiance, ivec2(x, y), 0)
+        + weights.across.z * texelFetch(radiance, ivec2(behind, y), 0);
+}
+
 void main() {
-    added = texelFetch(radiance, ivec2(gl_FragCoord.xy), 0);
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    added = weights.down.x * row(at.x, max(at.y - 1, 0))
+        + weights.down.y * row(at.x, at.y)
+        + weights.down.z * row(at.x, min(at.y + 1, weights.last.y));
 }

@@ -24,7 +24,9 @@ void main() {
     vec3 shown = displayed(radiance_around(direction, deviation));
     if (MEAN) {
         vec4 stored = texelFetch(radiance, ivec2(gl_FragCoord.xy), 0);
-        shown = mix(shown, displayed(stored.rgb / max(stored.a, 1.0)), stored.a / display.samples);
+        if (stored.a > 0.0) {
+            shown = mix(shown, displayed(stored.rgb / stored.a), stored.a / display.samples);
+        }
     }
     code = vec4(srgb_transfer(shown), 1.0);
 }

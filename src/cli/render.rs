@@ -19,7 +19,9 @@ use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::light_passes::LightPass;
 use crate::render::picture::Picture;
-use crate::render::reference_picture::{self, ReferenceObject, displayed_of, reference_mean};
+use crate::render::reference_picture::{
+    self, ReferenceObject, ReferenceSamples, displayed_of, reference_mean,
+};
 use crate::render::sampling::Sampling;
 use crate::render::sequence::Sequence;
 use crate::render::source::{ClassicalGrating, Source};
@@ -322,7 +324,8 @@ fn reference_picture(
     for (ObjectSurface { field, optics }, base_color) in surfaces.iter().zip(colors) {
         objects.push(ReferenceObject { field: field.as_deref(), shading: &optics.shading, base_color });
     }
-    let radiance = reference_mean(&objects, view, sampling, &mut directions, &chosen, progress)?;
+    let samples = ReferenceSamples { sampling, size: settings.size, chosen: &chosen };
+    let radiance = reference_mean(&objects, view, &samples, &mut directions, progress)?;
     let display = displayed_of(view, settings.size, &radiance, shown);
     let surrounded = view.background().is_some();
     Ok(Picture { size: settings.size, radiance, display, surrounded })

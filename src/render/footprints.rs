@@ -96,7 +96,7 @@ pub fn sizes(
                 each_light(view, sampling).into_iter().map(|pass| painter.directions_in(view, &pass));
             Ok(sizes_of(&directions.collect::<Result<Vec<_>>>()?))
         };
-        let few = sampling.with_largest_footprints();
+        let few = sampling.with_large_footprints();
         let of_few = of(&few)?;
         let shorter = if few == *sampling { of_few.shorter } else { of(sampling)?.shorter };
         Ok(finest.finer(FootprintSizes { shorter, ..of_few }))

@@ -1,6 +1,6 @@
 //! One picture, offscreen: what `diffract render` writes.
 
-use super::accumulate::Accumulation;
+use super::accumulate::{Accumulation, Addition};
 use super::around::AroundPass;
 use super::evaluator::{Asker, Query};
 use super::frame::{
@@ -157,7 +157,8 @@ enum Content {
 enum Finish {
     /// It is displayed.
     Display(Shown),
-    /// Its `samples` are added to the sum of those `before` them. Where they are to be `shown`, the mean of all is displayed.
+    /// Each pass is a picture of its own. All of them, which are of so many `samples`, are added to the sum of those `before` them. Where they are to be `shown`,
+    /// the mean of all is displayed.
     Add { before: u32, samples: u32, shown: Option<Shown> },
 }
 
@@ -518,12 +519,14 @@ impl Painter {
         Ok(true)
     }
 
-    /// Draws a `piece` of pass number `number`, which was written: with the first goes the geometry, with the last of the last pass the `finish`.
+    /// Draws a `piece` of pass number `number`, which was written: with the first goes the geometry, with the last what adds the pass, and with the last of
+    /// all the rest of the `finish`.
     fn submit(&mut self, drawn: Drawn<'_>, number: usize, piece: Piece, finish: Finish) -> Result<[f64; 2]> {
         let Drawn { view, size, passes } = drawn;
         let pass = passes[number];
-        let first = piece.is_first();
-        let last = number + 1 == passes.len() && piece.is_last(size, self.parts());
+        let (first, last) = (piece.is_first(), piece.is_last(size, self.parts()));
+        let is_alone = matches!(finish, Finish::Add { .. });
+        let finishes = last && number + 1 == passes.len();
         let Piece { tile, parts } = piece;
         let (geometry, target) = (&self.geometry, &self.target);
         let accumulation = &self.accumulation;
@@ -546,22 +549,28 @@ impl Painter {
             if first {
                 self.find.record(&all, geometry, objects, mirrored);
             }
-            if first && number == 0 {
+            if first && (is_alone || number == 0) {
                 begin_shading(&some, target);
             }
-            let begins = number == 0 && parts.start == 0;
+            let begins = (is_alone || number == 0) && parts.start == 0;
             record_shading(&some, (geometry, target), &shaded, parts, begins);
             record.timestamp(&self.timestamps, 1);
             match (finish, accumulation) {
                 (Finish::Add { before, samples, shown }, Some(accumulation)) if last => {
-                    accumulation.record(&all, target, before == 0);
-                    if let Some(shown) = shown {
+                    let weights = pass.sample.weights();
+                    let (passes, first) = (passes.len(), before == 0);
+                    accumulation.record(
+                        &all,
+                        target,
+                        Addition { weights, size, pass: number, passes, first },
+                    );
+                    if let Some(shown) = shown.filter(|_| finishes) {
                         record_display(&all, target, |all| {
                             display.mean(all, accumulation, before + samples, shown);
                         });
                     }
                 }
-                (Finish::Display(shown), _) if last => {
+                (Finish::Display(shown), _) if finishes => {
                     record_display(&all, target, |all| display.sample(all, shown));
                 }
                 _ => {}
@@ -572,7 +581,7 @@ impl Painter {
         if first {
             self.found = self.written.clone();
         }
-        if last {
+        if finishes {
             self.shows = match finish {
                 Finish::Display(_) => Content::Sample,
                 Finish::Add { shown: Some(_), .. } => Content::Mean,

@@ -3,7 +3,7 @@
 use super::directions::Directions;
 use super::frame::{Shown, View};
 use super::light_passes::{LightPass, SampleGroup};
-use super::sampling::Sampling;
+use super::sampling::{PixelWeights, Sampling};
 use super::shading::Shading;
 use crate::brdf::mean::{MeanBrdf, SummedOrders, TabulatedMean};
 use crate::brdf::without_cosine;
@@ -259,8 +259,38 @@ pub struct ReferenceObject<'a> {
     pub base_color: Vec3,
 }
 
-/// The mean of `sampling`'s samples of `objects`, each shaded in f64, for the pixels that are `chosen` by their number; the others stay empty.
-/// `directions` gives those of a pass. RGBA as [`super::picture::Picture::radiance`]. The mean over
+/// A reference picture of several samples.
+#[derive(Clone, Copy)]
+pub struct ReferenceSamples<'a> {
+    /// The samples.
+    pub sampling: &'a Sampling,
+    /// Width and height of the picture \[pixels\].
+    pub size: [u32; 2],
+    /// Whether a pixel, by its number, is wanted; the others stay empty.
+    pub chosen: &'a dyn Fn(usize) -> bool,
+}
+
+impl ReferenceSamples<'_> {
+    /// The pixel number `pixel` and those around it: their numbers, and what a sample of each counts for it by `weights`. Beside the picture is what its
+    /// last row or column has.
+    fn around(&self, pixel: usize, weights: &PixelWeights) -> [(usize, f64); 9] {
+        let [width, height] = self.size.map(|n| n as usize);
+        let (x, y) = (pixel % width, pixel / width);
+        let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
+        let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
+        std::array::from_fn(|i| {
+            let (row, column) = (i / 3, i % 3);
+            (rows[row] * width + columns[column], weights.down[row] * weights.across[column])
+        })
+    }
+
+    /// Whether the sample of a pixel counts for one that is chosen.
+    fn counts(&self, pixel: usize, weights: &PixelWeights) -> bool {
+        self.around(pixel, weights).iter().any(|(other, weight)| *weight > 0.0 && (self.chosen)(*other))
+    }
+}
+
+/// The mean of samples of `objects`, each shaded in f64. `directions` gives those of a pass. RGBA as [`super::picture::Picture::radiance`]. The mean over
 /// windows is averaged over the footprint of each sample.
 ///
 /// # Errors
@@ -268,11 +298,11 @@ pub struct ReferenceObject<'a> {
 pub fn reference_mean(
     objects: &[ReferenceObject<'_>],
     view: &View,
-    sampling: &Sampling,
+    samples: &ReferenceSamples<'_>,
     directions: &mut dyn FnMut(&LightPass) -> Result<Directions>,
-    chosen: &dyn Fn(usize) -> bool,
     progress: Progress<'_>,
 ) -> Result<Vec<[f32; 4]>> {
+    let sampling = samples.sampling;
     let count = sampling.count.max(1);
     let mut references = Vec::new();
     for &ReferenceObject { field, shading, base_color } in objects {
@@ -287,9 +317,11 @@ pub fn reference_mean(
     let passes: Vec<LightPass> = groups.into_iter().flat_map(|group| group.passes).collect();
     for (place, pass) in passes.iter().enumerate() {
         let seen = [directions(pass)?];
+        let weights = pass.sample.weights();
         sum.resize(seen[0].view.len(), DVec4::ZERO);
+        let mut sample = vec![DVec4::ZERO; sum.len()];
         let mut pixels = covered(&seen);
-        pixels.retain(|&pixel| chosen(pixel));
+        pixels.retain(|&pixel| samples.counts(pixel, &weights));
         let coverage = if pass.is_first { 1.0 } else { 0.0 };
         for (number, (reference, view)) in references.iter().enumerate() {
             let shows = |&&pixel: &&usize| seen[0].object(pixel) == number;
@@ -298,8 +330,15 @@ pub fn reference_mean(
             let told = |done, of| progress(part * of + done, parts * of);
             let colors = reference.colors(view, &seen, &pixels, &told)?;
             for (pixel, color) in pixels.into_iter().zip(colors) {
-                sum[pixel] += color.extend(coverage);
+                sample[pixel] = color.extend(coverage);
             }
+        }
+        for (pixel, sum) in sum.iter_mut().enumerate().filter(|(pixel, _)| (samples.chosen)(*pixel)) {
+            *sum += samples
+                .around(pixel, &weights)
+                .into_iter()
+                .map(|(from, weight)| sample[from] * weight)
+                .sum::<DVec4>();
         }
     }
     Ok(sum.into_iter().map(|pixel| (pixel / f64::from(count)).as_vec4().to_array()).collect())

@@ -8,11 +8,11 @@ use diffract::render::frame::{Shown, View};
 use diffract::render::picture::{Painter, Picture};
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::displayed;
-use diffract::render::sampling::{Sample, Sampling};
+use diffract::render::sampling::{PixelWeights, Sample, Sampling};
 use diffract::scene::{Camera, Light, Scene};
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3, DVec4, Vec3};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [48, 36];
@@ -40,6 +40,21 @@ fn difference(a: &[[f32; 4]], b: &[[f32; 4]]) -> f32 {
     pairs.map(|(a, b)| (a - b).abs() / b.abs().max(1e-3)).fold(0.0, f32::max)
 }
 
+/// What a sample counts for pixel number `i`: the sum over the pixel and its neighbours, of which there are none beside the picture.
+fn counted(sample: &[[f32; 4]], i: usize, weights: &PixelWeights) -> DVec4 {
+    let [width, height] = SIZE.map(|n| n as isize);
+    let (x, y) = (i as isize % width, i as isize / width);
+    let at = |column: isize, row: isize| {
+        let place = row.clamp(0, height - 1) * width + column.clamp(0, width - 1);
+        DVec4::from_array(sample[place as usize].map(f64::from))
+    };
+    let weights = |dx: isize, dy: isize| weights.across[(dx + 1) as usize] * weights.down[(dy + 1) as usize];
+    (-1..2)
+        .flat_map(|dy| (-1..2).map(move |dx| (dx, dy)))
+        .map(|(dx, dy)| at(x + dx, y + dy) * weights(dx, dy))
+        .sum()
+}
+
 #[test]
 fn a_sum_of_one_sample_is_the_single_sample_to_the_bit() {
     let scene = Scene::open("snake").unwrap();
@@ -65,24 +80,20 @@ fn a_picture_is_the_mean_of_its_samples_each_drawn_alone() {
         let mean = all(&mut painter, &view, sampling);
         assert!(all(&mut painter, &view, sampling) == mean, "the second time it is another picture");
         assert!(all(&mut painter, &view, Sampling { seed: 4, ..sampling }) != mean, "no seed changes it");
-        let mut halves = [vec![[0.0f64; 4]; mean.radiance.len()], vec![[0.0; 4]; mean.radiance.len()]];
+        let mut sum = vec![DVec4::ZERO; mean.radiance.len()];
         for index in 0..8 {
             painter.draw_sample(&view, &sampling.sample(index), SHOWN).unwrap();
             let single = painter.picture().unwrap().radiance;
             assert!(difference(&single, &mean.radiance) > 1e-2, "sample {index} is not jittered");
-            for (sum, pixel) in halves[index as usize / 4].iter_mut().zip(single) {
-                (0..4).for_each(|c| sum[c] += f64::from(pixel[c]) / 8.0);
+            let weights = sampling.sample(index).weights();
+            for (i, sum) in sum.iter_mut().enumerate() {
+                *sum += counted(&single, i, &weights) / 8.0;
             }
         }
-        let [first, second] = halves;
-        let whole: Vec<[f32; 4]> =
-            first.iter().zip(&second).map(|(a, b)| [0, 1, 2, 3].map(|c| (a[c] + b[c]) as f32)).collect();
-        // Eight sums of 32 bits.
-        assert!(
-            difference(&mean.radiance, &whole) < 8.0 * f32::EPSILON,
-            "{}",
-            difference(&mean.radiance, &whole)
-        );
+        let whole: Vec<[f32; 4]> = sum.into_iter().map(|pixel| pixel.as_vec4().to_array()).collect();
+        // Eight sums of nine products of 32 bits.
+        let found = difference(&mean.radiance, &whole);
+        assert!(found < 32.0 * f32::EPSILON, "{found}");
         let partial = mean.radiance.iter().filter(|p| p[3] > 0.0 && p[3] < 1.0).count();
         assert!(partial > 20, "only {partial} pixels lie on edges");
         // The display is the twin's, at edges too.
@@ -170,7 +181,7 @@ fn normal(x: f64) -> f64 {
 }
 
 #[test]
-fn coverage_beside_a_straight_edge_is_the_gaussian_of_the_jitter() {
+fn coverage_beside_a_straight_edge_is_a_gaussian() {
     let scene = Scene::open("plate").unwrap();
     let mut view = view(&scene);
     // On the plate's edge x = 1/2, askew in the picture, whose other edges are outside.
@@ -182,9 +193,9 @@ fn coverage_beside_a_straight_edge_is_the_gaussian_of_the_jitter() {
     };
     let (start, along) = (pixel(-0.1), (pixel(0.1) - pixel(-0.1)).normalize());
     let exact = |i: usize, sampling: Sampling| {
-        let jitter = (0.25 - sampling.footprint().powi(2)).sqrt();
+        let deviation = (0.25 - sampling.footprint().powi(2)).sqrt();
         let place = DVec2::new((i % SIZE[0] as usize) as f64 + 0.5, (i / SIZE[0] as usize) as f64 + 0.5);
-        normal((place - start).perp_dot(along) / jitter)
+        normal((place - start).perp_dot(along) / deviation)
     };
     with_device(|device| {
         let mut painter = painter(device, &scene);

@@ -19,7 +19,7 @@ use diffract::render::light_passes::LightPass;
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{
-    PixelReference, ReferenceObject, covered, reference_mean, reference_picture,
+    PixelReference, ReferenceObject, ReferenceSamples, covered, reference_mean, reference_picture,
 };
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
@@ -298,8 +298,8 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
         let mut seen = |pass: &LightPass| directions.directions_in(&view, pass);
         let (shading, base_color) = (&shading, view.base_color);
         let object = ReferenceObject { field: Some(&field), shading, base_color };
-        let exact =
-            reference_mean(&[object], &view, &sampling, &mut seen, &|_| true, &|_, _| Ok(())).unwrap();
+        let samples = ReferenceSamples { sampling: &sampling, size: SIZE, chosen: &|_| true };
+        let exact = reference_mean(&[object], &view, &samples, &mut seen, &|_, _| Ok(())).unwrap();
         for (method, allowed) in [(Method::Table, TABLE_OF_SAMPLES), (Method::Spectral, SPECTRAL_OF_SAMPLES)]
         {
             let source = source(device, &field, shading, method, least);

@@ -106,6 +106,9 @@ impl Painter {
             self.accumulation = Some(Accumulation::new(&self.device, &self.target)?);
             self.point_around();
         }
+        if let Some(accumulation) = &mut self.accumulation {
+            accumulation.make_room(&self.device, group.passes.len())?;
+        }
         let before = self.samples_of(view, sampling, size);
         if before == 0 {
             // Until its first samples are there, the sum is of nothing.
