@@ -11,10 +11,11 @@ use diffract::optics::material::Material;
 use diffract::optics::reflectance::Reflectance;
 use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
+use diffract::render::light_passes::LightPass;
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
-use diffract::render::reference_picture::reference_picture;
-use diffract::render::sampling::{Sample, Sampling};
+use diffract::render::reference_picture::{ReferenceObject, ReferenceSamples, reference_mean};
+use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::{Light, Scene};
@@ -39,11 +40,11 @@ struct Case {
 
 /// Relative L2 error of all colours of the only sample by each of `methods`.
 fn errors<const N: usize>(case: &Case, methods: [Method; N]) -> [f64; N] {
-    errors_of(case, &Sampling::ONE.sample(0), methods)
+    errors_of(case, Sampling::ONE, methods)
 }
 
-/// Relative L2 error of all colours of `sample` by each of `methods`.
-fn errors_of<const N: usize>(case: &Case, sample: &Sample, methods: [Method; N]) -> [f64; N] {
+/// Relative L2 error of all colours of the mean of samples by each of `methods`, against that of the same samples.
+fn errors_of<const N: usize>(case: &Case, sampling: Sampling, methods: [Method; N]) -> [f64; N] {
     let &Case { kind, size, tolerance, wavelengths, .. } = case;
     let field = patch(kind, 10.0);
     let scene = Scene::open(case.scene).unwrap();
@@ -62,7 +63,6 @@ fn errors_of<const N: usize>(case: &Case, sample: &Sample, methods: [Method; N])
         ..Shading::default()
     }
     .for_pictures();
-    let lights = view.light_count();
     let mut errors = [0.0; N];
     with_device(|device| {
         let new = |source: &Source| {
@@ -70,15 +70,18 @@ fn errors_of<const N: usize>(case: &Case, sample: &Sample, methods: [Method; N])
         };
         let mut found = new(&Source::ClassicalGrating(ClassicalGrating::default()));
         found.ask_for_footprints().unwrap();
-        let seen: Vec<_> =
-            (0..lights).map(|light| found.directions_of(&view, light, sample).unwrap()).collect();
+        let sample = sampling.sample(0);
+        let seen: Vec<_> = (0..view.light_count())
+            .map(|light| found.directions_of(&view, light, &sample).unwrap())
+            .collect();
         // Whatever the wavelengths of the device.
-        let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
+        let object = ReferenceObject { field: Some(&field), shading: &shading, base_color: view.base_color };
+        let samples = ReferenceSamples { sampling: &sampling, size, chosen: &|_| true };
+        let mut of_pass = |pass: &LightPass| found.directions_in(&view, pass);
+        let exact = reference_mean(&[object], &view, &samples, &mut of_pass, &|_, _| Ok(())).unwrap();
         for (method, error) in methods.into_iter().zip(&mut errors) {
             let source = source(device, &field, &shading, method, sizes_of(&seen));
-            let mut painter = new(&source);
-            painter.draw_sample(&view, sample, SHOWN).unwrap();
-            let picture = painter.picture().unwrap();
+            let picture = new(&source).paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
             *error = colours(&picture.radiance, &exact);
         }
     });
@@ -87,11 +90,11 @@ fn errors_of<const N: usize>(case: &Case, sample: &Sample, methods: [Method; N])
 
 #[test]
 fn large_tolerances_are_kept_by_few_taps() {
-    // Both levels are read in the middle alone: by the only sample, and by one of sixteen.
-    let many = Sampling { count: 16, seed: 3 }.sample(6);
-    let one = Sampling::ONE.sample(0);
-    for (tolerance, sample) in [(1e-1, one), (1e-1, many), (2e-1, one), (2e-1, many)] {
-        assert!(TapRule::of(tolerance, 4.0).mixed_from <= sample.count);
+    // Both levels are read in the middle alone: by the only sample, and by each of sixteen.
+    let many = Sampling { count: 16, seed: 3 };
+    let one = Sampling::ONE;
+    for (tolerance, sampling) in [(1e-1, one), (1e-1, many), (2e-1, one), (2e-1, many)] {
+        assert!(TapRule::of(tolerance, 4.0).mixed_from <= sampling.count);
         let case = Case {
             scene: "sphere",
             kind: SurfaceKind::Elaphe,
@@ -101,8 +104,8 @@ fn large_tolerances_are_kept_by_few_taps() {
             light: None,
             material: None,
         };
-        let [table, spectral] = errors_of(&case, &sample, [Method::Table, Method::Spectral]);
-        eprintln!("{tolerance:e}, one of {}: table {table:.4}, spectral {spectral:.4}", sample.count);
+        let [table, spectral] = errors_of(&case, sampling, [Method::Table, Method::Spectral]);
+        eprintln!("{tolerance:e}, {} samples: table {table:.4}, spectral {spectral:.4}", sampling.count);
         assert!(table < tolerance && spectral < tolerance, "{tolerance}: {table}, {spectral}");
     }
 }
