@@ -34,6 +34,7 @@ pub mod timing;
 use display::Display;
 use read_back::PictureArea;
 use tiles::{Piece, Tiles};
+use timing::DrawTimes;
 
 /// Draws pictures of one object or of several.
 pub struct Painter {
@@ -48,7 +49,7 @@ pub struct Painter {
     target: Target,
     timestamps: Timestamps,
     asker: Option<Asker>,
-    // Milliseconds a pixel of the last picture that was drawn in tiles.
+    // Milliseconds in which a pixel of the last picture that was drawn in tiles was shaded.
     pixel_time: Option<f64>,
     // What the display shows.
     shows: Content,
@@ -237,7 +238,7 @@ impl Painter {
             geometry,
             display,
             target,
-            timestamps: Timestamps::new(device, 3)?,
+            timestamps: Timestamps::new(device, 4)?,
             asker: None,
             pixel_time: None,
             shows: Content::Nothing,
@@ -402,20 +403,20 @@ impl Painter {
         Ok(())
     }
 
-    /// Draws one sample of `view` at the centres of pixels, displays it without a tone and leaves the result on the device; milliseconds that the
-    /// device took for shading and display.
+    /// Draws one sample of `view` at the centres of pixels, displays it without a tone and leaves the result on the device; what that
+    /// took.
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn draw(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<[f64; 2]> {
+    pub fn draw(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<DrawTimes> {
         self.draw_sample(view, &Sampling::ONE.sample(0), Shown::plain(exposure, background))
     }
 
-    /// Draws `sample` alone of `view`, under all lights, displayed as `shown` says; milliseconds that the device took for shading and display.
+    /// Draws `sample` alone of `view`, under all lights, displayed as `shown` says; what that took.
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<[f64; 2]> {
+    pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<DrawTimes> {
         let drawn =
             Drawn { view, size: self.target.size(), passes: &all_lights(view.light_count(), *sample) };
         self.draw_whole(drawn, Finish::Display(shown))
@@ -436,7 +437,7 @@ impl Painter {
     ) -> Result<Option<f64>> {
         let drawn = Drawn { view, size, passes: &all_lights(view.light_count(), Sampling::ONE.sample(0)) };
         let times = self.draw_tiles(drawn, Finish::Display(shown), go_on)?;
-        Ok(times.map(|times| times[0] + times[1]))
+        Ok(times.map(|times| times.total()))
     }
 
     /// Parts of the sum of a pixel.
@@ -444,28 +445,28 @@ impl Painter {
         self.shadings.iter().map(|own| own.pass.parts).max().unwrap_or(1)
     }
 
-    /// Draws `drawn` pass by pass, each at once; milliseconds for shading and for what follows it.
-    fn draw_whole(&mut self, drawn: Drawn<'_>, finish: Finish) -> Result<[f64; 2]> {
-        let mut total = [0.0; 2];
+    /// Draws `drawn` pass by pass, each at once.
+    fn draw_whole(&mut self, drawn: Drawn<'_>, finish: Finish) -> Result<DrawTimes> {
+        let mut total = DrawTimes::default();
         for number in 0..drawn.passes.len() {
             self.write(drawn.view, drawn.size, &drawn.passes[number])?;
             let piece = Piece::whole(drawn.size, self.parts());
             let times = self.submit(drawn, number, piece, finish)?;
-            total = [total[0] + times[0], total[1] + times[1]];
+            total.add(times);
         }
         Ok(total)
     }
 
-    /// Draws `drawn` pass by pass in pieces, as [`Self::draw_while`] says; milliseconds for shading and for what follows it.
+    /// Draws `drawn` pass by pass in pieces, as [`Self::draw_while`] says.
     fn draw_tiles(
         &mut self,
         drawn: Drawn<'_>,
         finish: Finish,
         go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Option<[f64; 2]>> {
+    ) -> Result<Option<DrawTimes>> {
         let Drawn { view, size, passes } = drawn;
         let count = passes.len() as f64;
-        let mut total = [0.0; 2];
+        let mut total = DrawTimes::default();
         for (number, pass) in passes.iter().enumerate() {
             self.write(view, size, pass)?;
             let surrounded = self.geometry.settings.mirrored;
@@ -479,11 +480,11 @@ impl Painter {
                     return Ok(None);
                 }
                 let times = self.submit(drawn, number, piece, finish)?;
-                tiles.took(times[0]);
-                total = [total[0] + times[0], total[1] + times[1]];
+                tiles.took(times.shading);
+                total.add(times);
             }
         }
-        self.pixel_time = Some(total[0] / (count * f64::from(size[0]) * f64::from(size[1])));
+        self.pixel_time = Some(total.shading / (count * f64::from(size[0]) * f64::from(size[1])));
         Ok(Some(total))
     }
 
@@ -521,7 +522,7 @@ impl Painter {
 
     /// Draws a `piece` of pass number `number`, which was written: with the first goes the geometry, with the last what adds the pass, and with the last of
     /// all the rest of the `finish`.
-    fn submit(&mut self, drawn: Drawn<'_>, number: usize, piece: Piece, finish: Finish) -> Result<[f64; 2]> {
+    fn submit(&mut self, drawn: Drawn<'_>, number: usize, piece: Piece, finish: Finish) -> Result<DrawTimes> {
         let Drawn { view, size, passes } = drawn;
         let pass = passes[number];
         let (first, last) = (piece.is_first(), piece.is_last(size, self.parts()));
@@ -549,12 +550,13 @@ impl Painter {
             if first {
                 self.find.record(&all, geometry, objects, mirrored);
             }
+            record.timestamp(&self.timestamps, 1);
             if first && (is_alone || number == 0) {
                 begin_shading(&some, target);
             }
             let begins = (is_alone || number == 0) && parts.start == 0;
             record_shading(&some, (geometry, target), &shaded, parts, begins);
-            record.timestamp(&self.timestamps, 1);
+            record.timestamp(&self.timestamps, 2);
             match (finish, accumulation) {
                 (Finish::Add { before, samples, shown }, Some(accumulation)) if last => {
                     let weights = pass.sample.weights();
@@ -575,7 +577,7 @@ impl Painter {
                 }
                 _ => {}
             }
-            record.timestamp(&self.timestamps, 2);
+            record.timestamp(&self.timestamps, 3);
             Ok(())
         })?;
         if first {
@@ -591,7 +593,7 @@ impl Painter {
             self.shows = Content::PictureArea;
         }
         let times = self.timestamps.intervals()?;
-        Ok([times[0], times[1]])
+        Ok(DrawTimes { geometry: times[0], shading: times[1], finish: times[2] })
     }
 
     /// Whether the light of `pass` is drawn from the surroundings of `view`, whose specular order is mirrored.
@@ -639,8 +641,7 @@ impl Painter {
                 record.reset(&self.timestamps);
                 record.timestamp(&self.timestamps, 0);
                 pass.record_probe(record, target, sets, probe);
-                record.timestamp(&self.timestamps, 1);
-                record.timestamp(&self.timestamps, 2);
+                (1..4).for_each(|stamp| record.timestamp(&self.timestamps, stamp));
                 Ok(())
             })?;
             best = best.min(self.timestamps.intervals()?[0]);

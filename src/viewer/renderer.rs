@@ -81,7 +81,7 @@ impl Slot {
         if added.is_some() {
             self.displayed = Some(Displayed { view: view.clone(), shown, size: *size, sampling: *sampling });
         }
-        Ok(added.map(|added| added.samples))
+        Ok(added)
     }
 
     /// Shades with `prepared` from now on. The textures on the device stay; what depends on other settings is rebuilt.

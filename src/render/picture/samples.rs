@@ -28,15 +28,6 @@ impl Summed {
     }
 }
 
-/// What a picture has after samples were added.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Added {
-    /// Samples that the picture is the mean of.
-    pub samples: u32,
-    /// Milliseconds that the device took for those that were added: geometry and shading; addition and display.
-    pub times: [f64; 2],
-}
-
 impl Painter {
     /// Draws all samples of `view`, shown as `shown` says, and reads the picture back. Tells `progress` how many are done; what it returns
     /// as an error ends the picture.
@@ -68,7 +59,7 @@ impl Painter {
     }
 
     /// Adds the next group of samples of `view`, with `size` pixels in the corner of the pictures, to those that were drawn of the same view, sampling
-    /// and size; where there are none, the first. The display shows the mean so far. Shades in tiles as [`Self::draw_while`] does;
+    /// and size; where there are none, the first. The display shows the mean so far. The number of samples in it. Shades in tiles as [`Self::draw_while`] does;
     /// `None` where `go_on` said no: then nothing is added, and the next call draws it anew. Once all samples are there, nothing
     /// is drawn but the display.
     ///
@@ -81,12 +72,12 @@ impl Painter {
         shown: Shown,
         size: [u32; 2],
         go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Option<Added>> {
+    ) -> Result<Option<u32>> {
         let before = self.samples_of(view, sampling, size);
         if before >= sampling.count {
             self.shows = Content::Mean;
             self.display_again(size, shown)?;
-            return Ok(Some(Added { samples: before, times: [0.0; 2] }));
+            return Ok(Some(before));
         }
         let group = view.schedule(sampling).after(before);
         self.add(view, sampling, &group, Some(shown), size, go_on)
@@ -101,7 +92,7 @@ impl Painter {
         shown: Option<Shown>,
         size: [u32; 2],
         go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Option<Added>> {
+    ) -> Result<Option<u32>> {
         if self.accumulation.is_none() {
             self.accumulation = Some(Accumulation::new(&self.device, &self.target)?);
             self.point_around();
@@ -116,13 +107,15 @@ impl Painter {
         }
         let drawn = Drawn { view, size, passes: &group.passes };
         let finish = Finish::Add { before, samples: group.samples, shown };
-        let Some(times) = self.draw_tiles(drawn, finish, go_on)? else { return Ok(None) };
+        if self.draw_tiles(drawn, finish, go_on)?.is_none() {
+            return Ok(None);
+        }
         let samples = before + group.samples;
         match &mut self.summed {
             Some(summed) => summed.samples = samples,
             none => *none = Some(Summed { view: view.clone(), sampling: *sampling, size, samples }),
         }
-        Ok(Some(Added { samples, times }))
+        Ok(Some(samples))
     }
 
     /// How many samples of `view` by `sampling` with `size` pixels are summed.

@@ -31,6 +31,30 @@ impl PassTimes {
     }
 }
 
+/// Milliseconds that the device took for a picture or a part of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DrawTimes {
+    /// Drawing the mesh: its depth map, and what each pixel sees.
+    pub geometry: f64,
+    /// Shading.
+    pub shading: f64,
+    /// Addition to other samples, and display.
+    pub finish: f64,
+}
+
+impl DrawTimes {
+    /// Everything.
+    pub fn total(&self) -> f64 {
+        self.geometry + self.shading + self.finish
+    }
+
+    pub(super) fn add(&mut self, other: Self) {
+        self.geometry += other.geometry;
+        self.shading += other.shading;
+        self.finish += other.finish;
+    }
+}
+
 /// The timestamps of frames that are timed.
 pub struct Stopwatch {
     timestamps: Timestamps,
