@@ -403,20 +403,19 @@ impl Painter {
         Ok(())
     }
 
-    /// Draws one sample of `view` at the centres of pixels, displays it without a tone and leaves the result on the device; what that
-    /// took.
+    /// Draws one sample of `view` at the centres of pixels, displays it without a tone and leaves the result on the device.
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn draw(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<DrawTimes> {
+    pub fn draw(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<()> {
         self.draw_sample(view, &Sampling::ONE.sample(0), Shown::plain(exposure, background))
     }
 
-    /// Draws `sample` alone of `view`, under all lights, displayed as `shown` says; what that took.
+    /// Draws `sample` alone of `view`, under all lights, displayed as `shown` says.
     ///
     /// # Errors
     /// Where the device is lost.
-    pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<DrawTimes> {
+    pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<()> {
         let drawn =
             Drawn { view, size: self.target.size(), passes: &all_lights(view.light_count(), *sample) };
         self.draw_whole(drawn, Finish::Display(shown))
@@ -446,18 +445,16 @@ impl Painter {
     }
 
     /// Draws `drawn` pass by pass, each at once.
-    fn draw_whole(&mut self, drawn: Drawn<'_>, finish: Finish) -> Result<DrawTimes> {
-        let mut total = DrawTimes::default();
+    fn draw_whole(&mut self, drawn: Drawn<'_>, finish: Finish) -> Result<()> {
         for number in 0..drawn.passes.len() {
             self.write(drawn.view, drawn.size, &drawn.passes[number])?;
             let piece = Piece::whole(drawn.size, self.parts());
-            let times = self.submit(drawn, number, piece, finish)?;
-            total.add(times);
+            self.submit(drawn, number, piece, finish)?;
         }
-        Ok(total)
+        Ok(())
     }
 
-    /// Draws `drawn` pass by pass in pieces, as [`Self::draw_while`] says.
+    /// Draws `drawn` pass by pass in pieces, as [`Self::draw_while`] says; what that took.
     fn draw_tiles(
         &mut self,
         drawn: Drawn<'_>,
@@ -526,7 +523,8 @@ impl Painter {
         let Drawn { view, size, passes } = drawn;
         let pass = passes[number];
         let (first, last) = (piece.is_first(), piece.is_last(size, self.parts()));
-        let is_alone = matches!(finish, Finish::Add { .. });
+        // Passes that are added are pictures of their own; others add up.
+        let is_new = number == 0 || matches!(finish, Finish::Add { .. });
         let finishes = last && number + 1 == passes.len();
         let Piece { tile, parts } = piece;
         let (geometry, target) = (&self.geometry, &self.target);
@@ -551,10 +549,10 @@ impl Painter {
                 self.find.record(&all, geometry, objects, mirrored);
             }
             record.timestamp(&self.timestamps, 1);
-            if first && (is_alone || number == 0) {
+            if first && is_new {
                 begin_shading(&some, target);
             }
-            let begins = (is_alone || number == 0) && parts.start == 0;
+            let begins = is_new && parts.start == 0;
             record_shading(&some, (geometry, target), &shaded, parts, begins);
             record.timestamp(&self.timestamps, 2);
             match (finish, accumulation) {

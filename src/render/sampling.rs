@@ -15,7 +15,7 @@ use crate::random::Random;
 
 /// Variance of the pixel filter along each axis \[pixel²\].
 const FILTER_VARIANCE: f64 = 0.25;
-/// Of N samples each averages over this over N + 1 of the filter's variance.
+/// K: of N samples each averages over K/(N + K − 1) of the filter's variance, a single one over all of it.
 ///
 /// Less makes noise, and more leaves an error of the footprint that no number of samples takes away: the best of those that were measured at 16 and at 64
 /// samples (docs/decisions/0016-samples-count-for-neighbouring-pixels.md).
@@ -66,13 +66,13 @@ impl Sampling {
     /// As many samples as there can be that average over at least half of the filter's variance each, at most [`Self::count`].
     #[must_use]
     pub fn with_large_footprints(&self) -> Self {
-        const HALF: u32 = (2.0 * SHARED_SAMPLES - 1.0) as u32;
+        const HALF: u32 = (SHARED_SAMPLES + 1.0) as u32;
         Self { count: self.count.min(HALF), ..*self }
     }
 
     /// σ_f: standard deviation of the part of the pixel filter that shading averages over \[pixels\].
     pub fn footprint(&self) -> f64 {
-        let share = SHARED_SAMPLES / (f64::from(self.count.max(1)) + 1.0);
+        let share = SHARED_SAMPLES / (f64::from(self.count.max(1)) + SHARED_SAMPLES - 1.0);
         (share * FILTER_VARIANCE).sqrt()
     }
 }
@@ -124,13 +124,14 @@ impl Sample {
             .unwrap_or(0)
     }
 
-    /// What it counts for: a Gaussian of the part of the filter's variance that its footprint leaves, which ends 1½ pixels, or three standard
-    /// deviations, from the centre of a pixel. That its weights add up to 1 widens it by less than a hundredth from four samples on.
+    /// What it counts for: a Gaussian of the part of the filter's variance that its footprint leaves. It ends 1½ pixels from the centre of a pixel, three standard
+    /// deviations, which takes away a fortieth of the variance. That the weights add up to 1 adds less than a hundredth from eight samples on, and 3 % of four. A footprint of the whole
+    /// filter leaves nothing, and the sample counts for its own pixel alone.
     pub fn weights(&self) -> PixelWeights {
-        if self.count <= 1 {
+        let variance = FILTER_VARIANCE - self.footprint.powi(2);
+        if variance <= 0.0 {
             return PixelWeights::OWN;
         }
-        let variance = FILTER_VARIANCE - self.footprint.powi(2);
         let along = |jitter: f64| {
             let weights = [-1.0, 0.0, 1.0].map(|pixel| (-(pixel + jitter).powi(2) / (2.0 * variance)).exp());
             let sum: f64 = weights.iter().sum();
@@ -246,7 +247,7 @@ mod tests {
     fn samples_count_by_the_rest_of_the_filter_along_each_axis() {
         for seed in 0..8 {
             // An integral over a scrambled (0, 2)-net converges faster than that over independent points, whose standard deviations
-            // these bounds are: √(s²/N) for the mean and s²·√(2/N) for the variance s². The end of the filter takes away a fortieth of it at most.
+            // these bounds are: √(s²/N) for the mean and s²·√(2/N) for the variance s². The end of the filter takes away about a fortieth of it.
             for count in [4, 16, 64, 256, 4096] {
                 let sampling = Sampling { count, seed };
                 let rest = 0.25 - sampling.footprint().powi(2);

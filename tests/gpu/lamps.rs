@@ -192,6 +192,8 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
     studio.placement = Placement::new(70.0, 0.5).unwrap();
     view.environment = Some(studio);
     view.shows_surroundings = true;
+    // Bright, so that what stands before the surroundings counts.
+    view.base_color = Vec3::ONE;
     let shading = Shading::default();
     let source = Source::ClassicalGrating(ClassicalGrating::default());
     let size = [160, 120];
@@ -199,17 +201,26 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
     with_device(|device| {
         let mut painter =
             Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), size).unwrap();
-        for count in [1, 8] {
+        for count in [1, 2, 8] {
             let sampling = Sampling { count, seed: 1 };
             let picture = painter.paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
             let expected = displayed_of(&view, size, &picture.radiance, shown);
             let (mut apart, mut behind) = (0, 0);
+            // Covered by less than a whole sample, and of those the ones that are apart.
+            let mut thin = [0, 0];
             for ((radiance, found), expected) in picture.radiance.iter().zip(&picture.display).zip(&expected)
             {
                 behind += usize::from(radiance[3] == 0.0 && found[..3] != [0, 0, 0]);
                 // The device reads the picture of the surroundings between its pixels.
-                apart += usize::from(found.iter().zip(expected).any(|(a, b)| a.abs_diff(*b) > 3));
+                let is_apart = found.iter().zip(expected).any(|(a, b)| a.abs_diff(*b) > 3);
+                apart += usize::from(is_apart);
+                if radiance[3] > 0.0 && radiance[3] * (count as f32) < 1.0 {
+                    thin = [thin[0] + 1, thin[1] + usize::from(is_apart)];
+                }
             }
+            eprintln!("{count} samples: {apart} apart, {thin:?} covered by less than one");
+            assert!(count == 1 || thin[0] > 100, "{count} samples: {} pixels of less than one", thin[0]);
+            assert!(12 * thin[1] <= thin[0], "{count} samples: {thin:?} pixels of less than one are others");
             assert!(behind > 4000, "{count} samples: {behind} pixels of the surroundings");
             assert!(apart < expected.len() / 12, "{count} samples: {apart} pixels are others");
             // A picture of another view that is given up changes nothing of what is shown.

@@ -59,8 +59,8 @@ impl Painter {
     }
 
     /// Adds the next group of samples of `view`, with `size` pixels in the corner of the pictures, to those that were drawn of the same view, sampling
-    /// and size; where there are none, the first. The display shows the mean so far. The number of samples in it. Shades in tiles as [`Self::draw_while`] does;
-    /// `None` where `go_on` said no: then nothing is added, and the next call draws it anew. Once all samples are there, nothing
+    /// and size; where there are none, the first. The display shows the mean so far. Shades in tiles as [`Self::draw_while`] does. Returns
+    /// the number of samples in the mean, or `None` where `go_on` said no: then nothing is added, and the next call draws it anew. Once all samples are there, nothing
     /// is drawn but the display.
     ///
     /// # Errors
