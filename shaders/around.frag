@@ -28,5 +28,5 @@ void main() {
             shown = mix(shown, displayed(stored.rgb / stored.a), stored.a / display.samples);
         }
     }
-    code = vec4(srgb_transfer(shown), 1.0);
+    code = vec4(srgb_codes(shown), 1.0);
 }

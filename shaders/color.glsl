@@ -48,3 +48,8 @@ vec3 neutral(vec3 rgb) {
 vec3 srgb_transfer(vec3 linear) {
     return mix(1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, 12.92 * linear, lessThanEqual(linear, vec3(0.0031308)));
 }
+
+// Codes of an 8-bit display, as parts of 255. Rounded here, because devices may write 8 bits through 16-bit floats and round to a neighbour of the code.
+vec3 srgb_codes(vec3 linear) {
+    return round(255.0 * srgb_transfer(linear)) / 255.0;
+}

@@ -24,5 +24,5 @@ void main() {
     if (MEAN) {
         shown = mix(display.background, shown, stored.a / display.samples);
     }
-    code = vec4(srgb_transfer(shown), 1.0);
+    code = vec4(srgb_codes(shown), 1.0);
 }

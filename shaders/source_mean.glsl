@@ -3,11 +3,11 @@
 // The CPU twin is src/spectra/power/read.rs; the Rust side is src/render/source/mean.rs.
 #extension GL_EXT_control_flow_attributes : require
 #include "footprint.glsl"
+#include "kernel.glsl"
 #define REFLECTANCE_BINDING 5
 #include "reflectance.glsl"
 
-layout(constant_id = 10) const bool CUBIC = true; // cubic B-spline, else linear
-layout(constant_id = 11) const int LAYERS = 3;    // four terms each
+layout(constant_id = 11) const int LAYERS = 3; // four terms each
 // Between two levels: `Polygon` of src/optics/footprint.rs.
 layout(constant_id = 12) const int CORNERS = 4;
 layout(constant_id = 13) const float MIDDLE_SHARE = 0.0;
@@ -44,18 +44,6 @@ layout(set = 1, binding = 3) uniform sampler2D nodes;
 layout(set = 1, binding = 4, std430) readonly buffer Combs { ivec2 combs[]; };
 const int UV_BINS = 256; // over |(u, v)| in 0 ... 2
 
-// Cubic B-spline along an axis from two linear samples (Sigg & Hadwiger, GPU Gems 2, chapter 20): each stands between two
-// texels where the hardware's linear weights give the ratio of the spline's. x, y: the samples [texels]; z: weight of y.
-vec3 spline_samples(float texel) {
-    float whole = floor(texel - 0.5);
-    float t = texel - 0.5 - whole, t2 = t * t, t3 = t2 * t;
-    float w0 = (1.0 - 3.0 * t + 3.0 * t2 - t3) / 6.0;
-    float w1 = (4.0 - 6.0 * t2 + 3.0 * t3) / 6.0;
-    float w3 = t3 / 6.0;
-    float w2 = 1.0 - w0 - w1 - w3;
-    return vec3(whole - 0.5 + w1 / (w0 + w1), whole + 1.5 + w3 / (w2 + w3), w2 + w3);
-}
-
 // Sum of the orders' powers over z^2 near frequency `f`, in stored units.
 float fluctuation(vec2 f, float z, float level) {
     vec2 place = f / source.range + 0.5;
@@ -64,26 +52,11 @@ float fluctuation(vec2 f, float z, float level) {
     // T_k+4 and T_k+5 ... from T_k and T_4: T_m+4 = 2 T_4 T_m - T_|m-4|.
     float twice_four = 2.0 * (2.0 * t.z * t.z - 1.0);
     vec4 before = vec4(2.0 * t.z * t.z - 1.0, t.w, t.z, t.y); // T_4, T_3, T_2, T_1: of -4 ... -1
-    vec2 near = place, far = place;
-    vec2 share = vec2(0.0);
-    if (CUBIC) {
-        vec2 size = source.texels * exp2(-level);
-        vec2 texel = place * size;
-        vec3 sx = spline_samples(texel.x), sy = spline_samples(texel.y);
-        near = vec2(sx.x, sy.x) / size;
-        far = vec2(sx.y, sy.y) / size;
-        share = vec2(sx.z, sy.z);
-    }
+    vec2 size = source.texels * exp2(-level);
+    Read read = read_at(place * size, size);
     float sum = 0.0;
     [[unroll]] for (int layer = 0; layer < LAYERS; ++layer) {
-        vec4 value = textureLod(powers, vec3(near, layer), level);
-        if (CUBIC) {
-            vec4 right = textureLod(powers, vec3(far.x, near.y, layer), level);
-            vec4 above = textureLod(powers, vec3(near.x, far.y, layer), level);
-            vec4 both = textureLod(powers, vec3(far, layer), level);
-            value = mix(mix(value, right, share.x), mix(above, both, share.x), share.y);
-        }
-        sum += dot(value, t);
+        sum += dot(read_layer(powers, read, layer, level), t);
         vec4 next = twice_four * t - before;
         before = t;
         t = next;

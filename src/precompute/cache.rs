@@ -1,7 +1,7 @@
 //! Layers kept on disk, under a key made of everything that they depend on.
 
 use super::coefficients::Coefficients;
-use super::kernel::{Interpolation, Kernel};
+use super::kernel::{Interpolation, Kernel, Transformed};
 use super::layers::{Errors, Layers};
 use super::pairs::PairRule;
 use super::settings::LayerSettings;
@@ -57,7 +57,7 @@ pub struct LayersHeader {
 
 impl Kept for Layers {
     /// The version changes whenever the layers of the same key would change.
-    const FORMAT: EntryFormat = EntryFormat { name: "layers", version: 12 };
+    const FORMAT: EntryFormat = EntryFormat { name: "layers", version: 13 };
     type Header = LayersHeader;
 
     fn header(&self) -> LayersHeader {
@@ -111,7 +111,11 @@ impl Kept for Layers {
             },
             z_max: h.z_max,
             pairs_needed: h.pairs_needed,
-            interpolation: Interpolation { kernels: h.kernels, ratios: h.ratios },
+            interpolation: Interpolation {
+                of: if h.sigma.is_some() { Transformed::Window } else { Transformed::Period },
+                kernels: h.kernels,
+                ratios: h.ratios,
+            },
             errors: h.errors,
             texels,
         };

@@ -6,19 +6,20 @@
 //! copies remain as the error.
 
 use serde::{Deserialize, Serialize};
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// How the shader reads between texels along one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kernel {
-    /// The hardware's own linear interpolation; transform sinc².
+    /// Linear interpolation, a sampler's own; transform sinc².
     Linear,
-    /// Cubic B-spline, from two hardware samples (Sigg & Hadwiger 2005); transform sinc⁴.
+    /// Cubic B-spline, from two linear samples (Sigg & Hadwiger 2005) or four texels; transform sinc⁴.
     Cubic,
 }
 
 impl Kernel {
-    /// Hardware samples along the axis.
-    pub fn samples(self) -> u32 {
+    /// Linear samples along the axis.
+    pub fn samples(self) -> usize {
         match self {
             Self::Linear => 1,
             Self::Cubic => 2,
@@ -80,26 +81,50 @@ impl Kernel {
 
     /// The kernel's transform at `x` = position/L.
     pub fn transform(self, x: f64) -> f64 {
-        let sinc = if x == 0.0 { 1.0 } else { (std::f64::consts::PI * x).sin() / (std::f64::consts::PI * x) };
+        let sinc = if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) };
         match self {
             Self::Linear => sinc.powi(2),
             Self::Cubic => sinc.powi(4),
         }
     }
 
-    /// RMS amplitude error along one axis, relative to the local RMS amplitude, for a Gaussian window of standard
-    /// deviation σ on a padded length L = `ratio`·σ: the energy of the damped copies, and of what L cuts off.
-    pub fn amplitude_error(self, ratio: f64) -> f64 {
+    /// RMS amplitude error along one axis, relative to the local RMS amplitude, of reading what is transformed on a padded length of `ratio`.
+    pub fn amplitude_error(self, ratio: f64, of: Transformed) -> f64 {
+        let own = self.own_error(ratio, of);
+        if self.weighs_texels(ratio, of) { own } else { own.hypot(self.rounding_error(ratio, of)) }
+    }
+
+    /// Whether a sampler is too coarse: what it rounds has more than half of the kernel's own error.
+    fn weighs_texels(self, ratio: f64, of: Transformed) -> bool {
+        self.rounding_error(ratio, of) > MOST_ROUNDING * self.own_error(ratio, of)
+    }
+
+    /// The kernel's own error: the energy of the damped copies, and of what the padded length cuts off a window.
+    fn own_error(self, ratio: f64, of: Transformed) -> f64 {
         const STEPS: usize = 2000;
-        let step = 2.0 * 8.0 / STEPS as f64;
+        let reach = of.reach();
         let (mut error, mut energy) = (0.0, 0.0);
         for i in 0..STEPS {
-            let x = (i as f64 + 0.5) * step - 8.0;
-            let g2 = (-x * x).exp();
-            energy += g2;
-            error += if x.abs() > ratio / 2.0 { g2 } else { g2 * self.copies(x / ratio) };
+            let x = ((i as f64 + 0.5) / STEPS as f64 - 0.5) * reach;
+            let power = of.power(x);
+            energy += power;
+            error += if x.abs() > ratio / 2.0 { power } else { power * self.copies(x / ratio) };
         }
         (error / energy).sqrt()
+    }
+
+    /// What a sampler adds by rounding the place between two texels. By Parseval these differ by 2π/`ratio` times the RMS distance from the middle of
+    /// what is transformed.
+    fn rounding_error(self, ratio: f64, of: Transformed) -> f64 {
+        // RMS of what is uniform over a step, in texels.
+        let rounded = PLACE_STEP / 12f64.sqrt();
+        // Root of the mean over all places of the squared weights of the two samples of a B-spline, which add up to 1.
+        const TWO_SAMPLES: f64 = 0.767;
+        let share = match self {
+            Self::Linear => 1.0,
+            Self::Cubic => TWO_SAMPLES,
+        };
+        rounded * share * 2.0 * PI * of.spread() / ratio
     }
 
     /// Energy of the displaced copies at `x` = position/L, |x| ≤ ½, relative to what stands there itself. sin²(π(x + m)) is the same for all m,
@@ -113,11 +138,11 @@ impl Kernel {
         (1..=COPIES).map(|m| ratio(m) + ratio(-m)).sum()
     }
 
-    /// The smallest L/σ up to `most` for an amplitude error along one axis of at most `allowed`.
-    fn smallest_ratio(self, allowed: f64, most: f64) -> Option<f64> {
-        let mut ratio = 6.0;
+    /// The smallest padded length up to `most` for an amplitude error along one axis of at most `allowed`.
+    fn smallest_ratio(self, of: Transformed, allowed: f64, most: f64) -> Option<f64> {
+        let mut ratio = of.least_ratio();
         while ratio <= most {
-            if self.amplitude_error(ratio) <= allowed {
+            if self.amplitude_error(ratio, of) <= allowed {
                 return Some(ratio);
             }
             ratio *= 1.01;
@@ -126,21 +151,86 @@ impl Kernel {
     }
 }
 
-impl Kernel {
-    /// As [`Kernel::amplitude_error`], for one period without a window, 1 over T and 0 beyond, on a padded length L = `ratio`·T ≥ T.
-    pub fn amplitude_error_of_patch(self, ratio: f64) -> f64 {
-        const STEPS: i32 = 1000;
-        let error = |i: i32| self.copies(((f64::from(i) + 0.5) / f64::from(STEPS) - 0.5) / ratio);
-        ((0..STEPS).map(error).sum::<f64>() / f64::from(STEPS)).sqrt()
+/// Samplers round a place between two texels to multiples of this: GPUs of all makers keep 8 bits of it (`subTexelPrecisionBits`; Vulkan promises 4).
+const PLACE_STEP: f64 = 1.0 / 256.0;
+/// A sampler may add this share of a kernel's own error: 12 % of both, because squares add up.
+const MOST_ROUNDING: f64 = 0.5;
+
+/// What is transformed, and the unit of its padded length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Transformed {
+    /// A surface through a Gaussian window, in standard deviations.
+    Window,
+    /// One period, 1 over its length and 0 beyond, in periods.
+    Period,
+}
+
+impl Transformed {
+    /// Squared amplitude at `x`.
+    fn power(self, x: f64) -> f64 {
+        match self {
+            Self::Window => (-x * x).exp(),
+            Self::Period => 1.0,
+        }
+    }
+
+    /// Length that holds all of it.
+    fn reach(self) -> f64 {
+        match self {
+            Self::Window => 16.0,
+            Self::Period => 1.0,
+        }
+    }
+
+    /// RMS distance from the middle.
+    fn spread(self) -> f64 {
+        match self {
+            Self::Window => FRAC_1_SQRT_2,
+            Self::Period => 1.0 / 12f64.sqrt(),
+        }
+    }
+
+    /// The shortest padded length that is sensible.
+    fn least_ratio(self) -> f64 {
+        match self {
+            Self::Window => 6.0,
+            Self::Period => 1.2,
+        }
+    }
+
+    /// Up to this padded length one linear sample wins; beyond, textures outgrow every cache.
+    fn most_linear(self) -> f64 {
+        match self {
+            Self::Window => 13.0,
+            Self::Period => 6.0,
+        }
+    }
+
+    /// Up to this padded length along the linear axis two samples win over the four of a cubic kernel along both axes.
+    fn most_mixed(self) -> f64 {
+        match self {
+            Self::Window => 26.0,
+            Self::Period => 0.0,
+        }
+    }
+
+    /// Longer than this, and the rounding of 32-bit layers is the larger error.
+    fn most_cubic(self) -> f64 {
+        match self {
+            Self::Window => 64.0,
+            Self::Period => 16.0,
+        }
     }
 }
 
 /// A kernel for each axis, and the padded lengths that they need.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interpolation {
+    /// What is read.
+    pub of: Transformed,
     /// The kernels along f_x and f_y.
     pub kernels: [Kernel; 2],
-    /// L/σ along x and y.
+    /// The padded lengths along x and y, in the unit of what is transformed.
     pub ratios: [f64; 2],
 }
 
@@ -148,62 +238,45 @@ pub struct Interpolation {
 /// relative amplitude error times 2·√ln(1/floor), with the floor at a thousandth of the local mean.
 pub const SPECKLE: f64 = 2.0 * 2.628;
 
-/// Up to this L/σ one linear sample wins; beyond, textures outgrow every cache.
-const MOST_LINEAR: f64 = 13.0;
-/// Up to this L/σ along the linear axis two samples win over the four of a cubic kernel along both axes.
-const MOST_MIXED: f64 = 26.0;
-/// Longer than this, and the rounding of 32-bit layers is the larger error.
-const MOST_CUBIC: f64 = 64.0;
 /// Part of the error's square that the cubic axis of a mixed kernel may have: its error falls with the fourth power of
 /// the length, so a small part costs it little.
 const CUBIC_PART: f64 = 0.1;
 
 impl Interpolation {
-    /// The cheapest interpolation of the spectrum of one period without a window, with ratios L/T, and its RMS relative
-    /// intensity error: at most `tolerance`, or as small as there is.
-    pub fn of_patch(tolerance: f64) -> (Self, f64) {
-        const MOST: [(Kernel, f64); 2] = [(Kernel::Linear, 6.0), (Kernel::Cubic, 16.0)];
-        let mut last = (Self { kernels: [Kernel::Cubic; 2], ratios: [MOST[1].1; 2] }, f64::INFINITY);
-        for (kernel, most) in MOST {
-            let mut ratio = 1.2;
-            while ratio <= most {
-                let error = SPECKLE * std::f64::consts::SQRT_2 * kernel.amplitude_error_of_patch(ratio);
-                last = (Self { kernels: [kernel; 2], ratios: [ratio; 2] }, error);
-                if last.1 <= tolerance {
-                    return last;
-                }
-                ratio *= 1.02;
-            }
-        }
-        last
-    }
-
     /// The cheapest interpolation whose RMS relative intensity error over single directions and wavelengths is at most
     /// `tolerance`, or the finest there is.
-    pub fn for_tolerance(tolerance: f64) -> Self {
+    pub fn for_tolerance(tolerance: f64, of: Transformed) -> Self {
         use Kernel::{Cubic, Linear};
         let allowed = tolerance / SPECKLE;
-        let along = |kernel: Kernel, part: f64, most: f64| kernel.smallest_ratio(allowed * part.sqrt(), most);
-        if let Some(ratio) = along(Linear, 0.5, MOST_LINEAR) {
-            return Self { kernels: [Linear; 2], ratios: [ratio; 2] };
+        let along =
+            |kernel: Kernel, part: f64, most: f64| kernel.smallest_ratio(of, allowed * part.sqrt(), most);
+        if let Some(ratio) = along(Linear, 0.5, of.most_linear()) {
+            return Self { of, kernels: [Linear; 2], ratios: [ratio; 2] };
         }
-        if let Some(y) = along(Linear, 1.0 - CUBIC_PART, MOST_MIXED)
+        if let Some(y) = along(Linear, 1.0 - CUBIC_PART, of.most_mixed())
             && let Some(x) = along(Cubic, CUBIC_PART, y)
         {
-            return Self { kernels: [Cubic, Linear], ratios: [x, y] };
+            return Self { of, kernels: [Cubic, Linear], ratios: [x, y] };
         }
-        let ratio = along(Cubic, 0.5, MOST_CUBIC).unwrap_or(MOST_CUBIC);
-        Self { kernels: [Cubic; 2], ratios: [ratio; 2] }
+        let ratio = along(Cubic, 0.5, of.most_cubic()).unwrap_or(of.most_cubic());
+        Self { of, kernels: [Cubic; 2], ratios: [ratio; 2] }
     }
 
-    /// Hardware samples per read.
-    pub fn samples(&self) -> u32 {
-        self.kernels[0].samples() * self.kernels[1].samples()
+    /// Whether the shader weighs texels itself, because a sampler is too coarse.
+    pub fn weighs_texels(&self) -> bool {
+        (0..2).any(|axis| self.kernels[axis].weighs_texels(self.ratios[axis], self.of))
+    }
+
+    /// Reads of a layer: texels where the shader weighs them, or linear samples.
+    pub fn reads(&self) -> usize {
+        let weighs_texels = self.weighs_texels();
+        let along = |kernel: Kernel| if weighs_texels { kernel.texels() } else { kernel.samples() };
+        self.kernels.map(along).into_iter().product()
     }
 
     /// RMS amplitude error, relative to the local RMS amplitude.
     pub fn amplitude_error(&self) -> f64 {
-        let along = |axis: usize| self.kernels[axis].amplitude_error(self.ratios[axis]);
+        let along = |axis: usize| self.kernels[axis].amplitude_error(self.ratios[axis], self.of);
         along(0).hypot(along(1))
     }
 
@@ -225,7 +298,8 @@ mod tests {
 
     #[test]
     fn the_error_falls_with_the_square_and_the_fourth_power_of_the_length() {
-        let fall = |k: Kernel| k.amplitude_error(24.0) / k.amplitude_error(48.0);
+        let fall =
+            |k: Kernel| k.own_error(24.0, Transformed::Window) / k.own_error(48.0, Transformed::Window);
         assert!((fall(Kernel::Linear) / 4.0 - 1.0).abs() < 0.15, "{}", fall(Kernel::Linear));
         assert!((fall(Kernel::Cubic) / 16.0 - 1.0).abs() < 0.3, "{}", fall(Kernel::Cubic));
     }
@@ -242,12 +316,61 @@ mod tests {
     }
 
     #[test]
+    fn rounded_places_err_as_predicted() {
+        // Independent phases make a window's spectrum: the sum over positions of what stands there, seen from one frequency.
+        let noise = |seed: u64| {
+            let mut state = seed;
+            let mut uniform = move || {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (state >> 11) as f64 / (1u64 << 53) as f64
+            };
+            (0..64).map(|_| uniform()).collect::<Vec<f64>>()
+        };
+        for (kernel, ratio) in [(Kernel::Linear, 8.0), (Kernel::Linear, 13.0), (Kernel::Cubic, 16.0)] {
+            let (mut error, mut power) = (0.0, 0.0);
+            for seed in 0..400 {
+                let (phases, places) = (noise(2 * seed), noise(2 * seed + 1));
+                // The divided window's spectrum at a whole number of texels, real part.
+                let texel = |n: f64| -> f64 {
+                    (0..64)
+                        .map(|i| {
+                            let x = (f64::from(i) - 31.5) / 8.0;
+                            let g = (-0.5 * x * x).exp() / kernel.transform(x / ratio);
+                            g * (2.0 * PI * (phases[i as usize] - n * x / ratio)).cos()
+                        })
+                        .sum()
+                };
+                let texels = [-1.0, 0.0, 1.0, 2.0].map(texel);
+                let exact = kernel.weights(places[0]);
+                let rounded = |place: f64| (place / PLACE_STEP).round() * PLACE_STEP;
+                let by_sampler = match kernel {
+                    Kernel::Linear => kernel.weights(rounded(places[0])),
+                    Kernel::Cubic => {
+                        let [a, b, c, d] = exact;
+                        let (left, right) = (rounded(b / (a + b)), rounded(d / (c + d)));
+                        [(a + b) * (1.0 - left), (a + b) * left, (c + d) * (1.0 - right), (c + d) * right]
+                    }
+                };
+                let read = |weights: [f64; 4]| weights.iter().zip(texels).map(|(w, t)| w * t).sum::<f64>();
+                error += (read(by_sampler) - read(exact)).powi(2);
+                power += read(exact).powi(2);
+            }
+            let (found, predicted) =
+                ((error / power).sqrt(), kernel.rounding_error(ratio, Transformed::Window));
+            assert!(
+                (found / predicted - 1.0).abs() < 0.2,
+                "{kernel:?} {ratio}: {found:e}, predicted {predicted:e}"
+            );
+        }
+    }
+
+    #[test]
     fn a_tolerance_gets_the_kernels_and_lengths_it_needs() {
-        for (tolerance, samples) in [(1e-1, 1), (3e-2, 2), (1e-3, 4)] {
-            let found = Interpolation::for_tolerance(tolerance);
+        for (tolerance, reads) in [(1e-1, 1), (3e-2, 2), (1e-2, 4), (1e-3, 16)] {
+            let found = Interpolation::for_tolerance(tolerance, Transformed::Window);
             eprintln!("{tolerance:e}: {found:?}");
-            assert_eq!(found.samples(), samples);
-            assert!(found.relative_error() <= tolerance && found.ratios[1] <= MOST_MIXED, "{found:?}");
+            assert_eq!(found.reads(), reads);
+            assert!(found.relative_error() <= tolerance && found.ratios[1] <= 26.0, "{found:?}");
         }
     }
 }

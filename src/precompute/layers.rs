@@ -3,7 +3,7 @@
 
 use super::audit::{Audit, FAINT, PLANES};
 use super::coefficients::Coefficients;
-use super::kernel::Interpolation;
+use super::kernel::{Interpolation, Transformed};
 use super::pairs::PairRule;
 use super::plan::{TransformPlan, bands_of, too_large};
 use super::settings::LayerSettings;
@@ -269,12 +269,9 @@ impl<'a> LayersWork<'a> {
 /// How to read between texels within the budget of `settings`, and the error of that.
 fn interpolation(settings: &LayerSettings) -> Result<(Interpolation, f64)> {
     let budget = settings.budget.interpolation;
-    let (interpolation, error) = if settings.sigma.is_finite() {
-        let gaussian = Interpolation::for_tolerance(budget);
-        (gaussian, gaussian.relative_error())
-    } else {
-        Interpolation::of_patch(budget)
-    };
+    let of = if settings.sigma.is_finite() { Transformed::Window } else { Transformed::Period };
+    let interpolation = Interpolation::for_tolerance(budget, of);
+    let error = interpolation.relative_error();
     if error > budget {
         return Err(Error::failed(
             format!(

@@ -2,7 +2,7 @@
 //! weighs by the window's spectrum at the 3 × 3 bins nearest to a frequency (\[Single 2014\], Gaussian window over the DFT).
 
 use super::coefficients::Coefficients;
-use super::kernel::{Interpolation, Kernel};
+use super::kernel::{Interpolation, Kernel, Transformed};
 use super::layers::{Errors, Layers, largest_z};
 use super::pairs::PairRule;
 use super::plan::bands_of;
@@ -72,7 +72,11 @@ pub fn layers(field: &HeightField, sigma: f64, shortest: f64) -> Result<Layers> 
         coefficients: Coefficients::new(Basis::Taylor, &expansion, TERMS, z_max, scale.half_range, 1.0),
         z_max,
         pairs_needed: PairRule::constant(pairs),
-        interpolation: Interpolation { kernels: [Kernel::Linear; 2], ratios: [1.0; 2] },
+        interpolation: Interpolation {
+            of: Transformed::Window,
+            kernels: [Kernel::Linear; 2],
+            ratios: [1.0; 2],
+        },
         errors: Errors {
             expansion: expansion.truncation_bound(z_max, TERMS),
             interpolation: f64::INFINITY, // what 3 x 3 bins leave out has no bound

@@ -101,7 +101,7 @@ impl Grating {
 
     pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
         let (colours, tolerance) = (self.colours(shading), shading.quadrature());
-        let per_read = self.layers.interpolation.samples() as usize;
+        let per_read = self.layers.interpolation.reads();
         Cost::counted(directions, |LitPixel { pair, .. }| {
             let sampling = self.repeats.sampling(pair.uvw().truncate(), colours.lag, tolerance);
             spectra::counted(&self.layers, pair, per_read, sampling.wavenumbers())

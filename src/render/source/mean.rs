@@ -3,12 +3,11 @@
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::{Cost, LitPixel};
 use super::part::Iterations;
-use super::spectra::numbers;
+use super::spectra::{kernel_constants, numbers};
 use super::{Extent, SourceSummary, reflectance, stages, taps_constants};
 use crate::error::Result;
 use crate::optics::footprint::{self, Levels, Polygon, Share, Tap, TapRule, Taps};
 use crate::optics::spectrum::{BLUE, MIDDLE};
-use crate::precompute::kernel::Kernel;
 use crate::render::directions::Directions;
 use crate::render::shading::Shading;
 use crate::render::tables::Combs;
@@ -89,7 +88,6 @@ pub struct MeanBlock {
 
 impl Mean {
     pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
-        const CUBIC: u32 = 10;
         const LAYERS: u32 = 11;
         const CORNERS: u32 = 12;
         const MIDDLE_SHARE: u32 = 13;
@@ -100,7 +98,7 @@ impl Mean {
         let header = &self.spectra.header;
         let layers = header.terms.div_ceil(4) as u32;
         let mut constants = taps_constants(self.rule(shading));
-        constants.push(Constant::new(CUBIC, header.grid.kernel == Kernel::Cubic));
+        constants.extend(kernel_constants(&header.grid.interpolation()));
         constants.push(Constant::new(LAYERS, layers));
         let polygon = self.polygon(shading);
         constants.push(Constant::new(CORNERS, polygon.corners as u32));
@@ -228,7 +226,7 @@ impl Mean {
     pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
         let header = &self.spectra.header;
         let combs = self.combs(shading);
-        let per_wavelength = header.terms.div_ceil(4) * header.grid.kernel.samples().pow(2) as usize;
+        let per_wavelength = header.terms.div_ceil(4) * header.grid.interpolation().reads();
         let mean = |v: [f64; 2]| 0.5 * (v[0] + v[1]);
         let (rule, polygon) = (self.rule(shading), self.polygon(shading));
         let (finest, orders) = (mean(header.grid.blur.variance), mean(header.orders_blur.variance));

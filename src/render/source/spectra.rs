@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::optics::geometry::Pair;
 use crate::optics::reflectance::Reflectance;
 use crate::precompute::Layers;
-use crate::precompute::kernel::Kernel;
+use crate::precompute::kernel::{Interpolation, Kernel};
 use crate::precompute::texels::Texels;
 use crate::render::shading::Shading;
 use crate::render::tables::TableTexture;
@@ -90,21 +90,31 @@ pub fn spectra_block(layers: &Layers, sigma: f64, reflectance: &Reflectance) -> 
 
 /// Specialisation constants of `shaders/spectra.glsl`.
 pub(super) fn constants(layers: &Layers, shading: &Shading) -> Vec<Constant> {
-    const CUBIC_X: u32 = 10;
-    const CUBIC_Y: u32 = 11;
     const HALF_PLANE: u32 = 12;
     const PAIRS: u32 = 13;
     const FEWER_PAIRS: u32 = 14;
     const TAYLOR: u32 = 15;
-    let [x, y] = layers.interpolation.kernels.map(|kernel| kernel == Kernel::Cubic);
-    vec![
-        Constant::new(CUBIC_X, x),
-        Constant::new(CUBIC_Y, y),
+    let mut constants = kernel_constants(&layers.interpolation);
+    constants.extend([
         Constant::new(HALF_PLANE, layers.half_plane),
         Constant::new(PAIRS, layers.pairs() as u32),
         Constant::new(FEWER_PAIRS, layers.pairs_needed.slope > 0.0),
         Constant::new(TAYLOR, layers.coefficients.taylor),
         reflectance::constant(shading),
+    ]);
+    constants
+}
+
+/// Specialisation constants of `shaders/kernel.glsl`.
+pub(super) fn kernel_constants(interpolation: &Interpolation) -> Vec<Constant> {
+    const CUBIC_X: u32 = 40;
+    const CUBIC_Y: u32 = 41;
+    const WEIGHS_TEXELS: u32 = 42;
+    let [x, y] = interpolation.kernels.map(|kernel| kernel == Kernel::Cubic);
+    vec![
+        Constant::new(CUBIC_X, x),
+        Constant::new(CUBIC_Y, y),
+        Constant::new(WEIGHS_TEXELS, interpolation.weighs_texels()),
     ]
 }
 

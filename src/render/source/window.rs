@@ -58,7 +58,7 @@ impl Window {
 
     pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
         let (layers, combs) = (&self.layers, Combs::of(&self.layers, shading));
-        let per_read = layers.interpolation.samples() as usize;
+        let per_read = layers.interpolation.reads();
         Cost::counted(directions, |LitPixel { pair, .. }| {
             let nodes = combs.nodes_at(pair.uvw().truncate().length()).iter().map(|node| f64::from(node[3]));
             spectra::counted(layers, pair, per_read, nodes)

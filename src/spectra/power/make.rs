@@ -215,20 +215,17 @@ fn choose_grid(orders: &OrderGrid, blur: Blur, settings: &PowerSettings) -> (Fre
     // γ = exp(−2π²b²Δ²) is a window of this standard deviation.
     let window = [0, 1].map(|i| 1.0 / (2.0 * PI * finest.variance[i].sqrt()));
     let kernel = Kernel::Cubic;
-    let error_of = |size: [usize; 2]| {
-        let axis = |i: usize| kernel.amplitude_error(size[i] as f64 / range[i] / window[i]);
-        axis(0).hypot(axis(1))
-    };
     let mut density = 0.8;
     loop {
         let exact = [0, 1].map(|i| (range[i] * window[i] * 2.0 * PI * density).ceil() as usize);
         let levels = levels_for(exact);
         let step = 1 << (levels - 1);
         let size = exact.map(|n| step * fast_size_with_seven(n.max(FEWEST_TEXELS).div_ceil(step)));
-        let error = error_of(size);
+        let grid = FrequencyGrid { size, range, levels, blur: finest, kernel };
+        let error = grid.interpolation().amplitude_error();
         let at_limit = size.iter().any(|&n| n as f64 * 1.05 > settings.side_limit as f64);
         if error <= settings.reading_error || at_limit {
-            return (FrequencyGrid { size, range, levels, blur: finest, kernel }, error);
+            return (grid, error);
         }
         density *= 1.05;
     }

@@ -4,7 +4,7 @@ use super::Blur;
 use super::chebyshev::polynomials;
 use super::orders::OrderGrid;
 use crate::optics::spectrum::MIDDLE;
-use crate::precompute::kernel::Kernel;
+use crate::precompute::kernel::{Interpolation, Kernel, Transformed};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use rayon::prelude::*;
@@ -35,6 +35,14 @@ impl FrequencyGrid {
     /// Texels of level `level`.
     pub fn size_of(&self, level: usize) -> [usize; 2] {
         self.size.map(|n| n >> level)
+    }
+
+    /// The kernel along each axis, and the padded lengths.
+    pub fn interpolation(&self) -> Interpolation {
+        // γ = exp(−2π²b²Δ²) is a window of this standard deviation.
+        let window = self.blur.variance.map(|variance| 1.0 / (2.0 * PI * variance.sqrt()));
+        let ratio = |i: usize| self.size[i] as f64 / (self.range[i] * window[i]);
+        Interpolation { of: Transformed::Window, kernels: [self.kernel; 2], ratios: [ratio(0), ratio(1)] }
     }
 
     /// Bytes of all levels of `terms` 16-bit numbers a texel.
