@@ -22,11 +22,9 @@ struct Pair {
 struct Footprint {
     vec2 dx; // of (u, v), from a pixel to the one on its right
     vec2 dy; // to the one below
-    float tap_offset; // steps from its middle to the middle tap
-    float samples;    // of the pixel, which share the taps
 };
 
-const Footprint POINT = Footprint(vec2(0.0), vec2(0.0), 0.0, 1.0);
+const Footprint POINT = Footprint(vec2(0.0), vec2(0.0));
 
 // Schlick's approximation from the reflectance at normal incidence.
 float schlick(float normal_reflectance, float cosine) {

@@ -28,7 +28,6 @@ layout(constant_id = 21) const float TAP_REACH = 2.0;
 layout(constant_id = 22) const float MOST_SIDES = 1.0;
 layout(constant_id = 23) const float ROUND = 0.0;
 layout(constant_id = 24) const float NARROW = 0.0;
-layout(constant_id = 25) const float MOST_SHARED = 1.0;
 
 // What a tap averages over: `Levels` of src/optics/footprint.rs.
 struct Levels {
@@ -45,8 +44,6 @@ struct Taps {
     float rest;    // variance across it that is left
     float coarser; // weight of the row of the next coarser level, the first of three; or 0
     float aside;   // distance of the other rows from the middle
-    float offset;  // by how many steps the taps of a row are moved
-    float spacing; // of the taps, at most [standard deviations of what one averages over]
     int rows;      // 1 to 4
 };
 
@@ -63,8 +60,8 @@ struct Row {
 
 const float ASIDE = 1.7320508, WEIGHT_ASIDE = 1.0 / 6.0, OFFSET_ASIDE = 0.5, LN_4 = 1.3862944;
 
-layout(constant_id = 26) const float MIDDLE_ROW = 0.0;
-layout(constant_id = 27) const float BEND_OF_ROWS = 0.6;
+layout(constant_id = 25) const float MIDDLE_ROW = 0.0;
+layout(constant_id = 26) const float BEND_OF_ROWS = 0.6;
 
 // The weight of the coarser of two levels, and the variance that is left to where the finer one is read over the difference of their variances:
 // `between_levels` of src/optics/footprint.rs.
@@ -72,43 +69,34 @@ vec2 between_levels(float s, float bend) {
     return vec2(s * s * (1.0 + bend - bend * s), s * (1.0 - bend * s) / (1.0 + s - bend * s * s));
 }
 
-// Of so many samples of a pixel or more, each reads both levels in the middle alone: `mixed_weight` of src/optics/footprint.rs.
-layout(constant_id = 28) const float MIXED_FROM = 1.0;
-layout(constant_id = 29) const float MIXED_BEND = 0.0;
-layout(constant_id = 30) const float MIXED_TURN = 0.0;
+// Whether both levels are read in the middle alone: `mixed_weight` of src/optics/footprint.rs.
+layout(constant_id = 27) const float MIXED_BEND = 0.0;
+layout(constant_id = 28) const float MIXED_TURN = 0.0;
+layout(constant_id = 29) const bool MIXED = false;
 
 float mixed_weight(float s, vec2 bends) {
     return s * (1.0 + (bends.x - bends.y * s) * (1.0 - s));
 }
 
 // For a footprint of which the variance `own` is left to the shorter axis.
-Taps unshared_taps(Ellipse ellipse, float own, Levels levels) {
-    Taps taps = Taps(levels, ellipse.axis, ellipse.longer, max(own - levels.read, 0.0), 0.0, 0.0, 0.0, TAP_SPACING, 1);
+Taps taps_of(Ellipse ellipse, float own, Levels levels) {
+    Taps taps = Taps(levels, ellipse.axis, ellipse.longer, max(own - levels.read, 0.0), 0.0, 0.0, 1);
     if (taps.rest > NARROW * NARROW * (levels.read + levels.blur)) {
         taps.rows = 3;
         taps.aside = ASIDE * sqrt(taps.rest);
         if (levels.next > levels.read) {
             float between = levels.next - levels.read;
+            if (MIXED) {
+                taps.coarser = mixed_weight(min(taps.rest / between, 1.0), vec2(MIXED_BEND, MIXED_TURN));
+                taps.aside = 0.0;
+                taps.rows = 2;
+                return taps;
+            }
             vec2 parts = between_levels(min(taps.rest / between, 1.0), BEND_OF_ROWS);
             taps.coarser = parts.x;
             taps.aside = sqrt(parts.y * between / (1.0 - MIDDLE_ROW));
             taps.rows = MIDDLE_ROW > 0.0 ? 4 : 3;
         }
-    }
-    return taps;
-}
-
-// The taps of one of the samples that share them.
-Taps shared_taps(Footprint footprint, Ellipse ellipse, float own, Levels levels) {
-    Taps taps = unshared_taps(ellipse, own, levels);
-    taps.spacing *= min(footprint.samples, MOST_SHARED);
-    if (taps.coarser > 0.0 && footprint.samples >= MIXED_FROM) {
-        taps.coarser = mixed_weight(min(taps.rest / (levels.next - levels.read), 1.0), vec2(MIXED_BEND, MIXED_TURN));
-        taps.aside = 0.0;
-        taps.rows = 2;
-    }
-    if (footprint.samples > 1.0) {
-        taps.offset = footprint.tap_offset;
     }
     return taps;
 }
@@ -129,16 +117,15 @@ Row row_of(Taps taps, int row) {
     }
     left = sqrt(max(left, 0.0));
     float tap = sqrt(read + taps.levels.blur);
-    float sides = left > ROUND * tap ? min(ceil(TAP_REACH * left / (taps.spacing * tap)), MOST_SIDES) : 0.0;
+    float sides = left > ROUND * tap ? min(ceil(TAP_REACH * left / (TAP_SPACING * tap)), MOST_SIDES) : 0.0;
     // Rows beside each other stand half a step apart.
     bool even = row == 0 || row == 3 || (mixed && taps.rows <= 3 && row == 1);
-    float moved = even ? 0.0 : OFFSET_ASIDE;
-    float offset = sides > 1.0 ? fract(taps.offset + moved + 0.5) - 0.5 : 0.0;
+    float moved = sides > 1.0 && !even ? OFFSET_ASIDE : 0.0;
     // Three taps are those of Gauss and Hermite, too.
     float step = sides > 1.0 ? TAP_REACH / sides : ASIDE;
     float side = row == 1 ? 1.0 : row == 2 ? -1.0 : 0.0;
     Row own;
-    own.first = sides > 0.0 ? offset - sides : 0.0;
+    own.first = -sides - moved;
     own.last = own.first + 2.0 * sides + 0.5;
     own.step = taps.axis * (left * step);
     own.fall = sides > 1.0 ? 0.5 * step * step : LN_4;

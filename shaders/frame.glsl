@@ -11,7 +11,6 @@ struct Sample {
     uint index;                     // number of the sample among those of its light, from 0
     uint count;                     // samples of the picture that draw the light
     uint seed;                      // low bits of the sequence's seed
-    float tap_offset;               // steps from the middle of a footprint to its middle tap
 };
 
 layout(set = 0, binding = 0, std140) uniform Frame {

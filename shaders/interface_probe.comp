@@ -28,7 +28,7 @@ void main() {
         answers[n++] = frame.shadow_from_world[i];
     }
     answers[n++] = vec4(frame.at.jitter, frame.at.footprint, float(frame.at.index));
-    answers[n++] = vec4(float(frame.at.count), float(frame.at.seed), frame.at.tap_offset, 0.0);
+    answers[n++] = vec4(float(frame.at.count), float(frame.at.seed), 0.0, 0.0);
     answers[n++] = vec4(source.texture_size, source.origin);
     answers[n++] = vec4(source.texels_per_frequency, source.band);
     answers[n++] = vec4(source.sigma, source.normal_reflectance, source.column);

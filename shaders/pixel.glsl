@@ -31,5 +31,5 @@ vec3 albedo_of(ivec2 pixel) {
 // What the part of the pixel filter covers that shading averages over, where the geometry pass was asked for footprints.
 Footprint footprint_of(ivec2 pixel) {
     vec4 change = texelFetch(footprints, pixel, 0) * frame.at.footprint;
-    return Footprint(change.xy, change.zw, frame.at.tap_offset, float(frame.at.count));
+    return Footprint(change.xy, change.zw);
 }

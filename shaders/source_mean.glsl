@@ -12,7 +12,7 @@ layout(constant_id = 11) const int LAYERS = 3; // four terms each
 layout(constant_id = 12) const int CORNERS = 4;
 layout(constant_id = 13) const float MIDDLE_SHARE = 0.0;
 layout(constant_id = 14) const float BEND = 0.5;
-layout(constant_id = 15) const float READS_MIXED_FROM = 1.0; // samples of a pixel
+layout(constant_id = 15) const bool READS_MIXED = false; // both in the middle alone
 layout(constant_id = 16) const float READS_BEND = 0.0;
 layout(constant_id = 17) const float READS_TURN = 0.0;
 
@@ -88,8 +88,8 @@ float mean_power(Pair pair, vec2 f, float q, float level) {
 }
 
 // The same averaged over a blur of `ratio` times the finest level's variance. Between two levels a polygon of reads around the frequency stands for
-// it, `Polygon` of src/optics/footprint.rs; or, where it `mixes`, both levels in the middle.
-float averaged_power(Pair pair, vec2 toward, float q, float ratio, bool mixes) {
+// it, `Polygon` of src/optics/footprint.rs; or both levels in the middle.
+float averaged_power(Pair pair, vec2 toward, float q, float ratio) {
     vec2 f = toward * q;
     float level = min(level_of_ratio(ratio), source.last_level);
     // The place between the levels, by variance: 0 ... 1.
@@ -97,7 +97,7 @@ float averaged_power(Pair pair, vec2 toward, float q, float ratio, bool mixes) {
     if (s <= 0.0) {
         return mean_power(pair, f, q, level);
     }
-    if (mixes) {
+    if (READS_MIXED) {
         return mix(mean_power(pair, f, q, level), mean_power(pair, f, q, level + 1.0), mixed_weight(s, vec2(READS_BEND, READS_TURN)));
     }
     vec2 parts = between_levels(s, BEND);
@@ -129,14 +129,14 @@ float rays_of(float own) {
 }
 
 // The sum over wavelengths at one tap, which averages over the variance `own`.
-vec3 colour_at(Pair pair, vec2 toward, float rays, float own, bool mixes) {
+vec3 colour_at(Pair pair, vec2 toward, float rays, float own) {
     ivec2 comb = comb_of(length(toward) * rays);
     vec3 colour = vec3(0.0);
     for (int j = part.first; j < comb.y; j += part.step) {
         vec4 node = texelFetch(nodes, ivec2(j, comb.x), 0);
         float q = node.w;
         float ratio = source.orders + q * q * own / source.finest;
-        colour += node.rgb * (reflectance_at(pair, q) * averaged_power(pair, toward, q, ratio, mixes));
+        colour += node.rgb * (reflectance_at(pair, q) * averaged_power(pair, toward, q, ratio));
     }
     return colour;
 }
@@ -150,10 +150,8 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     // What the levels of a wavelength in the middle average over.
     float coarsest = (exp2(2.0 * source.last_level) - source.orders) * source.finest / source.middle;
     float read = clamp(coarsest, 0.0, own);
-    // Samples do not share taps: the wavelengths of several are not the same.
-    Taps taps = unshared_taps(ellipse, own, Levels(read, 0.0, source.blur));
+    Taps taps = taps_of(ellipse, own, Levels(read, 0.0, source.blur));
     float rays = rays_of(read);
-    bool mixes = footprint.samples >= READS_MIXED_FROM;
     vec3 average = vec3(0.0);
     // Nothing is read for light that does not reach the pixel.
     int rows = pair.factor > 0.0 ? taps.rows : 0;
@@ -163,7 +161,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
         float norm = 0.0;
         for (float n = row.first; n < row.last; n += 1.0) {
             float weight = exp(-row.fall * n * n);
-            sum += weight * colour_at(pair, pair.toward + row.aside + n * row.step, rays, own, mixes);
+            sum += weight * colour_at(pair, pair.toward + row.aside + n * row.step, rays, own);
             norm += weight;
         }
         average += sum * (row.weight / norm);

@@ -89,7 +89,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     float level = min(level_of_ratio((own - source.finest) * source.per_growth + 1.0), source.last_level);
     float read = source.finest + (exp2(2.0 * level) - 1.0) / source.per_growth;
     float next = level < source.last_level ? source.finest + (exp2(2.0 * level + 2.0) - 1.0) / source.per_growth : 0.0;
-    Taps taps = shared_taps(footprint, ellipse, own, Levels(read, next, source.coherence));
+    Taps taps = taps_of(ellipse, own, Levels(read, next, source.coherence));
     Piece piece = piece_of(pair.w);
     vec2 middle = pair.toward * source.texture_per_uv + 0.5;
     vec3 average = vec3(0.0);

@@ -60,33 +60,6 @@ impl FootprintSizes {
     }
 }
 
-/// Which of the samples of a pixel is shaded. The taps of [`MOST_SHARED`] samples together are as close as those of a single one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Share {
-    /// Number of the sample, from 0.
-    pub index: u32,
-    /// Samples of the pixel.
-    pub count: u32,
-}
-
-impl Default for Share {
-    fn default() -> Self {
-        Self::ALL
-    }
-}
-
-impl Share {
-    /// The only sample.
-    pub const ALL: Self = Self { index: 0, count: 1 };
-
-    /// By how many steps the taps of this sample are moved along the longer axis, −½ … ½. The golden ratio spreads them evenly however many samples
-    /// there are.
-    pub fn offset(self) -> f64 {
-        const GOLDEN: f64 = 0.618_033_988_749_894_8;
-        if self.count > 1 { (0.5 + f64::from(self.index) * GOLDEN).fract() - 0.5 } else { 0.0 }
-    }
-}
-
 /// What a tap averages over, beside a blur that all have: the variance of the level that is read, and of the next coarser one, where there is one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Levels {
@@ -145,8 +118,8 @@ pub struct TapRule {
     pub middle: f64,
     /// How the weight of the coarser level bends, for least error.
     pub bend: f64,
-    /// Where a pixel has this many samples or more, both levels are read in the middle alone, weighed by `mixed_weight`.
-    pub mixed_from: u32,
+    /// Whether both levels are read in the middle alone, weighed by `mixed_weight`.
+    pub mixed: bool,
 }
 
 /// How rows stand for what is between two levels.
@@ -160,15 +133,15 @@ struct RowRule {
 
 impl TapRule {
     /// Three rows. Taps this far apart are even to 1.0 %.
-    pub const COARSE: Self = Self { spacing: 2.0, middle: 0.0, bend: 0.6, mixed_from: u32::MAX };
+    pub const COARSE: Self = Self { spacing: 2.0, middle: 0.0, bend: 0.6, mixed: false };
     /// Four rows, and 0.3 %.
-    pub const FINE: Self = Self { spacing: 1.8, middle: 0.5, bend: -0.12, mixed_from: u32::MAX };
+    pub const FINE: Self = Self { spacing: 1.8, middle: 0.5, bend: -0.12, mixed: false };
 
     /// From the most exact rule to the cheapest.
     const ROWS: [RowRule; 3] = [
         RowRule { rule: Self::FINE, error: 0.0093, cost: 3.5 },
         RowRule { rule: Self::COARSE, error: 0.034, cost: 2.5 },
-        RowRule { rule: Self { mixed_from: 1, ..Self::COARSE }, error: 0.10, cost: 1.5 },
+        RowRule { rule: Self { mixed: true, ..Self::COARSE }, error: 0.10, cost: 1.5 },
     ];
     const SPACINGS: [f64; 4] = [Self::FINE.spacing, Self::COARSE.spacing, 2.5, 3.0];
 
@@ -182,10 +155,7 @@ impl TapRule {
         let cheapest = all
             .filter(|&(rows, spacing)| is_exact(rows.error, spacing))
             .min_by(|a, b| cost(a).total_cmp(&cost(b)));
-        let Some((rows, spacing)) = cheapest else { return Self::FINE };
-        let many_mixed = is_within(ONE_OF_MANY_MIXED_ROWS, tolerance, 1.0);
-        let mixed_from = if many_mixed { MANY_SAMPLES } else { u32::MAX };
-        Self { spacing, mixed_from: rows.rule.mixed_from.min(mixed_from), ..rows.rule }
+        cheapest.map_or(Self::FINE, |(rows, spacing)| Self { spacing, ..rows.rule })
     }
 
     /// The least variance that a tap has to average over, so that [`MOST_SIDES`] suffice.
@@ -197,12 +167,9 @@ impl TapRule {
 
 /// Taps reach so many standard deviations of the longer axis: 0.9 % of the average lies beyond.
 pub const REACH: f64 = 2.6;
-/// So many samples of a pixel share the taps of its footprint. Four of sixteen samples that share theirs miss bright orders: relative L2 on the
-/// snake grows by 0.03.
-pub const MOST_SHARED: u32 = 2;
-/// Most taps on either side of a single sample. A longer footprint is read coarser.
+/// Most taps on either side of the middle. A longer footprint is read coarser.
 pub const MOST_SIDES: usize = 100;
-/// Most taps of a footprint whose samples do not share them: three rows.
+/// Most taps of a footprint: three rows.
 pub const MOST_TAPS: usize = 3 * (2 * MOST_SIDES + 1);
 /// A footprint whose longer axis adds less than this share to the standard deviation of a tap is a tap.
 pub const ROUND: f64 = 0.2;
@@ -227,19 +194,10 @@ fn ripple(spacing: f64) -> f64 {
     SQRT_2 * (-2.0 * (PI / spacing).powi(2)).exp()
 }
 
-/// Samples from which on those of a pixel are many: their jitter has at least the variance of what one of them averages over, and so has the spread of a
-/// light with an extent. It smooths what is wrong with the shape of the average of each.
-const MANY_SAMPLES: u32 = 8;
 /// Bends of `mixed_weight` for rows, and for reads in the plane.
 pub const MIXED_ROWS: [f64; 2] = [0.6, 0.4];
 /// See [`MIXED_ROWS`].
 pub const MIXED_IN_THE_PLANE: [f64; 2] = [0.75, 0.55];
-
-/// Relative L2 error of a picture in which one of many samples reads both levels in the middle alone, by a table: measured on a sphere below two lamps. Their
-/// mean errs by a third of it.
-const ONE_OF_MANY_MIXED_ROWS: f64 = 0.035;
-/// The same for reads in the plane: twice as much, as without jitter.
-const ONE_OF_MANY_MIXED_IN_THE_PLANE: f64 = 0.07;
 
 /// At the place `s` (0 … 1) between two levels of variances v and 4 v that are both read in the middle alone: the weight of the coarser one, a fit to that of
 /// least squares where a Gaussian of the same variance blurs the average. Relative L2 then: 0.02 across a line, 0.035 in the plane; without that blur, 0.10
@@ -258,8 +216,8 @@ pub struct Polygon {
     pub middle: f64,
     /// How the weight of the coarser level bends.
     pub bend: f64,
-    /// Where a pixel has this many samples or more, both levels are read in the middle alone, weighed by `mixed_weight`.
-    pub mixed_from: u32,
+    /// Whether both levels are read in the middle alone, weighed by `mixed_weight`.
+    pub mixed: bool,
 }
 
 /// Whether what errs by `error` for one order takes no more than its share of `tolerance` over so many orders, whose errors are independent.
@@ -276,33 +234,26 @@ fn is_within(error: f64, tolerance: f64, orders: f64) -> bool {
 
 impl Polygon {
     /// Four corners.
-    pub const SQUARE: Self = Self { corners: 4, middle: 0.0, bend: 0.5, mixed_from: u32::MAX };
+    pub const SQUARE: Self = Self { corners: 4, middle: 0.0, bend: 0.5, mixed: false };
     /// Six corners and the middle.
-    pub const HEXAGON: Self = Self { corners: 6, middle: 0.25, bend: 0.0, mixed_from: u32::MAX };
+    pub const HEXAGON: Self = Self { corners: 6, middle: 0.25, bend: 0.0, mixed: false };
 
     /// What a relative error of `tolerance` asks for where the light comes from so many orders of equal power.
     pub fn of(tolerance: f64, orders: f64) -> Self {
         let polygon = if is_within(0.063, tolerance, orders) { Self::SQUARE } else { Self::HEXAGON };
-        let mixed_from = if is_within(0.19, tolerance, orders) {
-            1
-        } else if is_within(ONE_OF_MANY_MIXED_IN_THE_PLANE, tolerance, 1.0) {
-            MANY_SAMPLES
-        } else {
-            u32::MAX
-        };
-        Self { mixed_from, ..polygon }
+        Self { mixed: is_within(0.19, tolerance, orders), ..polygon }
     }
 
-    /// Number of reads of both levels by one of `samples` of a pixel.
-    pub fn reads(&self, samples: u32) -> usize {
-        if samples >= self.mixed_from { 2 } else { self.corners + usize::from(self.middle > 0.0) + 1 }
+    /// Number of reads of both levels.
+    pub fn reads(&self) -> usize {
+        if self.mixed { 2 } else { self.corners + usize::from(self.middle > 0.0) + 1 }
     }
 }
 
 impl Taps {
     /// By `rule` for the footprint `around`, of which the variance `own` ≥ that of the level that is read is left to the shorter axis.
-    pub fn new(rule: TapRule, around: &Covariance, own: f64, levels: Levels, share: Share) -> Self {
-        Maker { rule, around, levels, share }.taps(own)
+    pub fn new(rule: TapRule, around: &Covariance, own: f64, levels: Levels) -> Self {
+        Maker { rule, around, levels }.taps(own)
     }
 
     /// The taps.
@@ -330,7 +281,6 @@ struct Maker<'a> {
     rule: TapRule,
     around: &'a Covariance,
     levels: Levels,
-    share: Share,
 }
 
 impl Maker<'_> {
@@ -351,12 +301,11 @@ impl Maker<'_> {
     /// Rows of two levels.
     fn between(&self, rest: f64, next: f64) -> Taps {
         let Levels { read, .. } = self.levels;
-        let TapRule { middle, bend, mixed_from, .. } = self.rule;
+        let TapRule { middle, bend, mixed, .. } = self.rule;
         let [longer, _] = self.around.axes();
         let place = (rest / (next - read)).min(1.0);
-        let is_mixed = self.share.count >= mixed_from;
         let [coarser, left] =
-            if is_mixed { [mixed_weight(place, MIXED_ROWS), 0.0] } else { between_levels(place, bend) };
+            if mixed { [mixed_weight(place, MIXED_ROWS), 0.0] } else { between_levels(place, bend) };
         let aside = self.around.longer_axis().perp() * (left * (next - read) / (1.0 - middle)).sqrt();
         let has_middle = middle > 0.0;
         // All rows together have the variance of the longer axis.
@@ -366,7 +315,7 @@ impl Maker<'_> {
         let beside =
             |side: f64, moved: f64| Row { aside: aside * side, ..finer(0.5 * (1.0 - middle), moved) };
         let coarse = Row { weight: coarser, coarser: true, ..self.row(longer - next, next, 0.0) };
-        if is_mixed {
+        if mixed {
             return Taps { rows: [coarse, finer(1.0, 0.0), Row::default(), Row::default()], count: 2 };
         }
         // Rows beside each other stand half a step apart.
@@ -396,16 +345,14 @@ impl Maker<'_> {
         if left <= ROUND * tap {
             return Row { count: 1, ..Row::default() };
         }
-        let spacing = self.rule.spacing * f64::from(self.share.count.min(MOST_SHARED));
-        let sides = (REACH * left / (spacing * tap)).ceil().min(MOST_SIDES as f64) as usize;
+        let sides = (REACH * left / (self.rule.spacing * tap)).ceil().min(MOST_SIDES as f64) as usize;
         let along = self.around.longer_axis() * left;
         if sides == 1 {
             let fall = ((1.0 - 2.0 * WEIGHT_ASIDE) / WEIGHT_ASIDE).ln();
             return Row { first: -1.0, count: 3, step: along * ASIDE, fall, ..Row::default() };
         }
-        let (step, offset) =
-            (REACH / sides as f64, (self.share.offset() + moved + 0.5).rem_euclid(1.0) - 0.5);
-        let first = offset - sides as f64;
+        let step = REACH / sides as f64;
+        let first = -moved - sides as f64;
         Row { first, count: 2 * sides + 1, step: along * step, fall: 0.5 * step * step, ..Row::default() }
     }
 }
@@ -431,30 +378,27 @@ mod tests {
         let within = 1.0 - 2.0 * REACH * (-0.5 * REACH * REACH).exp() / (2.0 * PI).sqrt() - 0.0093;
         let round = Covariance { uu: 1e-4, uv: 0.0, vv: 1e-4 };
         let cases = [
-            (LONG, 1.0, 1, 0.0),
-            (LONG, 0.3, 1, 0.0),
+            (LONG, 1.0, 0.0),
+            (LONG, 0.3, 0.0),
+            (LONG, 0.5, 0.0),
             // So wide that a row has three taps, and five.
-            (LONG, 1.0, 1, 1e-3),
-            (LONG, 0.3, 1, 1.5e-4),
-            (round, 0.3, 1, 0.0),
-            (round, 0.7, 1, 1e-5),
-            (LONG, 1.0, 16, 0.0),
-            (LONG, 0.3, 16, 0.0),
-            (LONG, 0.5, 64, 0.0),
+            (LONG, 1.0, 1e-3),
+            (LONG, 0.3, 1.5e-4),
+            (round, 0.3, 0.0),
+            (round, 0.7, 1e-5),
         ];
         let both = cases.into_iter().flat_map(|case| [(TapRule::COARSE, case), (TapRule::FINE, case)]);
-        for (rule, (around, part, count, blur)) in both {
+        for (rule, (around, part, blur)) in both {
             let [longer, shorter] = around.axes();
             let axis = around.longer_axis();
             let read = part * shorter;
             let (mut mean, mut along, mut across, mut norm) = (DVec2::ZERO, 0.0, 0.0, 0.0);
-            let each = (0..count).flat_map(|i| [(i, None), (i, Some(4.0 * read + 3.0 * blur))]);
-            for (index, next) in each {
+            for next in [None, Some(4.0 * read + 3.0 * blur)] {
                 let levels = Levels { read, next, blur };
-                let taps = Taps::new(rule, &around, shorter, levels, Share { index, count });
+                let taps = Taps::new(rule, &around, shorter, levels);
                 assert!(taps.count() == taps.each().count());
                 for Tap { place, weight, coarser } in taps.each() {
-                    let weight = weight / f64::from(2 * count);
+                    let weight = weight / 2.0;
                     let own = if coarser { next.unwrap() } else { read };
                     mean += place * weight;
                     along += weight * (place.dot(axis).powi(2) + own);
@@ -462,17 +406,14 @@ mod tests {
                     norm += weight;
                 }
             }
-            assert!(
-                (norm - 1.0).abs() < 1e-12 && mean.length() < 0.03 * longer.sqrt(),
-                "{part} {count}: {mean}"
-            );
+            assert!((norm - 1.0).abs() < 1e-12 && mean.length() < 0.03 * longer.sqrt(), "{part}: {mean}");
             // Steps of 1.3 standard deviations, of which the last ones count or not, leave a few per cent of the variance open.
             let least = read + (within - 0.03) * (longer - read);
-            assert!(along > least && along < 1.03 * longer, "{part} {count} {blur}: {along}, {longer}");
+            assert!(along > least && along < 1.03 * longer, "{part} {blur}: {along}, {longer}");
             // Where there is one row, up to NARROW² of what a tap averages over is left out.
             let rest = (shorter - read).sqrt() / (read + blur).sqrt();
             if rest > NARROW {
-                assert!((across / shorter - 1.0).abs() < 1e-9, "{part} {count} {blur}: {across}");
+                assert!((across / shorter - 1.0).abs() < 1e-9, "{part} {blur}: {across}");
             } else {
                 assert!((across / read - 1.0).abs() < 1e-9);
             }
@@ -542,7 +483,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mixture_of_two_levels_that_jitter_smooths_is_a_gaussian() {
+    fn a_mixture_of_two_levels_that_is_blurred_is_a_gaussian() {
         // In one dimension, and in two.
         for (bends, dimensions, most) in [(MIXED_ROWS, 1, 0.021), (MIXED_IN_THE_PLANE, 2, 0.036)] {
             for i in 1..60 {
@@ -577,9 +518,7 @@ mod tests {
         let [_, shorter] = LONG.axes();
         let levels = Levels { read: 0.5 * shorter, next: Some(2.0 * shorter), blur: 0.0 };
         for orders in [1.0, 5.0, 40.0] {
-            let count = |tolerance| {
-                Taps::new(TapRule::of(tolerance, orders), &LONG, shorter, levels, Share::ALL).count()
-            };
+            let count = |tolerance| Taps::new(TapRule::of(tolerance, orders), &LONG, shorter, levels).count();
             let counts = [1e-3, 1e-2, 3e-2, 1e-1, 3e-1].map(count);
             assert!(counts.is_sorted_by(|finer, coarser| finer >= coarser), "{counts:?}");
             assert!(counts[4] * 2 < counts[0], "{counts:?}");
@@ -587,19 +526,17 @@ mod tests {
     }
 
     #[test]
-    fn many_samples_read_both_levels_in_one_row() {
+    fn a_rule_that_mixes_reads_both_levels_in_one_row() {
         let [_, shorter] = LONG.axes();
         let levels = Levels { read: 0.5 * shorter, next: Some(2.0 * shorter), blur: 0.0 };
-        let taps = |rule, count| Taps::new(rule, &LONG, shorter, levels, Share { index: 0, count });
-        let rule = TapRule { mixed_from: MANY_SAMPLES, ..TapRule::COARSE };
+        let taps = |rule| Taps::new(rule, &LONG, shorter, levels);
         let across = LONG.longer_axis().perp();
         let has_rows_aside =
             |taps: &Taps| taps.each().any(|tap| tap.place.dot(across).abs() > 1e-6 * shorter.sqrt());
-        assert!(has_rows_aside(&taps(rule, MANY_SAMPLES - 1)));
-        assert!(has_rows_aside(&taps(TapRule::COARSE, MANY_SAMPLES)));
-        let many = taps(rule, MANY_SAMPLES);
-        assert!(!has_rows_aside(&many) && many.count() < taps(rule, MANY_SAMPLES - 1).count());
-        let of = |coarser| many.each().filter(|t| t.coarser == coarser).map(|t| t.weight).sum::<f64>();
+        let rows = taps(TapRule::COARSE);
+        let mixed = taps(TapRule { mixed: true, ..TapRule::COARSE });
+        assert!(has_rows_aside(&rows) && !has_rows_aside(&mixed) && mixed.count() < rows.count());
+        let of = |coarser| mixed.each().filter(|t| t.coarser == coarser).map(|t| t.weight).sum::<f64>();
         assert!((of(true) - mixed_weight(1.0 / 3.0, MIXED_ROWS)).abs() < 1e-12);
         assert!((of(true) + of(false) - 1.0).abs() < 1e-12);
     }
@@ -618,7 +555,7 @@ mod tests {
     fn three_rows_have_the_fourth_moment_of_a_gaussian() {
         let [_, shorter] = LONG.axes();
         let levels = Levels { read: 0.25 * shorter, next: None, blur: 0.0 };
-        let taps = Taps::new(TapRule::COARSE, &LONG, shorter, levels, Share::ALL);
+        let taps = Taps::new(TapRule::COARSE, &LONG, shorter, levels);
         let across = LONG.longer_axis().perp();
         let moment = |n| taps.each().map(|tap| tap.weight * tap.place.dot(across).powi(n)).sum::<f64>();
         let rest = 0.75 * shorter;
@@ -631,13 +568,11 @@ mod tests {
     fn a_round_footprint_is_one_tap_and_a_very_long_one_is_read_coarser() {
         let at = |read| Levels { read, next: None, blur: 0.0 };
         let round = Covariance { uu: 1e-4, uv: 0.0, vv: 1e-4 };
-        assert_eq!(Taps::new(TapRule::COARSE, &round, 1e-4, at(1e-4), Share::ALL).count(), 1);
+        assert_eq!(Taps::new(TapRule::COARSE, &round, 1e-4, at(1e-4)).count(), 1);
         let very_long = Covariance { uu: 1.0, uv: 0.0, vv: 1e-8 };
         let own = TapRule::COARSE.least_own(&very_long, 0.0);
         assert!(own > 1e-8);
-        assert!(
-            Taps::new(TapRule::COARSE, &very_long, own, at(own), Share::ALL).count() <= 2 * MOST_SIDES + 1
-        );
+        assert!(Taps::new(TapRule::COARSE, &very_long, own, at(own)).count() <= 2 * MOST_SIDES + 1);
         assert!(TapRule::COARSE.least_own(&round, 0.0) < 1e-6);
     }
 }

@@ -1,6 +1,6 @@
 //! What pixels see: the directions that a frame shades, as data.
 
-use crate::optics::footprint::{Covariance, Share};
+use crate::optics::footprint::Covariance;
 use glam::{DVec2, DVec3};
 
 /// What one pixel of a frame shows, and what it was shaded for.
@@ -26,8 +26,6 @@ pub struct Directions {
     pub footprints: Vec<[f32; 4]>,
     /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
     pub filter: f64,
-    /// Which of the samples of each pixel they are.
-    pub share: Share,
     /// Irradiance over π of a surface that faces the light, linear sRGB; of a lamp at distance 1. A light that is not drawn in every sample is the
     /// brighter.
     pub irradiance: DVec3,

@@ -160,7 +160,6 @@ fn pixel_areas(view: &View, size: [u32; 2], depth: &[f32], to_view: &[[f32; 4]])
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optics::footprint::Share;
     use glam::DVec3;
 
     #[test]
@@ -187,7 +186,6 @@ mod tests {
             view: vec![up, up, up, [0.0; 4]],
             footprints: vec![[2.0, 0.0, 0.0, 1.0], [4.0, 0.0, 0.0, 3.0], [9.0; 4], [0.0; 4]],
             filter: 0.5,
-            share: Share::ALL,
             mirrored: Vec::new(),
             objects: Vec::new(),
         };

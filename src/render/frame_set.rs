@@ -73,10 +73,8 @@ pub struct SampleBlock {
     pub count: u32,
     /// Low bits of the sequence's seed.
     pub seed: u32,
-    /// Steps from the middle of a footprint to its middle tap.
-    pub tap_offset: f32,
     /// std140 rounds a structure up to 16 bytes.
-    pub padding: u32,
+    pub padding: [u32; 2],
 }
 
 /// Binding numbers.

@@ -10,7 +10,6 @@
 //! pixels beside it, too: so each pixel has the mean of more samples than are drawn in it.
 
 use super::frame_set::SampleBlock;
-use crate::optics::footprint::Share;
 use crate::random::Random;
 
 /// Variance of the pixel filter along each axis \[pixel²\].
@@ -140,11 +139,6 @@ impl Sample {
         PixelWeights { across: along(self.jitter[0]), down: along(self.jitter[1]) }
     }
 
-    /// Which of the samples of its pixel it is.
-    pub fn share(&self) -> Share {
-        Share { index: self.index, count: self.count }
-    }
-
     /// The sample as shaders see it. They have the low bits of the seed.
     pub fn block(&self) -> SampleBlock {
         SampleBlock {
@@ -153,8 +147,7 @@ impl Sample {
             index: self.index,
             count: self.count,
             seed: self.seed as u32,
-            tap_offset: self.share().offset() as f32,
-            padding: 0,
+            padding: [0; 2],
         }
     }
 }

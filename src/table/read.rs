@@ -2,7 +2,7 @@
 
 use super::{ColorTable, LARGEST_W, SPECULAR_SAMPLES};
 use crate::optics::brdf::schlick;
-use crate::optics::footprint::{Covariance, Levels, Share, Tap, TapRule, Taps};
+use crate::optics::footprint::{Covariance, Levels, Tap, TapRule, Taps};
 use crate::optics::geometry::Pair;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -24,9 +24,9 @@ impl<'a> TableReader<'a> {
         Self { table, rule }
     }
 
-    /// The level to read over `around`, and the taps of one of the samples of the pixel: a level stands for the shorter axis, as far as it
+    /// The level to read over `around`, and the taps: a level stands for the shorter axis, as far as it
     /// averages over no more, and taps for the rest.
-    pub fn taps(&self, around: &Covariance, share: Share) -> (usize, Taps) {
+    pub fn taps(&self, around: &Covariance) -> (usize, Taps) {
         let header = &self.table.header;
         let [_, shorter] = around.axes();
         let grid = &header.grid;
@@ -34,7 +34,7 @@ impl<'a> TableReader<'a> {
         let level = grid.level(own) as usize;
         let next = (level + 1 < grid.levels).then(|| grid.variance(level + 1));
         let levels = Levels { read: grid.variance(level), next, blur: header.coherence_blur };
-        (level, Taps::new(self.rule, around, own, levels, share))
+        (level, Taps::new(self.rule, around, own, levels))
     }
 
     /// XYZ of f cos θ_i \[sr⁻¹\] of one pair, averaged over `around`, on a surface whose R is Schlick's for the index `ior`; a table that was
@@ -45,7 +45,7 @@ impl<'a> TableReader<'a> {
         }
         let uvw = pair.uvw();
         let (toward, w) = (-uvw.truncate(), uvw.z.abs());
-        let (level, taps) = self.taps(around, Share::ALL);
+        let (level, taps) = self.taps(around);
         let read = |tap: Tap| self.at(toward + tap.place, w, level + usize::from(tap.coarser)) * tap.weight;
         let sum: DVec3 = taps.each().map(read).sum();
         let colour = sum * (w * w) + self.specular(toward, w, around);

@@ -40,8 +40,7 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             index: 54,
             count: 55,
             seed: 56,
-            tap_offset: 57.0,
-            padding: 0,
+            padding: [0; 2],
         };
         expected.extend([frame.base_color, frame.grooves]);
         frame.surroundings = vector();
@@ -50,7 +49,7 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             *column = vector();
             expected.push(*column);
         }
-        expected.extend([[51.0, 52.0, 53.0, 54.0], [55.0, 56.0, 57.0, 0.0]]);
+        expected.extend([[51.0, 52.0, 53.0, 54.0], [55.0, 56.0, 0.0, 0.0]]);
         let optics = SpectraBlock {
             texture_size: [101.0, 102.0],
             origin: [103.0, 104.0],

@@ -231,7 +231,7 @@ const TABLE_OVER_FOOTPRINTS: f64 = 0.016;
 /// The same by power spectra.
 const SPECTRAL_OVER_FOOTPRINTS: f64 = 0.012;
 
-/// The same for 16 samples under one light, which is seen at a narrower highlight. By a table two samples share the taps of a pixel.
+/// The same for 16 samples under one light, which is seen at a narrower highlight.
 const TABLE_OF_SAMPLES: f64 = 0.008;
 const SPECTRAL_OF_SAMPLES: f64 = 0.006;
 

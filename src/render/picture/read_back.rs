@@ -108,7 +108,6 @@ impl Painter {
             view: both().map(|(&[x, y, ..], &covered)| unit([x, y], covered)).collect(),
             footprints: footprints.into_iter().zip(&covered).map(kept).collect(),
             filter: pass.sample.footprint,
-            share: pass.sample.share(),
             irradiance: view.incident(pass).irradiance.as_dvec3(),
             falloffs,
             mirrored,

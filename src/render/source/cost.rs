@@ -1,6 +1,6 @@
 //! What a frame does, counted in f64 over the directions that it shades.
 
-use crate::optics::footprint::{Covariance, Share};
+use crate::optics::footprint::Covariance;
 use crate::optics::geometry::Pair;
 use crate::render::directions::Directions;
 use glam::DVec3;
@@ -22,8 +22,6 @@ pub(super) struct LitPixel {
     pub pair: Pair,
     /// What shading averages over.
     pub around: Covariance,
-    /// Which of the samples of the pixel is shaded.
-    pub share: Share,
 }
 
 impl Cost {
@@ -51,8 +49,7 @@ impl Cost {
                 if !pair.above_horizon() {
                     continue;
                 }
-                let (wavelengths, samples) =
-                    of_pixel(&LitPixel { pair, around: seen.covariance(i), share: seen.share });
+                let (wavelengths, samples) = of_pixel(&LitPixel { pair, around: seen.covariance(i) });
                 cost.wavelengths += wavelengths;
                 cost.samples += samples;
             }

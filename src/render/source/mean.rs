@@ -6,7 +6,7 @@ use super::part::Iterations;
 use super::spectra::{kernel_constants, numbers};
 use super::{Extent, SourceSummary, reflectance, stages, taps_constants};
 use crate::error::Result;
-use crate::optics::footprint::{self, Levels, Polygon, Share, Tap, TapRule, Taps};
+use crate::optics::footprint::{self, Levels, Polygon, Tap, TapRule, Taps};
 use crate::optics::spectrum::{BLUE, MIDDLE};
 use crate::render::directions::Directions;
 use crate::render::shading::Shading;
@@ -92,7 +92,7 @@ impl Mean {
         const CORNERS: u32 = 12;
         const MIDDLE_SHARE: u32 = 13;
         const BEND: u32 = 14;
-        const READS_MIXED_FROM: u32 = 15;
+        const READS_MIXED: u32 = 15;
         const READS_BEND: u32 = 16;
         const READS_TURN: u32 = 17;
         let header = &self.spectra.header;
@@ -104,7 +104,7 @@ impl Mean {
         constants.push(Constant::new(CORNERS, polygon.corners as u32));
         constants.push(Constant::float(MIDDLE_SHARE, polygon.middle as f32));
         constants.push(Constant::float(BEND, polygon.bend as f32));
-        constants.push(Constant::float(READS_MIXED_FROM, polygon.mixed_from as f32));
+        constants.push(Constant::new(READS_MIXED, polygon.mixed));
         let [bend, turn] = footprint::MIXED_IN_THE_PLANE;
         constants.push(Constant::float(READS_BEND, bend as f32));
         constants.push(Constant::float(READS_TURN, turn as f32));
@@ -232,12 +232,12 @@ impl Mean {
         let (finest, orders) = (mean(header.grid.blur.variance), mean(header.orders_blur.variance));
         let coherence = BLUE * BLUE * finest;
         let coarsest = MIDDLE.powi(2) * (finest * 4f64.powi(header.grid.levels as i32 - 1) - orders);
-        Cost::counted(directions, |LitPixel { pair, around, share }| {
-            let between = polygon.reads(share.count);
+        Cost::counted(directions, |LitPixel { pair, around }| {
+            let between = polygon.reads();
             let [_, shorter] = around.axes();
             let own = shorter.max(rule.least_own(around, coherence));
             let read = coarsest.clamp(0.0, own);
-            let taps = Taps::new(rule, around, own, Levels { read, next: None, blur: coherence }, Share::ALL);
+            let taps = Taps::new(rule, around, own, Levels { read, next: None, blur: coherence });
             let toward = -pair.uvw().truncate();
             let rays = (finest / (orders + read / MIDDLE.powi(2))).sqrt();
             let reads_at = |node: &[f32; 4]| {

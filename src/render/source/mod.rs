@@ -55,20 +55,22 @@ pub enum Source {
 /// The constants of `shaders/footprint.glsl`.
 fn taps_constants(rule: TapRule) -> Vec<Constant> {
     const FIRST: u32 = 20;
+    const MIXED: u32 = 29;
     let values = [
         rule.spacing,
         footprint::REACH,
         footprint::MOST_SIDES as f64,
         footprint::ROUND,
         footprint::NARROW,
-        footprint::MOST_SHARED.into(),
         rule.middle,
         rule.bend,
-        rule.mixed_from.into(),
         footprint::MIXED_ROWS[0],
         footprint::MIXED_ROWS[1],
     ];
-    (FIRST..).zip(values).map(|(id, value)| Constant::float(id, value as f32)).collect()
+    let mut constants: Vec<_> =
+        (FIRST..).zip(values).map(|(id, value)| Constant::float(id, value as f32)).collect();
+    constants.push(Constant::new(MIXED, rule.mixed));
+    constants
 }
 
 /// The texture that holds a source's data.

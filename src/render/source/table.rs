@@ -133,7 +133,7 @@ impl Table {
     pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
         let reader = TableReader::by_rule(&self.table, self.rule(shading));
         // X, Y and Z.
-        Cost::counted(directions, |pixel| (0, 3 * reader.taps(&pixel.around, pixel.share).1.count()))
+        Cost::counted(directions, |pixel| (0, 3 * reader.taps(&pixel.around).1.count()))
     }
 }
 
