@@ -599,6 +599,11 @@ impl Painter {
         self.geometry.settings.mirrored && view.is_surroundings(pass.light)
     }
 
+    /// What draws them.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
     /// The images of the pictures.
     pub fn target(&self) -> &Target {
         &self.target

@@ -61,7 +61,7 @@ impl Device {
     ) -> Result<Arc<Self>> {
         let (index, reason) = selection::choose(&candidates, wish)?;
         let candidate = candidates.swap_remove(index);
-        if candidate.kind == vk::PhysicalDeviceType::CPU {
+        if candidate.is_software() {
             /// What lavapipe takes for itself and for the shaders of a picture, 130 MiB, and a little \[bytes\].
             const SOFTWARE_DEVICE: u64 = 144 << 20;
             memory::ensure_room(SOFTWARE_DEVICE, "a software device")?;

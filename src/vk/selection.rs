@@ -33,6 +33,13 @@ pub struct Candidate {
     pub missing: Vec<&'static str>,
 }
 
+impl Candidate {
+    /// Whether it draws on the CPU.
+    pub fn is_software(&self) -> bool {
+        self.kind == vk::PhysicalDeviceType::CPU
+    }
+}
+
 /// How a device is chosen.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum DeviceChoice {
@@ -209,8 +216,7 @@ pub fn choose(candidates: &[Candidate], wish: &DeviceChoice) -> Result<(usize, S
             found.map_or_else(|| Err(no_such(name)), named)
         }
         DeviceChoice::Cpu => {
-            let mut software =
-                (0..candidates.len()).filter(|&i| candidates[i].kind == vk::PhysicalDeviceType::CPU);
+            let mut software = (0..candidates.len()).filter(|&i| candidates[i].is_software());
             best(&mut software)
                 .map(|i| (i, "a software device, as asked".to_owned()))
                 .ok_or_else(|| Error::failed("there is no usable software device", INSTALL))

@@ -232,7 +232,7 @@ const TABLE_OVER_FOOTPRINTS: f64 = 0.016;
 const SPECTRAL_OVER_FOOTPRINTS: f64 = 0.012;
 
 /// The same for 16 samples under one light, which is seen at a narrower highlight.
-const TABLE_OF_SAMPLES: f64 = 0.008;
+const TABLE_OF_SAMPLES: f64 = 0.006;
 const SPECTRAL_OF_SAMPLES: f64 = 0.006;
 
 /// The same for single samples of a light that moves.
