@@ -41,7 +41,7 @@ pub struct BenchmarkOptions {
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "640x480")]
     pub size: [u32; 2],
-    /// A light instead of the scene's lights and surroundings, in degrees from up and around it; up to four
+    /// A light instead of the scene's lights and surroundings, in degrees from up and around it; may be given several times
     #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY]", value_parser = Light::parse, allow_hyphen_values = true)]
     pub light: Vec<Light>,
     #[command(flatten)]

@@ -55,7 +55,7 @@ pub struct Arguments {
         conflicts_with = "output"
     )]
     compare: Option<[Variant; 2]>,
-    /// Where the light stands, in degrees from the normal and from +x toward +y; up to four
+    /// Where the light stands, in degrees from the normal and from +x toward +y; may be given several times
     #[arg(
         long, value_name = "THETA,PHI[,INTENSITY]", value_parser = FarLight::parse, allow_hyphen_values = true,
         required = true

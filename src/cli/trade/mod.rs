@@ -44,7 +44,7 @@ pub struct Arguments {
     /// Width and height in pixels [default: 640x480, with --quick 320x240]
     #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true)]
     size: Option<[u32; 2]>,
-    /// A light instead of the scene's, in degrees from up and around it; up to four
+    /// A light instead of the scene's, in degrees from up and around it; may be given several times
     #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY]", value_parser = Light::parse, allow_hyphen_values = true)]
     light: Vec<Light>,
     /// Ask for the setting that keeps this relative L2 error
