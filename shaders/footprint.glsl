@@ -69,10 +69,10 @@ vec2 between_levels(float s, float bend) {
     return vec2(s * s * (1.0 + bend - bend * s), s * (1.0 - bend * s) / (1.0 + s - bend * s * s));
 }
 
-// Whether both levels are read in the middle alone: `mixed_weight` of src/optics/footprint.rs.
+// Where both levels are read in the middle alone: `mixed_weight` of src/optics/footprint.rs.
 layout(constant_id = 27) const float MIXED_BEND = 0.0;
 layout(constant_id = 28) const float MIXED_TURN = 0.0;
-layout(constant_id = 29) const bool MIXED = false;
+layout(constant_id = 29) const bool MIXED = false; // whether they are
 
 float mixed_weight(float s, vec2 bends) {
     return s * (1.0 + (bends.x - bends.y * s) * (1.0 - s));

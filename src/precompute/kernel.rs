@@ -153,7 +153,7 @@ impl Kernel {
 
 /// Samplers round a place between two texels to multiples of this: GPUs of all makers keep 8 bits of it (`subTexelPrecisionBits`; Vulkan promises 4).
 const PLACE_STEP: f64 = 1.0 / 256.0;
-/// A sampler may add this share of a kernel's own error: 12 % of both, because squares add up.
+/// A sampler may add this share of a kernel's own error, which makes both together 12 % larger, because squares add up.
 const MOST_ROUNDING: f64 = 0.5;
 
 /// What is transformed, and the unit of its padded length.
@@ -295,6 +295,7 @@ impl Interpolation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     #[test]
     fn the_error_falls_with_the_square_and_the_fourth_power_of_the_length() {
@@ -318,33 +319,26 @@ mod tests {
     #[test]
     fn rounded_places_err_as_predicted() {
         // Independent phases make a window's spectrum: the sum over positions of what stands there, seen from one frequency.
-        let noise = |seed: u64| {
-            let mut state = seed;
-            let mut uniform = move || {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                (state >> 11) as f64 / (1u64 << 53) as f64
-            };
-            (0..64).map(|_| uniform()).collect::<Vec<f64>>()
-        };
+        let mut random = Random::new(1);
         for (kernel, ratio) in [(Kernel::Linear, 8.0), (Kernel::Linear, 13.0), (Kernel::Cubic, 16.0)] {
             let (mut error, mut power) = (0.0, 0.0);
-            for seed in 0..400 {
-                let (phases, places) = (noise(2 * seed), noise(2 * seed + 1));
+            for _ in 0..400 {
+                let phases: [f64; 64] = std::array::from_fn(|_| random.share());
+                let place = random.share();
                 // The divided window's spectrum at a whole number of texels, real part.
                 let texel = |n: f64| -> f64 {
-                    (0..64)
-                        .map(|i| {
-                            let x = (f64::from(i) - 31.5) / 8.0;
-                            let g = (-0.5 * x * x).exp() / kernel.transform(x / ratio);
-                            g * (2.0 * PI * (phases[i as usize] - n * x / ratio)).cos()
-                        })
-                        .sum()
+                    let of = |(i, phase): (usize, &f64)| {
+                        let x = (i as f64 - 31.5) / 8.0;
+                        let g = (-0.5 * x * x).exp() / kernel.transform(x / ratio);
+                        g * (2.0 * PI * (phase - n * x / ratio)).cos()
+                    };
+                    phases.iter().enumerate().map(of).sum()
                 };
                 let texels = [-1.0, 0.0, 1.0, 2.0].map(texel);
-                let exact = kernel.weights(places[0]);
+                let exact = kernel.weights(place);
                 let rounded = |place: f64| (place / PLACE_STEP).round() * PLACE_STEP;
                 let by_sampler = match kernel {
-                    Kernel::Linear => kernel.weights(rounded(places[0])),
+                    Kernel::Linear => kernel.weights(rounded(place)),
                     Kernel::Cubic => {
                         let [a, b, c, d] = exact;
                         let (left, right) = (rounded(b / (a + b)), rounded(d / (c + d)));
