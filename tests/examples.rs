@@ -161,6 +161,24 @@ fn a_picture_is_the_one_that_the_program_draws() {
     assert!(corner != middle, "the snake stands before a background");
 }
 
+#[cfg(feature = "vulkan")]
+#[test]
+fn the_error_of_a_picture_is_that_of_the_pixels_that_the_exact_one_covers() {
+    let folder = tempfile::tempdir().unwrap();
+    let [picture, exact] = ["picture.exr", "exact.exr"].map(|name| folder.path().join(name));
+    let write = |path: &Path, left: [f32; 4], right: [f32; 4]| {
+        ImageBuffer::from_fn(2, 1, |x, _| image::Rgba(if x == 0 { left } else { right })).save(path).unwrap();
+    };
+    write(&picture, [1.0, 2.0, 2.3, 1.0], [5.0, 6.0, 7.0, 1.0]);
+    // The right pixel is not one of those that were computed.
+    write(&exact, [1.0, 2.0, 2.0, 1.0], [0.0; 4]);
+    // ‖(0, 0, 0.3)‖/‖(1, 2, 2)‖.
+    assert_eq!(run("picture_error", &[&picture, &exact]), "1 pixels: relative L2 0.1000 ± 0.0000\n");
+    write(&exact, [1.0, 2.0, 2.0, 1.0], [5.0, 6.0, 8.0, 1.0]);
+    // ‖(0, 0, 0.3, 0, 0, −1)‖/‖(1, 2, 2, 5, 6, 8)‖ = √(1.09/134).
+    assert!(run("picture_error", &[&picture, &exact]).starts_with("2 pixels: relative L2 0.0902"));
+}
+
 #[test]
 fn the_readme_has_the_text_of_the_shortest_example() {
     let [readme, example] = [include_str!("../README.md"), include_str!("../examples/brdf_value.rs")];
