@@ -88,15 +88,16 @@ impl Kernel {
         }
     }
 
-    /// RMS amplitude error along one axis, relative to the local RMS amplitude, of reading what is transformed on a padded length of `ratio`.
-    pub fn amplitude_error(self, ratio: f64, of: Transformed) -> f64 {
-        let own = self.own_error(ratio, of);
-        if self.weighs_texels(ratio, of) { own } else { own.hypot(self.rounding_error(ratio, of)) }
+    /// RMS amplitude error along one axis, relative to the local RMS amplitude, of reading what is transformed on a padded length of `ratio`, by a sampler
+    /// or by texels.
+    fn amplitude_error(self, ratio: f64, of: Transformed) -> f64 {
+        let (own, rounding) = (self.own_error(ratio, of), self.rounding_error(ratio, of));
+        if is_too_coarse(rounding, own) { own } else { own.hypot(rounding) }
     }
 
-    /// Whether a sampler is too coarse: what it rounds has more than half of the kernel's own error.
+    /// Whether texels have to be weighed, because a sampler is too coarse.
     fn weighs_texels(self, ratio: f64, of: Transformed) -> bool {
-        self.rounding_error(ratio, of) > MOST_ROUNDING * self.own_error(ratio, of)
+        is_too_coarse(self.rounding_error(ratio, of), self.own_error(ratio, of))
     }
 
     /// The kernel's own error: the energy of the damped copies, and of what the padded length cuts off a window.
@@ -118,8 +119,8 @@ impl Kernel {
     fn rounding_error(self, ratio: f64, of: Transformed) -> f64 {
         // RMS of what is uniform over a step, in texels.
         let rounded = PLACE_STEP / 12f64.sqrt();
-        // Root of the mean over all places of the squared weights of the two samples of a B-spline, which add up to 1.
-        const TWO_SAMPLES: f64 = 0.767;
+        // Two samples of a B-spline weigh a = (5 − 3t − 3t² + 2t³)/6 and 1 − a at the place t: the root of the mean of a² + (1 − a)².
+        const TWO_SAMPLES: f64 = 0.763;
         let share = match self {
             Self::Linear => 1.0,
             Self::Cubic => TWO_SAMPLES,
@@ -140,7 +141,7 @@ impl Kernel {
 
     /// The smallest padded length up to `most` for an amplitude error along one axis of at most `allowed`.
     fn smallest_ratio(self, of: Transformed, allowed: f64, most: f64) -> Option<f64> {
-        let mut ratio = of.least_ratio();
+        let mut ratio = of.lengths().least;
         while ratio <= most {
             if self.amplitude_error(ratio, of) <= allowed {
                 return Some(ratio);
@@ -155,6 +156,10 @@ impl Kernel {
 const PLACE_STEP: f64 = 1.0 / 256.0;
 /// A sampler may add this share of a kernel's own error, which makes both together 12 % larger, because squares add up.
 const MOST_ROUNDING: f64 = 0.5;
+
+fn is_too_coarse(rounding: f64, own: f64) -> bool {
+    rounding > MOST_ROUNDING * own
+}
 
 /// What is transformed, and the unit of its padded length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -190,37 +195,24 @@ impl Transformed {
         }
     }
 
-    /// The shortest padded length that is sensible.
-    fn least_ratio(self) -> f64 {
+    fn lengths(self) -> PaddedLengths {
         match self {
-            Self::Window => 6.0,
-            Self::Period => 1.2,
+            Self::Window => PaddedLengths { least: 6.0, linear: 13.0, mixed: 26.0, cubic: 64.0 },
+            Self::Period => PaddedLengths { least: 1.2, linear: 6.0, mixed: 0.0, cubic: 16.0 },
         }
     }
+}
 
-    /// Up to this padded length one linear sample wins; beyond, textures outgrow every cache.
-    fn most_linear(self) -> f64 {
-        match self {
-            Self::Window => 13.0,
-            Self::Period => 6.0,
-        }
-    }
-
-    /// Up to this padded length along the linear axis two samples win over the four of a cubic kernel along both axes.
-    fn most_mixed(self) -> f64 {
-        match self {
-            Self::Window => 26.0,
-            Self::Period => 0.0,
-        }
-    }
-
+/// Between which padded lengths the kernels are tried.
+struct PaddedLengths {
+    /// The shortest that is sensible.
+    least: f64,
+    /// Up to this one linear sample wins; beyond, textures outgrow every cache.
+    linear: f64,
+    /// Up to this along the linear axis two samples win over the four of a cubic kernel along both axes.
+    mixed: f64,
     /// Longer than this, and the rounding of 32-bit layers is the larger error.
-    fn most_cubic(self) -> f64 {
-        match self {
-            Self::Window => 64.0,
-            Self::Period => 16.0,
-        }
-    }
+    cubic: f64,
 }
 
 /// A kernel for each axis, and the padded lengths that they need.
@@ -247,18 +239,18 @@ impl Interpolation {
     /// `tolerance`, or the finest there is.
     pub fn for_tolerance(tolerance: f64, of: Transformed) -> Self {
         use Kernel::{Cubic, Linear};
-        let allowed = tolerance / SPECKLE;
+        let (allowed, most) = (tolerance / SPECKLE, of.lengths());
         let along =
             |kernel: Kernel, part: f64, most: f64| kernel.smallest_ratio(of, allowed * part.sqrt(), most);
-        if let Some(ratio) = along(Linear, 0.5, of.most_linear()) {
+        if let Some(ratio) = along(Linear, 0.5, most.linear) {
             return Self { of, kernels: [Linear; 2], ratios: [ratio; 2] };
         }
-        if let Some(y) = along(Linear, 1.0 - CUBIC_PART, of.most_mixed())
+        if let Some(y) = along(Linear, 1.0 - CUBIC_PART, most.mixed)
             && let Some(x) = along(Cubic, CUBIC_PART, y)
         {
             return Self { of, kernels: [Cubic, Linear], ratios: [x, y] };
         }
-        let ratio = along(Cubic, 0.5, of.most_cubic()).unwrap_or(of.most_cubic());
+        let ratio = along(Cubic, 0.5, most.cubic).unwrap_or(most.cubic);
         Self { of, kernels: [Cubic; 2], ratios: [ratio; 2] }
     }
 
@@ -364,7 +356,10 @@ mod tests {
             let found = Interpolation::for_tolerance(tolerance, Transformed::Window);
             eprintln!("{tolerance:e}: {found:?}");
             assert_eq!(found.reads(), reads);
-            assert!(found.relative_error() <= tolerance && found.ratios[1] <= 26.0, "{found:?}");
+            assert!(
+                found.relative_error() <= tolerance && found.ratios[1] <= Transformed::Window.lengths().mixed,
+                "{found:?}"
+            );
         }
     }
 }

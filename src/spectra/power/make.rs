@@ -212,8 +212,7 @@ fn choose_grid(orders: &OrderGrid, blur: Blur, settings: &PowerSettings) -> (Fre
     // A footprint blurs by its width over the wavelength; the longest has the least.
     let footprint = settings.least_footprint / crate::optics::spectrum::LONGEST;
     let finest = Blur { variance: blur.variance.map(|v| v.max(footprint * footprint)) };
-    // γ = exp(−2π²b²Δ²) is a window of this standard deviation.
-    let window = [0, 1].map(|i| 1.0 / (2.0 * PI * finest.variance[i].sqrt()));
+    let window = finest.window();
     let kernel = Kernel::Cubic;
     let mut density = 0.8;
     loop {

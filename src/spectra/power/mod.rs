@@ -52,4 +52,9 @@ impl Blur {
         }
         blur
     }
+
+    /// Standard deviations of the window that it is the transform of \[µm\]: γ = exp(−2π²b²Δ²) for a variance b².
+    pub fn window(&self) -> [f64; 2] {
+        self.variance.map(|variance| 1.0 / (2.0 * PI * variance.sqrt()))
+    }
 }

@@ -39,8 +39,7 @@ impl FrequencyGrid {
 
     /// The kernel along each axis, and the padded lengths.
     pub fn interpolation(&self) -> Interpolation {
-        // γ = exp(−2π²b²Δ²) is a window of this standard deviation.
-        let window = self.blur.variance.map(|variance| 1.0 / (2.0 * PI * variance.sqrt()));
+        let window = self.blur.window();
         let ratio = |i: usize| self.size[i] as f64 / (self.range[i] * window[i]);
         Interpolation { of: Transformed::Window, kernels: [self.kernel; 2], ratios: [ratio(0), ratio(1)] }
     }
