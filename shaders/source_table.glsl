@@ -1,13 +1,20 @@
-// Reads a colour table: the mean over coherence areas, summed over the spectrum, as cubics in |w| over -(u, v), in levels that average over
-// growing Gaussians of (u, v). Its CPU twin is src/table/read.rs; the Rust side is src/render/source/table.rs.
+// Reads a colour table: the mean over coherence areas, summed over the spectrum, over -(u, v), in levels that average over growing Gaussians of
+// (u, v). Texels hold coordinates in a basis of functions of |w| (src/table/basis.rs). Its CPU twin is src/table/read.rs; the Rust side is
+// src/render/source/table.rs.
+#extension GL_EXT_control_flow_attributes : require
 #include "footprint.glsl"
 
-// X, Y and Z of piece after piece of the range of |w|; RGBA: the coefficients of a cubic.
+layout(constant_id = 11) const int TEXELS = 3; // that a direction reads at each place, of four coordinates each
+
+// TEXELS layers for each piece of the range of |w|.
 layout(set = 1, binding = 1) uniform sampler2DArray color_table;
 
 // XYZ of the specular order over |w|, a band of wavelengths a row, and then all bands together; in the last row the mean R of a material over twice
 // the cosine of the half angle, or 1.
 layout(set = 1, binding = 2) uniform sampler2D specular;
+
+// What a coordinate of 1 stands for, a piece in each row: X, Y and Z of one coordinate after the other; RGBA: over 1, t, t^2 and t^3.
+layout(set = 1, binding = 3) uniform sampler2D basis;
 
 const int BANDS = 16;       // of wavelengths of the specular order
 const float LARGEST_W = 2.0;
@@ -24,22 +31,43 @@ layout(set = 1, binding = 0, std140) uniform Table {
     vec4 variances[BANDS / 4]; // of u in each band of the specular order
 } source;
 
+// Coordinates of a place, of which the first TEXELS are used.
+struct Numbers {
+    vec4 of_texel[3];
+};
+
+const Numbers NOTHING = Numbers(vec4[](vec4(0.0), vec4(0.0), vec4(0.0)));
+
+// Place in the range of |w|: the piece, and t from -1 to 1 over it.
 struct Piece {
-    float layer;
-    vec4 powers;
+    int number;
+    float t;
 };
 
 Piece piece_of(float w) {
     float place = w * (source.pieces / LARGEST_W);
     float number = min(floor(place), source.pieces - 1.0);
-    float t = 2.0 * (place - number) - 1.0;
-    return Piece(3.0 * number, vec4(1.0, t, t * t, t * t * t));
+    return Piece(int(number), 2.0 * (place - number) - 1.0);
 }
 
-vec3 read_table(Piece piece, vec2 place, float level) {
-    return vec3(dot(textureLod(color_table, vec3(place, piece.layer), level), piece.powers),
-                dot(textureLod(color_table, vec3(place, piece.layer + 1.0), level), piece.powers),
-                dot(textureLod(color_table, vec3(place, piece.layer + 2.0), level), piece.powers));
+// Adds `weight` times the coordinates at `place`.
+void add_place(inout Numbers sum, float weight, vec3 place, float level) {
+    [[unroll]] for (int i = 0; i < TEXELS; ++i) {
+        sum.of_texel[i] += weight * textureLod(color_table, place + vec3(0.0, 0.0, float(i)), level);
+    }
+}
+
+// XYZ over |w|^2 of coordinates in the basis of `piece`, in stored units.
+vec3 colour_of(Numbers numbers, Piece piece) {
+    vec4 powers = vec4(1.0, piece.t, piece.t * piece.t, piece.t * piece.t * piece.t);
+    vec3 sum = vec3(0.0);
+    [[unroll]] for (int i = 0; i < 4 * TEXELS; ++i) {
+        vec3 colour = vec3(dot(texelFetch(basis, ivec2(3 * i, piece.number), 0), powers),
+                           dot(texelFetch(basis, ivec2(3 * i + 1, piece.number), 0), powers),
+                           dot(texelFetch(basis, ivec2(3 * i + 2, piece.number), 0), powers));
+        sum += numbers.of_texel[i >> 2][i & 3] * colour;
+    }
+    return sum;
 }
 
 float specular_column(float w) {
@@ -92,23 +120,26 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     Taps taps = taps_of(ellipse, own, Levels(read, next, source.coherence));
     Piece piece = piece_of(pair.w);
     vec2 middle = pair.toward * source.texture_per_uv + 0.5;
-    vec3 average = vec3(0.0);
+    float layer = float(TEXELS * piece.number);
+    Numbers average = NOTHING;
     // Nothing is read for light that does not reach the pixel.
     int rows = pair.factor > 0.0 ? taps.rows : 0;
     for (int number = 0; number < rows; ++number) {
         Row row = row_of(taps, number);
         vec2 step = row.step * source.texture_per_uv;
         vec2 place = middle + row.aside * source.texture_per_uv;
-        vec3 sum = vec3(0.0);
+        Numbers sum = NOTHING;
         float norm = 0.0;
         for (float n = row.first; n < row.last; n += 1.0) {
             float weight = exp(-row.fall * n * n);
-            sum += weight * read_table(piece, place + n * step, level + row.coarser);
+            add_place(sum, weight, vec3(place + n * step, layer), level + row.coarser);
             norm += weight;
         }
-        average += sum * (row.weight / norm);
+        [[unroll]] for (int i = 0; i < TEXELS; ++i) {
+            average.of_texel[i] += sum.of_texel[i] * (row.weight / norm);
+        }
     }
-    return average * (source.unit * pair.w * pair.w) * table_factor(pair);
+    return colour_of(average, piece) * (source.unit * pair.w * pair.w) * table_factor(pair);
 }
 
 // A table has no single wavelength; nobody asks.

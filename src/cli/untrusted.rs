@@ -173,7 +173,7 @@ fn colours(bytes: &[u8]) -> Result<()> {
     };
     // What textures are made of, and what reads them.
     for (level, texels) in table.levels.iter().enumerate() {
-        let count = table.header.grid.side_of(level).pow(2) * table.header.pieces * 3 * 4;
+        let count = table.header.grid.side_of(level).pow(2) * table.header.basis.layers() * 4;
         assert!(count > 0 && texels.len() == count, "a table that does not fit its numbers");
     }
     let reader = TableReader::new(&table);

@@ -35,7 +35,7 @@ impl ErrorBudget {
                 Self::of_layers(layers, shading)
             }
             Source::Mean(Mean { spectra }) => Self::of_spectra(&spectra.header, shading),
-            Source::Table(Table { table }) => Self::of_table(table.header.cubic_error, shading),
+            Source::Table(Table { table }) => Self::of_table(table.header.basis_error, shading),
             Source::Thesis(_) | Source::ClassicalGrating(_) => Self::default(),
         }
     }
@@ -91,8 +91,8 @@ impl ErrorBudget {
         }
     }
 
-    /// The parts of a colour table under `shading` whose cubics err by `cubics`.
-    fn of_table(cubics: f64, shading: &Shading) -> Self {
+    /// The parts of a colour table under `shading` whose basis errs by `basis`.
+    fn of_table(basis: f64, shading: &Shading) -> Self {
         let part = |what, error, known: &str| BudgetPart { what, error, known: known.to_owned() };
         Self {
             parts: vec![
@@ -102,9 +102,9 @@ impl ErrorBudget {
                     "by the blur of the finest level",
                 ),
                 part(
-                    "cubics in w",
-                    cubics,
-                    "measured at directions spread evenly, each relative to its own value",
+                    "colours over w",
+                    basis,
+                    "measured at directions spread evenly, each relative to its own colour",
                 ),
                 part("wavelengths of a colour", shading.quadrature(), "by the rule for the nodes"),
             ],

@@ -326,22 +326,17 @@ impl Settings {
         if octave >= 0.0 { coherence * octave.exp2() } else { 0.0 }
     }
 
-    /// How much more reading between texels may err in a picture than in single directions, relative L2: pixels average it along footprints that are
-    /// long beside what a single reading is blurred by, and over many orders. On the snake it is 0.006 times the squared ratio of spacing and
-    /// blur, of 0.046 at single points. Where orders are few, the table takes less of it. A plate sees few orders of any surface; the second number is for
-    /// where a table would take too much room.
-    fn over_footprints(&self) -> [f64; 2] {
+    /// What the pixels of a picture average over. A plate sees few orders of any surface.
+    fn pixel_average(&self) -> PixelAverage {
+        /// Ratio of footprint and blur from which a row of taps stands for a footprint.
         const LONG: f64 = 2.0;
-        const AVERAGED_BY_LONG: f64 = 3.9;
-        const AVERAGED_BY_SHORT: f64 = 1.5;
-        const AT_MOST_BY_SHORT: f64 = 2.5;
         let FootprintSizes { shorter, longer } = self.footprints;
         let is_long =
             self.coherence_spread().is_some_and(|coherence| longer > LONG * coherence.hypot(shorter));
         match self.shading.purpose {
-            Purpose::Directions => [1.0; 2],
-            Purpose::Picture if is_long => [AVERAGED_BY_LONG; 2],
-            Purpose::Picture => [AVERAGED_BY_SHORT, AT_MOST_BY_SHORT],
+            Purpose::Directions => PixelAverage { reading: 1.0, most_reading: 1.0, ..PixelAverage::OF_FEW },
+            Purpose::Picture if is_long => PixelAverage::OF_MANY,
+            Purpose::Picture => PixelAverage::OF_FEW,
         }
     }
 
@@ -364,16 +359,17 @@ impl Settings {
     /// What a colour table is made for.
     fn table_settings(&self, limits: &Candidate) -> TableSettings {
         let tolerance = self.shading.tolerance;
-        let [averaging, most_averaging] = self.over_footprints();
+        let average = self.pixel_average();
         TableSettings {
             illuminant: self.shading.illuminant.clone(),
             reflectance: Some(&self.shading.reflectance).filter(|r| r.is_spectral()).cloned(),
             wavelengths: self.shading.wavelengths,
             quadrature_error: self.shading.quadrature(),
             reading_error: READING_SHARE * tolerance,
-            averaging: self.shading.gain() * averaging,
-            most_averaging: self.shading.gain() * most_averaging,
-            cubic_error: CUBIC_SHARE * tolerance,
+            averaging: self.shading.gain() * average.reading,
+            most_averaging: self.shading.gain() * average.most_reading,
+            averaged_places: average.places,
+            basis_error: average.basis_share * tolerance,
             finest: self.finest(),
             side_limit: limits.max_side as usize,
             memory_limit: Self::memory_limit(limits),
@@ -385,9 +381,28 @@ impl Settings {
 /// makes smaller: a plate of *Xenopeltis* under 0.023 erred by 0.043. Series converge fast, so that a small share costs four terms at most.
 const SERIES_SHARE: f64 = 0.25;
 
-/// Shares of a table's tolerance for reading between texels, and for the cubics in |w|.
+/// Share of a table's tolerance for reading between texels.
 pub const READING_SHARE: f64 = 0.5;
-const CUBIC_SHARE: f64 = 0.4;
+
+/// How far the errors of a colour table are averaged in a picture.
+struct PixelAverage {
+    /// How much more reading between texels may err than in single directions, relative L2: pixels average it along footprints that are long beside what a single
+    /// reading is blurred by, and over many orders. Where orders are few, the table takes less of it.
+    reading: f64,
+    /// The same where a table would take too much room.
+    most_reading: f64,
+    /// Places whose errors over |w| are independent.
+    places: usize,
+    /// Share of the tolerance for colours over |w|. The squares of this share, of that of reading and of that of the wavelengths add up to 1. A picture of few places may
+    /// show those that err more than most.
+    basis_share: f64,
+}
+
+impl PixelAverage {
+    /// On the snake, reading errs by 0.006 times the squared ratio of spacing and blur, by 0.046 at single points.
+    const OF_MANY: Self = Self { reading: 3.9, most_reading: 3.9, places: 16, basis_share: 0.72 };
+    const OF_FEW: Self = Self { reading: 1.5, most_reading: 2.5, places: 1, basis_share: 0.3 };
+}
 
 /// What is known by `key`; forgets what nobody uses any more.
 fn find<T>(known: &mut Known<T>, key: &Key) -> Option<Arc<T>> {

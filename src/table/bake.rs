@@ -1,9 +1,10 @@
 //! Sums the spectrum at every texel of a colour table.
 
+use super::basis::PER_TEXEL;
 use super::grid::TableGrid;
-use super::pieces::choose_pieces;
+use super::projection::Projection;
 use super::specular::Specular;
-use super::sums::{CUBIC, DirectionWavelengths, Scratch, Sums};
+use super::sums::{DirectionWavelengths, Scratch, Sums};
 use super::{ColorTable, TableHeader, TableSettings};
 use crate::error::{Error, Remedy, Result};
 use crate::memory;
@@ -34,24 +35,25 @@ pub fn bake(
     let coherence_blur = BLUE * BLUE * 0.5 * (orders[0] + orders[1]);
     let blur = settings.finest.powi(2) + coherence_blur;
     let spectrum = DirectionWavelengths::new(&reader, settings);
-    let (pieces, cubic_error) = choose_pieces(&reader, &spectrum, settings)?;
-    let grid = choose_grid(&reader, settings, blur, pieces);
-    check_room(&grid, pieces, settings)?;
-    let sums = Sums::new(&reader, &spectrum, pieces);
-    let width = pieces * 3 * CUBIC;
+    let projection = Projection::choose(&reader, &spectrum, settings)?;
+    let layers = projection.basis.layers();
+    let grid = choose_grid(&reader, settings, blur, layers);
+    check_room(&grid, layers, settings)?;
+    let sums = Sums::new(&reader, &spectrum, projection.basis.pieces);
+    let width = layers * PER_TEXEL;
     let side = grid.side;
     let mut finest = vec![0f32; side * side * width];
     let mut done = 0;
     for (number, rows) in finest.chunks_mut(TILE * side * width).enumerate() {
         progress(done, side)?;
         done += rows.len() / (side * width);
-        bake_rows(&sums, &grid, number * TILE, rows, width);
+        bake_rows(&sums, &projection, &grid, number * TILE, rows);
     }
     let unit = unit_of(&finest);
     let mut levels = Vec::with_capacity(grid.levels);
     let mut current = finest;
     for level in 0..grid.levels {
-        levels.push(texels(&current, grid.side_of(level), pieces, unit));
+        levels.push(texels(&current, grid.side_of(level), layers, unit));
         if level + 1 < grid.levels {
             current = next_level(&current, grid.side_of(level), width, level, &grid);
         }
@@ -62,27 +64,27 @@ pub fn bake(
     let effective_orders = reader.header.effective_orders;
     let header = TableHeader {
         grid,
-        pieces,
+        basis_error: projection.error,
+        basis: projection.basis,
         unit,
         specular,
         coherence_blur,
-        cubic_error,
         effective_orders,
         mean_reflectance,
     };
     Ok(ColorTable { header, levels })
 }
 
-/// Texels for a table of `pieces` cubics whose finest level averages over `blur`. The errors of orders are independent, so that what is shown of many errs by less
+/// Texels for a table of `layers` whose finest level averages over `blur`. The errors of orders are independent, so that what is shown of many errs by less
 /// than a single point, up to [`TableSettings::averaging`] times less. What is shown of few gets more texels. Where they would take more than
 /// [`ROOM`], they stand farther apart, as far as [`TableSettings::most_averaging`] allows.
-fn choose_grid(reader: &SpectraReader, settings: &TableSettings, blur: f64, pieces: usize) -> TableGrid {
+fn choose_grid(reader: &SpectraReader, settings: &TableSettings, blur: f64, layers: usize) -> TableGrid {
     let grid = |averaging: f64| {
         let spacing = (settings.reading_error * averaging / LINEAR_ERROR).sqrt().min(MOST_SPACING);
         TableGrid::new(spacing * blur.sqrt(), settings.finest, blur.sqrt())
     };
     let own = (reader.header.effective_orders / UNAVERAGED).sqrt().clamp(1.0, settings.averaging.max(1.0));
-    let over_room = grid(own).bytes(pieces) as f64 / ROOM;
+    let over_room = grid(own).bytes(layers) as f64 / ROOM;
     grid((own * over_room.max(1.0)).min(settings.most_averaging.max(own)))
 }
 
@@ -98,8 +100,8 @@ const ROOM: f64 = 256.0 * 1024.0 * 1024.0;
 const TILE: usize = 16;
 
 /// Sums the texels of `rows`, the first of which is row `first`.
-fn bake_rows(sums: &Sums<'_>, grid: &TableGrid, first: usize, rows: &mut [f32], width: usize) {
-    let side = grid.side;
+fn bake_rows(sums: &Sums<'_>, projection: &Projection, grid: &TableGrid, first: usize, rows: &mut [f32]) {
+    let (side, width) = (grid.side, projection.basis.layers() * PER_TEXEL);
     let tiles: Vec<usize> = (0..side).step_by(TILE).collect();
     let baked: Vec<Vec<f32>> = tiles
         .par_iter()
@@ -114,7 +116,8 @@ fn bake_rows(sums: &Sums<'_>, grid: &TableGrid, first: usize, rows: &mut [f32], 
                 return Vec::new();
             }
             let mut texels = Vec::with_capacity(TILE * TILE * width);
-            sums.cubics(&tile, scratch, |_, cubics| texels.extend_from_slice(cubics));
+            let values = sums.at_nodes(&tile, scratch).chunks_exact(3 * projection.basis.pieces);
+            values.for_each(|values| projection.project(values, &mut texels));
             texels
         })
         .collect();
@@ -126,9 +129,9 @@ fn bake_rows(sums: &Sums<'_>, grid: &TableGrid, first: usize, rows: &mut [f32], 
     }
 }
 
-fn check_room(grid: &TableGrid, pieces: usize, settings: &TableSettings) -> Result<()> {
+fn check_room(grid: &TableGrid, layers: usize, settings: &TableSettings) -> Result<()> {
     const MIB: f64 = 1024.0 * 1024.0;
-    let bytes = grid.bytes(pieces);
+    let bytes = grid.bytes(layers);
     if grid.side > settings.side_limit || bytes > settings.memory_limit {
         return Err(Error::failed(
             format!(
@@ -188,28 +191,28 @@ fn next_level(values: &[f32], side: usize, width: usize, level: usize, grid: &Ta
 
 /// A level as 16-bit texels, prefiltered for linear reading: (−1, 14, −1)/12 along each axis (Condat, Blu, Unser, *Beyond
 /// interpolation*, 2005). Beyond the edges there is nothing.
-fn texels(values: &[f32], side: usize, pieces: usize, unit: f64) -> Vec<f16> {
-    let width = pieces * 3 * CUBIC;
+fn texels(values: &[f32], side: usize, layers: usize, unit: f64) -> Vec<f16> {
+    let width = layers * PER_TEXEL;
     let scale = (1.0 / unit) as f32;
     let prefiltered = |[before, middle, after]: [Vec4; 3]| (14.0 * middle - before - after) / 12.0;
     // Numbers of what stands before, at and after place i. Before the first there is number usize::MAX.
     let around = |i: usize| [i.wrapping_sub(1), i, i + 1];
     let mut out = vec![f16::ZERO; values.len()];
-    out.par_chunks_mut(side * side * CUBIC).enumerate().for_each(|(layer, out)| {
-        let cubic = |row: usize, column: usize| {
+    out.par_chunks_mut(side * side * PER_TEXEL).enumerate().for_each(|(layer, out)| {
+        let numbers = |row: usize, column: usize| {
             if column >= side {
                 return Vec4::ZERO;
             }
-            let first = (row * side + column) * width + layer * CUBIC;
-            Vec4::from_slice(&values[first..first + CUBIC])
+            let first = (row * side + column) * width + layer * PER_TEXEL;
+            Vec4::from_slice(&values[first..first + PER_TEXEL])
         };
-        let cubic = &cubic;
+        let numbers = &numbers;
         let along_rows: Vec<Vec4> = (0..side)
-            .flat_map(|row| (0..side).map(move |column| prefiltered(around(column).map(|c| cubic(row, c)))))
+            .flat_map(|row| (0..side).map(move |column| prefiltered(around(column).map(|c| numbers(row, c)))))
             .collect();
         let at =
             |row: usize, column: usize| if row < side { along_rows[row * side + column] } else { Vec4::ZERO };
-        for (i, texel) in out.chunks_exact_mut(CUBIC).enumerate() {
+        for (i, texel) in out.chunks_exact_mut(PER_TEXEL).enumerate() {
             let (row, column) = (i / side, i % side);
             let value = prefiltered(around(row).map(|r| at(r, column))) * scale;
             texel

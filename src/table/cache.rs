@@ -1,8 +1,8 @@
 //! Colour tables kept on disk.
 
+use super::basis::{MOST_COMPONENTS, MOST_PIECES, PER_TEXEL};
 use super::grid::MOST_LEVELS;
-use super::pieces::MOST_PIECES;
-use super::{BANDS, ColorTable, SPECULAR_SAMPLES, TableHeader};
+use super::{BANDS, ColorBasis, ColorTable, SPECULAR_SAMPLES, TableHeader};
 use crate::cache::{EntryFormat, Kept, Payload, count, positive};
 use crate::optics::reflectance::MeanReflectance;
 
@@ -11,7 +11,7 @@ const LARGEST_SIDE: usize = 1 << 16;
 
 impl Kept for ColorTable {
     /// The version changes whenever the table of the same key would change.
-    const FORMAT: EntryFormat = EntryFormat { name: "colours", version: 16 };
+    const FORMAT: EntryFormat = EntryFormat { name: "colours", version: 17 };
     type Header = TableHeader;
 
     fn header(&self) -> TableHeader {
@@ -26,11 +26,9 @@ impl Kept for ColorTable {
         if !is_sound(&header) {
             return None;
         }
-        /// Channels, and coefficients of a cubic.
-        const NUMBERS: usize = 3 * 4;
         let level = |level: usize| {
             let side = header.grid.side_of(level);
-            payload.take_halves(count(&[side, side, header.pieces, NUMBERS])?)
+            payload.take_halves(count(&[side, side, header.basis.layers(), PER_TEXEL])?)
         };
         let levels = (0..header.grid.levels).map(level).collect::<Option<_>>()?;
         Some(Self { header, levels })
@@ -42,11 +40,11 @@ impl Kept for ColorTable {
 fn is_sound(header: &TableHeader) -> bool {
     let TableHeader {
         grid,
-        pieces,
+        basis,
         unit,
         specular,
         coherence_blur,
-        cubic_error,
+        basis_error,
         effective_orders,
         mean_reflectance,
     } = header;
@@ -55,14 +53,23 @@ fn is_sound(header: &TableHeader) -> bool {
         && grid.side.is_multiple_of(1 << (grid.levels - 1))
         && positive(&[grid.extent, grid.growth, *unit, *coherence_blur, *effective_orders])
         && mean_reflectance.as_ref().is_none_or(MeanReflectance::is_sound)
-        && [grid.finest, *cubic_error].into_iter().all(|x| x.is_finite() && x >= 0.0)
-        && (1..=MOST_PIECES).contains(pieces)
+        && [grid.finest, *basis_error].into_iter().all(|x| x.is_finite() && x >= 0.0)
+        && is_sound_basis(basis)
         && specular.variances.len() == BANDS
         && positive(&specular.variances)
         && specular.weights.len() == BANDS
         && specular.weights.iter().all(|band| {
             band.len() == SPECULAR_SAMPLES && band.iter().flatten().all(|weight| weight.is_finite())
         })
+}
+
+fn is_sound_basis(basis: &ColorBasis) -> bool {
+    let ColorBasis { pieces, components, cubics } = basis;
+    (1..=MOST_PIECES).contains(pieces)
+        && (PER_TEXEL..=MOST_COMPONENTS).contains(components)
+        && components.is_multiple_of(PER_TEXEL)
+        && cubics.len() == pieces * components
+        && cubics.iter().flatten().flatten().all(|x| x.is_finite())
 }
 
 #[cfg(test)]
@@ -85,16 +92,16 @@ mod tests {
         };
         let header = TableHeader {
             grid,
-            pieces: 2,
+            basis: ColorBasis { pieces: 2, components: 8, cubics: vec![[[0.5; 4]; 3]; 16] },
             unit: 0.3,
             specular,
             coherence_blur: 1e-5,
-            cubic_error: 1e-3,
+            basis_error: 1e-3,
             effective_orders: 3.0,
             mean_reflectance: Some(MeanReflectance::new(&Reflectance::Schlick(1.5))),
         };
         let numbers =
-            |side: usize| (0..side * side * 2 * 12).map(|i| f16::from_f32(i as f32 * 0.01)).collect();
+            |side: usize| (0..side * side * 2 * 8).map(|i| f16::from_f32(i as f32 * 0.01)).collect();
         ColorTable { header, levels: vec![numbers(32), numbers(16)] }
     }
 
@@ -133,14 +140,15 @@ mod tests {
                 assert!(!with(path, value.clone()), "{path} {value}");
             }
         }
-        for path in ["/grid/side", "/grid/levels", "/pieces"] {
+        for path in ["/grid/side", "/grid/levels", "/basis/pieces", "/basis/components"] {
             for value in [json!(0), json!(1), json!(33), json!(-1), json!(1u64 << 40), json!(u64::MAX)] {
                 assert!(!with(path, value.clone()), "{path} {value}");
             }
         }
-        for path in ["/specular/variances", "/specular/weights", "/specular/weights/2"] {
+        for path in ["/specular/variances", "/specular/weights", "/specular/weights/2", "/basis/cubics"] {
             assert!(!with(path, json!([])), "{path}");
         }
+        assert!(!with("/basis/cubics/7/1/2", json!(1e300)));
         assert!(!with("/specular/weights/1/5/2", json!(1e300)) && !with("/grid/finest", json!(-1.0)));
         for place in [0, payload.len() - 2] {
             for bits in [f16::NAN, f16::INFINITY, f16::NEG_INFINITY] {
@@ -173,7 +181,8 @@ mod tests {
             reading_error: 1e-2,
             averaging: 1.0,
             most_averaging: 1.0,
-            cubic_error: 1e-2,
+            averaged_places: 1,
+            basis_error: 1e-2,
             finest: 0.0,
             side_limit: 16_384,
             memory_limit: 1 << 28,
@@ -188,7 +197,8 @@ mod tests {
             TableSettings { reading_error: 2e-2, ..all.clone() },
             TableSettings { averaging: 2.0, ..all.clone() },
             TableSettings { most_averaging: 2.0, ..all.clone() },
-            TableSettings { cubic_error: 2e-2, ..all.clone() },
+            TableSettings { averaged_places: 16, ..all.clone() },
+            TableSettings { basis_error: 2e-2, ..all.clone() },
             TableSettings { finest: 1e-3, ..all.clone() },
             TableSettings { side_limit: 8192, ..all.clone() },
             all.clone(),

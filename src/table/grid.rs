@@ -66,8 +66,8 @@ impl TableGrid {
         self.finest.powi(2) + self.growth.powi(2) * (4f64.powi(level as i32) - 1.0)
     }
 
-    /// Bytes of all levels with `pieces` cubics of three channels.
-    pub fn bytes(&self, pieces: usize) -> usize {
-        (0..self.levels).map(|l| self.side_of(l).pow(2)).sum::<usize>() * pieces * 3 * 8
+    /// Bytes of all levels with `layers` of four 16-bit numbers.
+    pub fn bytes(&self, layers: usize) -> usize {
+        (0..self.levels).map(|l| self.side_of(l).pow(2)).sum::<usize>() * layers * 8
     }
 }

@@ -2,7 +2,7 @@
 //! wavelengths.
 //!
 //! With R the reflectance and G the geometric factor, f cos θ_i = R G cos θ_i (X(u, v, |w|) + X₀/w²). X is the sum over wavelengths
-//! of q² ⟨|P|²⟩/(A w²) without the specular order, a smooth function of |w| that the table holds as cubics over pieces of 0 … 2. X₀ is q² ⟨|P|²⟩/A of
+//! of q² ⟨|P|²⟩/(A w²) without the specular order, a smooth function of |w| that the table holds by a few numbers ([`ColorBasis`]). X₀ is q² ⟨|P|²⟩/A of
 //! the specular order, a Gaussian in (u, v) for each band of wavelengths, which needs no table over (u, v).
 //!
 //! Where R depends on the wavelength, the sums hold it and the factor in front is 1: the half vector's angle follows from (u, v, w) alone, as
@@ -11,14 +11,16 @@
 //! Level l of a table is the average over a Gaussian of (u, v) of standard deviation s_l; see [`TableGrid`].
 
 mod bake;
+mod basis;
 mod cache;
 mod grid;
-mod pieces;
+mod projection;
 mod read;
 mod specular;
 mod sums;
 
 pub use bake::bake;
+pub use basis::{ColorBasis, Cubics};
 pub use grid::TableGrid;
 pub use read::TableReader;
 pub use specular::{BANDS, SPECULAR_SAMPLES, Specular};
@@ -47,8 +49,10 @@ pub struct TableSettings {
     pub averaging: f64,
     /// The same where the table would take too much room.
     pub most_averaging: f64,
-    /// Relative error of the cubics in |w|.
-    pub cubic_error: f64,
+    /// How many places, a few standard deviations of the blur apart, pixels average over; 1 for single directions.
+    pub averaged_places: usize,
+    /// Relative error of the colours over |w| by a few numbers.
+    pub basis_error: f64,
     /// Least standard deviation of u and of v that is averaged over.
     pub finest: f64,
     /// Most texels along a side.
@@ -73,7 +77,8 @@ impl TableSettings {
             reading_error: 0.7 * tolerance,
             averaging: 1.0,
             most_averaging: 1.0,
-            cubic_error: 0.3 * tolerance,
+            averaged_places: 1,
+            basis_error: 0.3 * tolerance,
             finest: 0.0,
             side_limit: MAX_SIDE,
             memory_limit: Self::USUAL_MEMORY,
@@ -86,7 +91,7 @@ impl TableSettings {
 pub struct ColorTable {
     /// Everything but the numbers of the texels.
     pub header: TableHeader,
-    /// For each level `[layer][row][column][power of the place in the piece, 0 … 3]`, layer = piece · 3 + channel of XYZ, rows in growing v.
+    /// For each level `[piece][four components][row][column][component of the four]`, rows in growing v: coordinates in the header's basis.
     /// Places are those of ω_i + ω_r = −(u, v).
     pub levels: Vec<Vec<f16>>,
 }
@@ -97,16 +102,16 @@ pub struct ColorTable {
 pub struct TableHeader {
     /// Where the texels stand.
     pub grid: TableGrid,
-    /// Equal pieces of 0 … 2, the range of |w|, each with a cubic.
-    pub pieces: usize,
+    /// What the numbers of a texel are coordinates in.
+    pub basis: ColorBasis,
     /// What a stored 1 stands for \[sr⁻¹\].
     pub unit: f64,
     /// The specular order.
     pub specular: Specular,
     /// Least variance of u and of v that the coherence of the light averages over: of blue light.
     pub coherence_blur: f64,
-    /// Relative error of the cubics, measured.
-    pub cubic_error: f64,
+    /// Relative error of the basis, measured.
+    pub basis_error: f64,
     /// How many orders share the light: that of the power spectra.
     pub effective_orders: f64,
     /// Where R depends on the wavelength, the colours hold R over this mean of it, which is the larger part of how R depends on the angle. It belongs to the
@@ -118,20 +123,22 @@ impl ColorTable {
     /// The table of a surface that diffracts nothing.
     pub fn dark() -> Self {
         let grid = TableGrid::new(0.25, 0.0, 0.0);
-        let level = |level| vec![f16::ZERO; grid.side_of(level).pow(2) * 3 * sums::CUBIC];
+        let basis = ColorBasis::dark();
+        let level = |level| vec![f16::ZERO; grid.side_of(level).pow(2) * basis.layers() * basis::PER_TEXEL];
+        let levels = (0..grid.levels).map(level).collect();
         let specular =
             Specular { variances: vec![1.0; BANDS], weights: vec![vec![[0.0; 3]; SPECULAR_SAMPLES]; BANDS] };
         let header = TableHeader {
             grid,
-            pieces: 1,
+            basis,
             unit: 1.0,
             specular,
             coherence_blur: 1.0,
-            cubic_error: 0.0,
+            basis_error: 0.0,
             effective_orders: EVEN,
             mean_reflectance: None,
         };
-        Self { header, levels: (0..grid.levels).map(level).collect() }
+        Self { header, levels }
     }
 
     /// Bytes of all levels.

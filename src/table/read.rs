@@ -1,6 +1,7 @@
 //! Reads a colour table between its texels and over footprints: the twin of `shaders/source_table.glsl`.
 
-use super::{ColorTable, LARGEST_W, SPECULAR_SAMPLES};
+use super::basis::PER_TEXEL;
+use super::{ColorBasis, ColorTable, LARGEST_W, SPECULAR_SAMPLES};
 use crate::optics::brdf::schlick;
 use crate::optics::footprint::{Covariance, Levels, Tap, TapRule, Taps};
 use crate::optics::geometry::Pair;
@@ -78,29 +79,27 @@ impl<'a> TableReader<'a> {
     /// The table's value at a place, |w| and level.
     pub fn at(&self, toward: DVec2, w: f64, level: usize) -> DVec3 {
         let header = &self.table.header;
-        let (side, pieces) = (header.grid.side_of(level), header.pieces);
+        let side = header.grid.side_of(level);
         let texels = &self.table.levels[level];
         let place = (toward + header.grid.extent) / header.grid.spacing(level) - 0.5;
         let corner = place.floor();
         let t = place - corner;
         let within = |i: f64| (0.0..side as f64).contains(&i);
-        let in_w = w / LARGEST_W * pieces as f64;
-        let piece = (in_w as usize).min(pieces - 1);
-        let x = 2.0 * (in_w - piece as f64) - 1.0;
-        let channel = |channel: usize| {
-            let layer = (piece * 3 + channel) * side * side;
+        let (piece, x) = header.basis.piece(w);
+        let number = |component: usize| {
+            let layer = (piece * header.basis.texels() + component / PER_TEXEL) * side * side;
             let at = |i: f64, j: f64| {
                 let (row, column) = (corner.y + j, corner.x + i);
                 if !(within(row) && within(column)) {
                     return 0.0;
                 }
-                let texel = (layer + row as usize * side + column as usize) * 4;
-                let c: [f64; 4] = std::array::from_fn(|k| texels[texel + k].to_f64());
-                c[0] + x * (c[1] + x * (c[2] + x * c[3]))
+                let texel = (layer + row as usize * side + column as usize) * PER_TEXEL;
+                texels[texel + component % PER_TEXEL].to_f64()
             };
             let row = |j: f64| at(0.0, j) * (1.0 - t.x) + at(1.0, j) * t.x;
-            (row(0.0) * (1.0 - t.y) + row(1.0) * t.y) * header.unit
+            (row(0.0) * (1.0 - t.y) + row(1.0) * t.y) as f32
         };
-        DVec3::new(channel(0), channel(1), channel(2))
+        let numbers: Vec<f32> = (0..header.basis.components).map(number).collect();
+        ColorBasis::colour(header.basis.of_piece(piece), &numbers, x).as_dvec3() * header.unit
     }
 }

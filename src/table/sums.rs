@@ -7,15 +7,15 @@ use super::{LARGEST_W, TableSettings};
 use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
 use crate::optics::reflectance::{MeanReflectance, Reflectance};
 use crate::optics::spectrum::MIDDLE;
-use crate::spectra::power::chebyshev::{coefficients_from_values, nodes, polynomials};
+use crate::spectra::power::chebyshev::{nodes, polynomials};
 use crate::spectra::power::read::{ReadScratch, SpectraReader, Square};
 use crate::spectra::power::texture::PER_TEXEL;
 use glam::{DVec2, Vec4};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Coefficients of a cubic.
-pub const CUBIC: usize = 4;
+/// Values of |w| in a piece of its range, for the coefficients of a cubic; and values that the products take at once.
+pub const NODES: usize = 4;
 
 /// The wavelengths of each direction.
 pub struct DirectionWavelengths {
@@ -84,22 +84,18 @@ impl ReflectanceRow {
     }
 }
 
-/// Values of |w| that the products take at once.
-const LANES: usize = 4;
-
 /// Sums over the spectrum at given |w|.
 pub struct Sums<'a> {
     reader: &'a SpectraReader,
     spectrum: &'a DirectionWavelengths,
-    // Number of |w|, and the same rounded up to LANES.
+    // Number of |w|, and the same rounded up to NODES.
     count: usize,
     padded: usize,
-    // For each comb, node by node: [w / LANES][term][w % LANES], q² z²/w² times the Chebyshev polynomials at
+    // For each comb, node by node: [w / NODES][term][w % NODES], q² z²/w² times the Chebyshev polynomials at
     // z = 2πq|w|.
     polynomials: Vec<Vec<Vec4>>,
     // |w|² of each lane.
     w2: Vec<Vec4>,
-    to_cubic: [[f32; CUBIC]; CUBIC],
 }
 
 /// Working arrays of a thread.
@@ -107,23 +103,20 @@ pub struct Sums<'a> {
 pub struct Scratch {
     reading: ReadScratch,
     terms: Vec<Vec4>,
-    /// `[texel][channel][w]`, w padded to [`LANES`].
+    /// `[texel][channel][w]`, w padded to [`NODES`].
     sums: Vec<Vec4>,
 }
 
 impl<'a> Sums<'a> {
     /// At the four Chebyshev nodes of each of `pieces`.
     pub fn new(reader: &'a SpectraReader, spectrum: &'a DirectionWavelengths, pieces: usize) -> Self {
-        let length = LARGEST_W / pieces as f64;
-        let w =
-            (0..pieces).flat_map(|p| nodes(CUBIC, length).into_iter().map(move |x| p as f64 * length + x));
-        Self::at(reader, spectrum, w.collect())
+        Self::at(reader, spectrum, nodes_of_pieces(pieces))
     }
 
     /// At the given |w|.
     pub fn at(reader: &'a SpectraReader, spectrum: &'a DirectionWavelengths, w: Vec<f64>) -> Self {
         let (terms, z_max) = (reader.header.terms, reader.header.z_max);
-        let (count, padded) = (w.len(), w.len().next_multiple_of(LANES));
+        let (count, padded) = (w.len(), w.len().next_multiple_of(NODES));
         let of_comb = |comb: &Comb| {
             let mut values = vec![0f32; comb.weights.len() * terms * padded];
             let mut t = vec![0.0; terms];
@@ -131,25 +124,25 @@ impl<'a> Sums<'a> {
                 for (i, w) in w.iter().enumerate() {
                     let factor = (2.0 * PI * q * q).powi(2) * reader.header.unit;
                     polynomials((4.0 * PI * q * w / z_max - 1.0).min(1.0), &mut t);
-                    let lane = (i / LANES) * terms * LANES + i % LANES;
+                    let lane = (i / NODES) * terms * NODES + i % NODES;
                     for (k, t) in t.iter().enumerate() {
-                        node[lane + k * LANES] = (t * factor) as f32;
+                        node[lane + k * NODES] = (t * factor) as f32;
                     }
                 }
             }
-            values.chunks_exact(LANES).map(Vec4::from_slice).collect()
+            values.chunks_exact(NODES).map(Vec4::from_slice).collect()
         };
         let polynomials = spectrum.combs.par_iter().map(of_comb).collect();
         let squared: Vec<f32> = (0..padded).map(|i| w.get(i).map_or(0.0, |w| (w * w) as f32)).collect();
-        let w2 = squared.chunks_exact(LANES).map(Vec4::from_slice).collect();
-        Self { reader, spectrum, count, padded, polynomials, w2, to_cubic: cubic_from_nodes() }
+        let w2 = squared.chunks_exact(NODES).map(Vec4::from_slice).collect();
+        Self { reader, spectrum, count, padded, polynomials, w2 }
     }
 
     /// XYZ at every w for every texel of `tile`, into `scratch`.
     fn sum(&self, tile: &Square, scratch: &mut Scratch) {
         let number = self.spectrum.comb(tile.farthest());
         let comb = &self.spectrum.combs[number];
-        let (terms, texels, lanes) = (self.reader.header.terms, tile.side * tile.side, self.padded / LANES);
+        let (terms, texels, lanes) = (self.reader.header.terms, tile.side * tile.side, self.padded / NODES);
         scratch.sums.clear();
         scratch.sums.resize(texels * 3 * lanes, Vec4::ZERO);
         scratch.terms.resize(texels * terms / PER_TEXEL, Vec4::ZERO);
@@ -189,25 +182,14 @@ impl<'a> Sums<'a> {
         (0..self.count).map(|i| std::array::from_fn(|channel| sums[channel * self.padded + i])).collect()
     }
 
-    /// The cubics at every texel of `tile`, `out(texel)` being `[piece][channel][power]`.
-    pub fn cubics(&self, tile: &Square, scratch: &mut Scratch, mut out: impl FnMut(usize, &[f32])) {
+    /// XYZ at the nodes for every texel of `tile`: `[texel][channel][piece]`, for [`Sums::new`].
+    pub fn at_nodes<'s>(&self, tile: &Square, scratch: &'s mut Scratch) -> &'s [Vec4] {
         self.sum(tile, scratch);
-        let sums: &[f32] = bytemuck::cast_slice(&scratch.sums);
-        let mut cubics = vec![0f32; self.count * 3];
-        for (texel, sums) in sums.chunks_exact(3 * self.padded).enumerate() {
-            for (number, cubic) in cubics.chunks_exact_mut(CUBIC).enumerate() {
-                let (piece, channel) = (number / 3, number % 3);
-                let values = &sums[channel * self.padded + piece * CUBIC..][..CUBIC];
-                for (slot, row) in cubic.iter_mut().zip(&self.to_cubic) {
-                    *slot = values.iter().zip(row).map(|(v, m)| v * m).sum();
-                }
-            }
-            out(texel, &cubics);
-        }
+        &scratch.sums
     }
 }
 
-/// max(0, Σ term·factor), at [`LANES`] values of |w|.
+/// max(0, Σ term·factor), at [`NODES`] values of |w|.
 fn product(series: &[Vec4], factors: &[Vec4]) -> Vec4 {
     let mut sum = Vec4::ZERO;
     for (terms, factors) in series.iter().zip(factors.chunks_exact(PER_TEXEL)) {
@@ -216,15 +198,9 @@ fn product(series: &[Vec4], factors: &[Vec4]) -> Vec4 {
     sum.max(Vec4::ZERO)
 }
 
-/// Takes values at the four Chebyshev nodes of −1 … 1 to the coefficients of 1, t, t², t³.
-fn cubic_from_nodes() -> [[f32; CUBIC]; CUBIC] {
-    let chebyshev = coefficients_from_values(CUBIC);
-    // T_2 = 2t² − 1 and T_3 = 4t³ − 3t.
-    let row = |f: &dyn Fn(usize) -> f64| std::array::from_fn(|j| f(j) as f32);
-    [
-        row(&|j| chebyshev[0][j] - chebyshev[2][j]),
-        row(&|j| chebyshev[1][j] - 3.0 * chebyshev[3][j]),
-        row(&|j| 2.0 * chebyshev[2][j]),
-        row(&|j| 4.0 * chebyshev[3][j]),
-    ]
+/// The nodes of each of `pieces` of the range of |w|, one piece after the other.
+pub fn nodes_of_pieces(pieces: usize) -> Vec<f64> {
+    let length = LARGEST_W / pieces as f64;
+    let of_piece = |piece| nodes(NODES, length).into_iter().map(move |w| piece as f64 * length + w);
+    (0..pieces).flat_map(of_piece).collect()
 }

@@ -1,16 +1,21 @@
 //! Power spectra and colour tables against the f64 mean.
 
+use super::basis::MOST_COMPONENTS;
+use super::projection::Projection;
+use super::sums::{DirectionWavelengths, Scratch, Sums};
 use super::*;
 use crate::brdf::mean::{MeanBrdf, SummedOrders, TabulatedMean};
+use crate::optics::color::xyz_to_linear_srgb;
 use crate::optics::footprint::Covariance;
 use crate::optics::geometry::{Pair, direction};
 use crate::optics::quadrature::{SPAN, density_table};
 use crate::optics::spectrum::{Illuminant, LONGEST};
 use crate::random::Random;
+use crate::spectra::power::read::{SpectraReader, Square};
 use crate::spectra::power::{Beyond, PowerSettings, PowerSpectra, power_spectra};
 use crate::surface::HeightField;
 use crate::surface::synth::{self, Spec, SurfaceKind};
-use glam::DVec3;
+use glam::{DVec2, DVec3, Vec3, Vec4};
 use std::f64::consts::PI;
 
 const IOR: f64 = 1.5;
@@ -55,12 +60,12 @@ fn errors(colours: &[DVec3], exact: &[DVec3]) -> (f64, f64) {
 }
 
 #[test]
-fn a_flat_surface_takes_one_cubic_and_scatters_nothing() {
+fn a_flat_surface_takes_one_texel_and_scatters_nothing() {
     let field = synth::generate(&Spec { patch: Some([13.0, 11.0]), ..Spec::new(SurfaceKind::Flat) }).unwrap();
     let spectra = spectra(&field, 3.0, 2e-2, 1e-3);
     assert!(spectra.header.specular[0] > 0.9, "what it reflects is the specular order");
     let table = table(&spectra, 2e-2, 1e-2);
-    assert_eq!(table.header.pieces, 1);
+    assert_eq!(table.header.basis.layers(), 1);
     assert!(table.levels.iter().flatten().all(|texel| texel.to_f32() == 0.0));
 }
 
@@ -120,4 +125,105 @@ fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
         eprintln!("{around:?}: L2 {l2:.1e}, own {own:.1e}");
         assert!(l2 <= tolerance, "{around:?}: {l2}");
     }
+}
+
+/// Relative L2 error of the colours of `projection` at places and |w| that it has not seen, and the RMS of each colour's own, weighed by |w|.
+fn errors_elsewhere(
+    projection: &Projection,
+    reader: &SpectraReader,
+    spectrum: &DirectionWavelengths,
+) -> (f64, f64) {
+    let basis = &projection.basis;
+    let at_nodes = Sums::new(reader, spectrum, basis.pieces);
+    let w: Vec<f64> = (0..30).map(|i| 0.03 + 0.065 * f64::from(i)).collect();
+    let exact = Sums::at(reader, spectrum, w.clone());
+    let (mut scratch, mut random) = (Scratch::default(), Random::new(7));
+    let (mut error, mut energy, mut own, mut weights) = (0.0, 0.0, 0.0, 0.0);
+    for _ in 0..300 {
+        let place = DVec2::from_angle(2.0 * PI * random.share()) * 1.9 * random.share();
+        let mut numbers = Vec::new();
+        projection.project(at_nodes.at_nodes(&Square::point(place), &mut scratch), &mut numbers);
+        for (w, exact) in w.iter().zip(exact.colours(place, &mut scratch)) {
+            if w.hypot(place.length()) > 2.0 {
+                break;
+            }
+            let (piece, t) = basis.piece(*w);
+            let numbers = &numbers[piece * basis.components..][..basis.components];
+            let found = ColorBasis::colour(basis.of_piece(piece), numbers, t).as_dvec3();
+            let [found, exact] = [found, Vec3::from(exact).as_dvec3()].map(xyz_to_linear_srgb);
+            let off = (found - exact).length_squared();
+            error += off;
+            energy += exact.length_squared();
+            own += w * off / exact.length_squared();
+            weights += w;
+        }
+    }
+    ((error / energy).sqrt(), (own / weights).sqrt())
+}
+
+#[test]
+fn a_basis_errs_by_what_it_says_and_a_larger_one_by_less() {
+    let field = synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(SurfaceKind::Elaphe) }).unwrap();
+    let spectra = spectra(&field, 3.0, 2e-2, 0.0);
+    let reader = SpectraReader::new(&spectra);
+    let mut components = Vec::new();
+    for error in [0.3, 5e-2, 1e-2] {
+        let settings = TableSettings { basis_error: error, ..TableSettings::new(Illuminant::D65, 2e-2) };
+        let spectrum = DirectionWavelengths::new(&reader, &settings);
+        let projection = Projection::choose(&reader, &spectrum, &settings).unwrap();
+        let (l2, own) = errors_elsewhere(&projection, &reader, &spectrum);
+        let ColorBasis { pieces, components: own_components, .. } = projection.basis;
+        eprintln!(
+            "{error}: {pieces} pieces of {own_components}, {:.1e} expected, L2 {l2:.1e}, own {own:.1e}",
+            projection.error
+        );
+        assert!(projection.error <= error && own < 1.5 * error && l2 < 1.5 * error, "{own}, {l2}");
+        assert!(own > 0.1 * projection.error, "it says too much: {own}");
+        components.push(own_components);
+    }
+    assert!(components[0] < components[2], "a larger tolerance reads less: {components:?}");
+}
+
+#[test]
+fn all_components_hold_any_three_cubics() {
+    let field = synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(SurfaceKind::Elaphe) }).unwrap();
+    let spectra = spectra(&field, 3.0, 2e-2, 0.0);
+    let reader = SpectraReader::new(&spectra);
+    let settings = TableSettings { basis_error: 4e-3, ..TableSettings::new(Illuminant::D65, 2e-2) };
+    let spectrum = DirectionWavelengths::new(&reader, &settings);
+    let Projection { basis, .. } = &Projection::choose(&reader, &spectrum, &settings).unwrap();
+    assert_eq!(basis.components, MOST_COMPONENTS);
+    let projection = Projection::choose(&reader, &spectrum, &settings).unwrap();
+    // Colours that no surface sends: the values of cubics in t at the Chebyshev nodes, other ones for each channel and piece.
+    let cubic = |channel: usize, piece: usize, t: f64| {
+        let k = (1 + channel + 3 * piece) as f64;
+        (0.3 * k).cos() + (1.7 * k).sin() * t - (2.9 * k).cos() * t * t + (0.7 * k).sin() * t * t * t
+    };
+    let node = |j: usize| -(PI * (j as f64 + 0.5) / 4.0).cos();
+    let values = |channel: usize, piece: usize| {
+        Vec4::from_array(std::array::from_fn(|j| cubic(channel, piece, node(j)) as f32))
+    };
+    let of_channel = |channel| (0..basis.pieces).map(move |piece| values(channel, piece));
+    let mut numbers = Vec::new();
+    projection.project(&(0..3).flat_map(of_channel).collect::<Vec<_>>(), &mut numbers);
+    for i in 0..40 {
+        let (piece, t) = basis.piece(0.05 * f64::from(i));
+        let numbers = &numbers[piece * basis.components..][..basis.components];
+        let found = ColorBasis::colour(basis.of_piece(piece), numbers, t);
+        let exact = Vec3::from_array(std::array::from_fn(|channel| cubic(channel, piece, t) as f32));
+        assert!((found - exact).length() < 2e-3 * exact.length(), "piece {piece}, t = {t}: {found} {exact}");
+    }
+}
+
+#[test]
+fn light_of_one_wavelength_takes_one_texel() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("sodium.csv");
+    std::fs::write(&file, "588,0\n589,1\n590,0\n").unwrap();
+    let field = synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(SurfaceKind::Elaphe) }).unwrap();
+    let spectra = spectra(&field, 3.0, 2e-2, 0.0);
+    let table = |illuminant| bake(&spectra, &TableSettings::new(illuminant, 2e-2), &|_, _| Ok(())).unwrap();
+    let sodium = table(Illuminant::from_name_or_file(&file).unwrap()).header.basis;
+    assert_eq!(sodium.texels(), 1, "{} pieces", sodium.pieces);
+    assert!(table(Illuminant::D65).header.basis.texels() > 1);
 }

@@ -361,7 +361,7 @@ fn a_turntable_does_not_shimmer() {
 }
 
 #[test]
-fn the_work_of_a_table_is_three_samples_for_each_tap() {
+fn the_work_of_a_table_is_the_texels_of_a_place_for_each_tap() {
     let field = patch(SurfaceKind::Bumps, 4.0);
     let scene = Scene::open("sphere").unwrap();
     let view = View::of(&scene, vec![Light::point(45.0, -40.0, 2.0)]);
@@ -369,6 +369,8 @@ fn the_work_of_a_table_is_three_samples_for_each_tap() {
     with_device(|device| {
         let seen = directions(device, &scene, &view);
         let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
+        let Source::Table(table) = &source else { panic!("not a table") };
+        let texels = table.table.header.basis.texels();
         let points = [Directions { footprints: Vec::new(), ..seen[0].clone() }];
         // Light that does not reach a pixel costs nothing.
         let is_lit =
@@ -376,9 +378,9 @@ fn the_work_of_a_table_is_three_samples_for_each_tap() {
         let lit = seen[0].light.iter().zip(&seen[0].view).filter(|&pixel| is_lit(pixel)).count();
         let cost = source.cost(&shading, &points);
         assert!(lit > cost.covered / 2 && lit < cost.covered, "{lit} of {}", cost.covered);
-        assert_eq!(cost.samples, 3 * lit);
+        assert_eq!(cost.samples, texels * lit);
         // Three rows at the most, of which the one of the coarser level has fewer taps.
-        let most = 3.0 * 3.0 * (2 * MOST_SIDES + 1) as f64;
+        let most = texels as f64 * 3.0 * (2 * MOST_SIDES + 1) as f64;
         let along = source.cost(&shading, &seen).samples_per_pixel();
         assert!(along > cost.samples_per_pixel() && along <= most, "{along}");
         // As many for every light.

@@ -12,6 +12,7 @@ use crate::render::upload;
 use crate::table::{BANDS, ColorTable, SPECULAR_SAMPLES, TableHeader, TableReader};
 use crate::vk::device::Device;
 use crate::vk::image::{Description, Image};
+use crate::vk::pipeline::Constant;
 use crate::vk::sampler::Sampler;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
@@ -30,9 +31,15 @@ mod binding {
     pub const BLOCK: u32 = 0;
     pub const COLOURS: u32 = 1;
     pub const SPECULAR: u32 = 2;
+    pub const BASIS: u32 = 3;
 }
 
-const KINDS: [Kind; 3] = [Kind::UNIFORM_BUFFER, Kind::COMBINED_IMAGE_SAMPLER, Kind::COMBINED_IMAGE_SAMPLER];
+const KINDS: [Kind; 4] = [
+    Kind::UNIFORM_BUFFER,
+    Kind::COMBINED_IMAGE_SAMPLER,
+    Kind::COMBINED_IMAGE_SAMPLER,
+    Kind::COMBINED_IMAGE_SAMPLER,
+];
 
 /// The `Table` block (std140).
 #[repr(C)]
@@ -60,14 +67,19 @@ pub struct TableBlock {
 
 impl Table {
     pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
-        let (constants, of) = (taps_constants(self.rule(shading)), &shading.reflectance);
+        /// Texels that a direction reads at each place.
+        const TEXELS: u32 = 11;
+        let basis = &self.table.header.basis;
+        let mut constants = taps_constants(self.rule(shading));
+        constants.push(Constant::new(TEXELS, basis.texels() as u32));
+        let of = &shading.reflectance;
         let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), constants, of)?;
         bound.spectral = false;
         bound.reads_footprints = true;
         let header = &self.table.header;
         bound.specular_spread = shading.specular_spread().map(|spread| spread as f32);
         let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
-        let layers = 3 * header.pieces as u32;
+        let layers = basis.layers() as u32;
         let description = Description {
             name: "colour table",
             format: vk::Format::R16G16B16A16_SFLOAT,
@@ -87,6 +99,10 @@ impl Table {
             upload::texture(device, "specular order", format, size, None, bytemuck::cast_slice(&weights))?;
         let edge = Sampler::linear(device, "specular sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         bound.data(binding::SPECULAR, image, edge);
+        let (size, cubics) = ([3 * basis.components, basis.pieces], bytemuck::cast_slice(&basis.cubics));
+        let image = upload::texture(device, "basis of colours", format, size, None, cubics)?;
+        let edge = Sampler::linear(device, "basis sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
+        bound.data(binding::BASIS, image, edge);
         self.set(device, &mut bound, shading)?;
         Ok(bound)
     }
@@ -102,7 +118,7 @@ impl Table {
             unit: header.unit as f32,
             finest: grid.finest.powi(2) as f32,
             per_growth: grid.growth.powi(-2) as f32,
-            pieces: header.pieces as f32,
+            pieces: header.basis.pieces as f32,
             last_level: (grid.levels - 1) as f32,
             variances: std::array::from_fn(|band| header.specular.variances[band] as f32),
         };
@@ -111,16 +127,20 @@ impl Table {
 
     pub(super) fn extent(&self) -> Extent {
         let header = &self.table.header;
-        Extent { layers: 3 * header.pieces, size: [header.grid.side; 2], bytes: self.table.bytes() as u64 }
+        Extent {
+            layers: header.basis.layers(),
+            size: [header.grid.side; 2],
+            bytes: self.table.bytes() as u64,
+        }
     }
 
     pub(super) fn summary(&self) -> SourceSummary {
-        let pieces = self.table.header.pieces;
+        let basis = &self.table.header.basis;
         SourceSummary {
             method: "table",
             basis: None,
-            terms: 4 * pieces,
-            layers: 3 * pieces,
+            terms: basis.components,
+            layers: basis.texels(),
             kernel: "linear".to_owned(),
         }
     }
@@ -132,8 +152,8 @@ impl Table {
     /// Samples along the footprints of `directions`.
     pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
         let reader = TableReader::by_rule(&self.table, self.rule(shading));
-        // X, Y and Z.
-        Cost::counted(directions, |pixel| (0, 3 * reader.taps(&pixel.around).1.count()))
+        let texels = self.table.header.basis.texels();
+        Cost::counted(directions, |pixel| (0, texels * reader.taps(&pixel.around).1.count()))
     }
 }
 

@@ -1,0 +1,343 @@
+//! Which basis a colour table takes: the principal components of colours that the surface sends, as few as the tolerance allows.
+
+use super::basis::{ColorBasis, MOST_COMPONENTS, MOST_PIECES, PER_TEXEL};
+use super::sums::{DirectionWavelengths, NODES, Scratch, Sums, nodes_of_pieces};
+use super::{LARGEST_W, TableSettings};
+use crate::error::{Error, Remedy, Result};
+use crate::optics::color::xyz_to_linear_srgb as linear_srgb;
+use crate::optics::spectrum::MIDDLE;
+use crate::optics::svd::Svd;
+use crate::spectra::power::chebyshev::{coefficients_from_values, nodes, polynomials};
+use crate::spectra::power::read::SpectraReader;
+use glam::{DMat3, DVec2, DVec3, Vec3, Vec4};
+use rayon::prelude::*;
+use rustfft::num_complex::Complex64;
+
+/// Layers up to which a table has more pieces, so that each needs fewer components and a direction fewer reads: those of two pieces of all components.
+const LAYERS: usize = 6;
+
+/// A basis, and how colours are projected on it.
+pub struct Projection {
+    /// The basis.
+    pub basis: ColorBasis,
+    /// Relative error of colours: the larger of the RMS of each colour's own error, since the faint directions far from the specular one are where the colours
+    /// are, and of the relative L2 error. For pictures whose pixels average over many places, it is that of such averages.
+    pub error: f64,
+    // `[piece][component][channel]`, over the nodes in the piece.
+    from_nodes: Vec<[Vec4; 3]>,
+}
+
+impl Projection {
+    /// Appends the numbers of a place, `[piece][component]`, to `out`; it has the `values` at the nodes, `[channel][piece]`.
+    pub fn project(&self, values: &[Vec4], out: &mut Vec<f32>) {
+        let ColorBasis { pieces, components, .. } = self.basis;
+        let each_piece = self.from_nodes.chunks_exact(components).enumerate();
+        out.extend(each_piece.flat_map(|(piece, rows)| {
+            let of_piece: [Vec4; 3] = std::array::from_fn(|channel| values[channel * pieces + piece]);
+            rows.iter()
+                .map(move |row| row.iter().zip(&of_piece).map(|(row, value)| row.dot(*value)).sum::<f32>())
+        }));
+    }
+
+    /// The basis of fewest reads, and then of fewest pieces, that errs by no more than the settings allow.
+    ///
+    /// # Errors
+    /// Where no basis does.
+    pub fn choose(
+        reader: &SpectraReader,
+        spectrum: &DirectionWavelengths,
+        settings: &TableSettings,
+    ) -> Result<Self> {
+        let colours = ColourSamples::new(reader, spectrum, settings);
+        let allowed = |projection: &Self| projection.error <= settings.basis_error;
+        let whole = (1..=MOST_PIECES).map(|pieces| colours.projection(pieces, MOST_COMPONENTS)).find(allowed);
+        let whole = whole.ok_or_else(|| {
+            Error::failed(
+                format!("{MOST_PIECES} cubics do not hold the colours of so high a surface"),
+                [Remedy::LargerTolerance, Remedy::SpectralMethod],
+            )
+        })?;
+        let layers = whole.basis.layers().max(LAYERS);
+        for components in (PER_TEXEL..MOST_COMPONENTS).step_by(PER_TEXEL) {
+            let most = (layers * PER_TEXEL / components).min(MOST_PIECES);
+            if !allowed(&colours.projection(most, components)) {
+                continue;
+            }
+            if let Some(found) = (1..=most).map(|pieces| colours.projection(pieces, components)).find(allowed)
+            {
+                return Ok(found);
+            }
+        }
+        Ok(whole)
+    }
+}
+
+/// Colours of a surface at places that stand for all others.
+struct ColourSamples {
+    // Those that bases are made for, and others that they are judged at: averages over as much as the settings say.
+    made_for: Vec<PlaceColours>,
+    judged: Vec<PlaceColours>,
+    // What the colours of a place count for at the least, linear sRGB.
+    dark: f64,
+}
+
+/// XYZ over |w| at a place, or an average of it over places side by side.
+struct PlaceColours {
+    // Up to where directions have them.
+    largest_w: f64,
+    // Coefficients of Chebyshev polynomials over 0 … 2.
+    series: Vec<DVec3>,
+}
+
+/// What a colour counts for at the least, over the largest of its place: small |w| are small in pictures, too.
+const FAINT: f64 = 0.05;
+/// The same over the mean of the largest of all places: between the orders of a grating there is nothing but what reading leaves.
+const DARK: f64 = 1e-4;
+/// Places in |w| that bases are judged at, between the nodes of any pieces.
+const BETWEEN: usize = 41;
+
+fn between() -> impl Iterator<Item = f64> {
+    (0..BETWEEN).map(|i| LARGEST_W * (i as f64 + 0.37) / BETWEEN as f64)
+}
+
+impl ColourSamples {
+    fn new(reader: &SpectraReader, spectrum: &DirectionWavelengths, settings: &TableSettings) -> Self {
+        /// Nodes more than what a wavelength takes, for what the surface reflects.
+        const MORE: usize = 8;
+        let count = reader.header.terms + MORE;
+        let sums = Sums::at(reader, spectrum, nodes(count, LARGEST_W));
+        let matrix = coefficients_from_values(count);
+        let colours =
+            |scratch: &mut Scratch, place: &Vec<DVec2>| PlaceColours::of(place, &sums, &matrix, scratch);
+        let all = |places: Vec<Vec<DVec2>>| -> Vec<PlaceColours> {
+            places.par_iter().map_init(Scratch::default, colours).collect()
+        };
+        let [made_for, judged] = places(reader, spectrum);
+        let rows = |places: Vec<DVec2>| {
+            places.into_iter().enumerate().map(|(i, place)| row(i, place, reader, settings))
+        };
+        let [made_for, judged] = [made_for, judged].map(|places| all(rows(places).collect()));
+        let dark = DARK * judged.iter().map(PlaceColours::largest).sum::<f64>() / judged.len() as f64;
+        Self { made_for, judged, dark }
+    }
+
+    /// The best basis of so many pieces and components for the places that it is made for, and its error at the others.
+    fn projection(&self, pieces: usize, components: usize) -> Projection {
+        let polynomials = polynomials_at_nodes(pieces, self.made_for[0].series.len());
+        let values: Vec<Vec<Vec4>> = self.made_for.iter().map(|own| own.at_nodes(&polynomials)).collect();
+        let mut basis = ColorBasis { pieces, components, cubics: Vec::new() };
+        let mut from_nodes = Vec::new();
+        for piece in 0..pieces {
+            let start = LARGEST_W * piece as f64 / pieces as f64;
+            let reached = self.made_for.iter().zip(&values).filter(|(own, _)| own.largest_w > start);
+            let columns = reached.map(|(_, values)| relative(values, piece, pieces, self.dark)).collect();
+            let principal = Svd::of(columns).u;
+            for k in 0..components {
+                let srgb = principal.get(k).map_or([Vec4::ZERO; 3], |u| by_channel(u));
+                from_nodes.push(to_srgb_transposed(&srgb));
+                basis.cubics.push(to_xyz(&srgb).map(cubic_through));
+            }
+        }
+        let mut own = Projection { basis, error: 0.0, from_nodes };
+        let none = JudgedError::default();
+        let each = self.judged.iter().map(|judged| own.error_at(judged, &polynomials, self.dark));
+        own.error = each.fold(none, JudgedError::plus).largest();
+        own
+    }
+}
+
+/// How far colours are off at the places that are judged, in squares.
+#[derive(Clone, Copy, Default)]
+struct JudgedError {
+    // Relative to each colour's own, weighed by |w|: of a surface that is seen from the side a picture shows less.
+    own: f64,
+    weights: f64,
+    // Of what pictures show, and what they show.
+    shown: f64,
+    exact: f64,
+}
+
+impl JudgedError {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            own: self.own + other.own,
+            weights: self.weights + other.weights,
+            shown: self.shown + other.shown,
+            exact: self.exact + other.exact,
+        }
+    }
+
+    /// The larger of the RMS of each colour's own error and of the relative L2 error of what is shown.
+    fn largest(&self) -> f64 {
+        let part = |error: f64, of: f64| if of > 0.0 { (error / of).sqrt() } else { 0.0 };
+        part(self.own, self.weights).max(part(self.shown, self.exact))
+    }
+}
+
+impl Projection {
+    /// The error at a place, which has these `exact` colours.
+    fn error_at(&self, exact: &PlaceColours, polynomials: &[Vec<f64>], dark: f64) -> JudgedError {
+        let mut numbers = Vec::new();
+        self.project(&exact.at_nodes(polynomials), &mut numbers);
+        let numbers: Vec<&[f32]> = numbers.chunks_exact(self.basis.components).collect();
+        let least = (FAINT * exact.largest()).hypot(dark);
+        let error = |(w, exact): (f64, DVec3)| {
+            let (piece, t) = self.basis.piece(w);
+            let colour = ColorBasis::colour(self.basis.of_piece(piece), numbers[piece], t);
+            let off = (linear_srgb(colour.as_dvec3()) - exact).length_squared();
+            let size = exact.length_squared();
+            let least = size + least * least;
+            // Beside the specular direction, f cos θ_i is w³ times the colour, but for constants.
+            let shown = w * w.powi(3).powi(2);
+            JudgedError {
+                own: if least > 0.0 { w * off / least } else { 0.0 },
+                weights: w,
+                shown: shown * off,
+                exact: shown * size,
+            }
+        };
+        exact.reached().map(error).fold(JudgedError::default(), JudgedError::plus)
+    }
+}
+
+impl PlaceColours {
+    /// The mean over `places`, from `sums` at Chebyshev nodes over 0 … 2 and the `matrix` from values there to coefficients.
+    fn of(places: &[DVec2], sums: &Sums<'_>, matrix: &[Vec<f64>], scratch: &mut Scratch) -> Self {
+        let mut series = vec![DVec3::ZERO; matrix.len()];
+        for place in places {
+            let values = sums.colours(*place, scratch);
+            for (slot, row) in series.iter_mut().zip(matrix) {
+                let sum: DVec3 = row.iter().zip(&values).map(|(m, v)| *m * Vec3::from(*v).as_dvec3()).sum();
+                *slot += sum / places.len() as f64;
+            }
+        }
+        Self { largest_w: largest_w(places[0]), series }
+    }
+
+    /// Linear sRGB at the places in |w| that directions have, with these.
+    fn reached(&self) -> impl Iterator<Item = (f64, DVec3)> {
+        let mut values = vec![0.0; self.series.len()];
+        between().take_while(|w| *w <= self.largest_w).map(move |w| {
+            polynomials(2.0 * w / LARGEST_W - 1.0, &mut values);
+            (w, linear_srgb(self.series.iter().zip(&values).map(|(a, t)| *a * *t).sum()))
+        })
+    }
+
+    /// The largest linear sRGB.
+    fn largest(&self) -> f64 {
+        self.reached().map(|(_, colour)| colour.length()).fold(0.0, f64::max)
+    }
+
+    /// XYZ at the nodes, `[channel][piece]`, that have these `polynomials`.
+    fn at_nodes(&self, polynomials: &[Vec<f64>]) -> Vec<Vec4> {
+        let at = |t: &Vec<f64>| -> DVec3 { self.series.iter().zip(t).map(|(a, t)| *a * *t).sum() };
+        let values: Vec<DVec3> = polynomials.iter().map(at).collect();
+        let channel = |channel: usize| {
+            let (fours, _) = values.as_chunks::<NODES>();
+            fours.iter().map(move |four| Vec4::from_array(four.map(|value| value[channel] as f32)))
+        };
+        (0..3).flat_map(channel).collect()
+    }
+}
+
+/// Chebyshev polynomials over 0 … 2, `count` of them, at each node of `pieces`.
+fn polynomials_at_nodes(pieces: usize, count: usize) -> Vec<Vec<f64>> {
+    let at = |w: f64| {
+        let mut values = vec![0.0; count];
+        polynomials(2.0 * w / LARGEST_W - 1.0, &mut values);
+        values
+    };
+    nodes_of_pieces(pieces).into_iter().map(at).collect()
+}
+
+/// The places whose average bases are judged by: one, or, where pictures average over many, a row of them through `place`. Number `i` chooses its direction.
+fn row(i: usize, place: DVec2, reader: &SpectraReader, settings: &TableSettings) -> Vec<DVec2> {
+    /// Standard deviations of the blur from one to the next, so that they are independent.
+    const APART: f64 = 3.0;
+    let count = settings.averaged_places.max(1);
+    let blur = MIDDLE * reader.header.orders_blur.variance[0].sqrt();
+    let step = DVec2::from_angle(GOLDEN_ANGLE * i as f64) * (APART * blur.hypot(settings.finest));
+    (0..count).map(|k| place + step * (k as f64 - 0.5 * (count - 1) as f64)).collect()
+}
+
+/// The largest |w| at a place (u, v).
+fn largest_w(place: DVec2) -> f64 {
+    (LARGEST_W * LARGEST_W - place.length_squared()).max(0.0).sqrt()
+}
+
+/// Linear sRGB in the nodes of `piece`, `[channel][node]`, of a place with these `values`, relative to their size.
+fn relative(values: &[Vec4], piece: usize, pieces: usize, dark: f64) -> Vec<Complex64> {
+    let xyz: [Vec4; 3] = std::array::from_fn(|channel| values[channel * pieces + piece]);
+    let node = |node: usize| linear_srgb(Vec3::from(xyz.map(|channel| channel[node])).as_dvec3());
+    let nodes: [DVec3; NODES] = std::array::from_fn(node);
+    let square: f64 = nodes.iter().map(|colour| colour.length_squared()).sum();
+    let size = (square / NODES as f64).sqrt().hypot(dark);
+    let size = if size > 0.0 { size } else { 1.0 };
+    (0..3).flat_map(|channel| nodes.map(|colour| Complex64::from(colour[channel] / size))).collect()
+}
+
+/// The real parts of `[channel][node]`, by channel.
+fn by_channel(u: &[Complex64]) -> [Vec4; 3] {
+    std::array::from_fn(|channel| {
+        Vec4::from_array(std::array::from_fn(|node| u[channel * NODES + node].re as f32))
+    })
+}
+
+/// From XYZ to linear sRGB.
+fn srgb_from_xyz() -> DMat3 {
+    DMat3::from_cols(linear_srgb(DVec3::X), linear_srgb(DVec3::Y), linear_srgb(DVec3::Z))
+}
+
+/// Every node's linear sRGB as XYZ.
+fn to_xyz(srgb: &[Vec4; 3]) -> [Vec4; 3] {
+    combined(srgb_from_xyz().inverse(), srgb)
+}
+
+/// The row that gives the product with `srgb` of a place's linear sRGB from its XYZ.
+fn to_srgb_transposed(srgb: &[Vec4; 3]) -> [Vec4; 3] {
+    combined(srgb_from_xyz().transpose(), srgb)
+}
+
+/// `matrix` times the channels at every node.
+fn combined(matrix: DMat3, channels: &[Vec4; 3]) -> [Vec4; 3] {
+    std::array::from_fn(|row| {
+        (0..3).map(|column| channels[column] * matrix.col(column)[row] as f32).sum::<Vec4>()
+    })
+}
+
+/// The coefficients of 1, t, t² and t³ of the cubic with these values at the four Chebyshev nodes of −1 … 1.
+fn cubic_through(values: Vec4) -> [f32; NODES] {
+    let rows = coefficients_from_values(NODES);
+    let [a, b, c, d]: [f64; NODES] =
+        std::array::from_fn(|k| rows[k].iter().zip(values.to_array()).map(|(m, v)| m * f64::from(v)).sum());
+    // T_2 = 2t² − 1 and T_3 = 4t³ − 3t.
+    [a - c, b - 3.0 * d, 2.0 * c, 4.0 * d].map(|x| x as f32)
+}
+
+/// Successive multiples are spread evenly around.
+const GOLDEN_ANGLE: f64 = 2.399_963;
+
+/// Places that bases are made for, and others that they are judged at: of both the brightest ones, which of a grating are few, and others evenly spread.
+fn places(reader: &SpectraReader, spectrum: &DirectionWavelengths) -> [Vec<DVec2>; 2] {
+    /// Candidates, on a spiral of equal areas, and how many of them are chosen for their light and for their place.
+    const CANDIDATES: usize = 3000;
+    const BRIGHT: usize = 300;
+    const SPREAD: usize = 300;
+    /// Of both, one in so many is judged.
+    const JUDGED: usize = 3;
+    let place = |i: usize| {
+        let radius = LARGEST_W * ((i as f64 + 0.5) / CANDIDATES as f64).sqrt();
+        DVec2::from_angle(GOLDEN_ANGLE * i as f64) * radius
+    };
+    let middle = Sums::at(reader, spectrum, vec![0.7 * LARGEST_W]);
+    let mut candidates: Vec<(f32, DVec2)> = (0..CANDIDATES)
+        .into_par_iter()
+        .map_init(Scratch::default, |scratch, i| (middle.colours(place(i), scratch)[0][1], place(i)))
+        .collect();
+    let spread: Vec<DVec2> =
+        candidates.iter().step_by(CANDIDATES / SPREAD).map(|(_, place)| *place).collect();
+    candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let all = candidates.iter().take(BRIGHT).map(|(_, place)| *place).chain(spread).enumerate();
+    let (judged, made_for): (Vec<_>, Vec<_>) = all.partition(|(i, _)| i % JUDGED == 0);
+    [made_for, judged].map(|places| places.into_iter().map(|(_, place)| place).collect())
+}
