@@ -9,7 +9,7 @@ const LARGEST_SIDE: usize = 1 << 16;
 
 impl Kept for PowerSpectra {
     /// The version changes whenever the power spectra of the same key would change.
-    const FORMAT: EntryFormat = EntryFormat { name: "spectra", version: 7 };
+    const FORMAT: EntryFormat = EntryFormat { name: "spectra", version: 8 };
     type Header = PowerHeader;
 
     fn header(&self) -> PowerHeader {

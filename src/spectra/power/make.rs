@@ -196,9 +196,11 @@ pub fn estimate(field: &HeightField, settings: &PowerSettings) -> Option<Estimat
     Some(Estimate { terms, size: grid.size, bytes: grid.bytes(terms) })
 }
 
-/// Terms to begin with: e^{iz(h − h′)} turns by z_max H over the range, half of it to either side. The audit asks for more.
+/// Terms to begin with: e^{iz(h − h′)} turns by z_max H over the range, half of it to either side. Its coefficients, Bessel functions of the order n at so many
+/// turns, are still large at n = turns + 2. The audit asks for more.
 fn first_terms(field: &HeightField, z_max: f64) -> usize {
-    (turns(field, z_max).ceil() as usize).next_multiple_of(PER_TEXEL).clamp(FEWEST_TERMS, MOST_TERMS)
+    const STILL_LARGE: f64 = 2.0;
+    ((turns(field, z_max) + STILL_LARGE).ceil() as usize).next_multiple_of(PER_TEXEL).clamp(FEWEST_TERMS, MOST_TERMS)
 }
 
 fn turns(field: &HeightField, z_max: f64) -> f64 {
