@@ -200,7 +200,9 @@ pub fn estimate(field: &HeightField, settings: &PowerSettings) -> Option<Estimat
 /// turns, are still large at n = turns + 2. The audit asks for more.
 fn first_terms(field: &HeightField, z_max: f64) -> usize {
     const STILL_LARGE: f64 = 2.0;
-    ((turns(field, z_max) + STILL_LARGE).ceil() as usize).next_multiple_of(PER_TEXEL).clamp(FEWEST_TERMS, MOST_TERMS)
+    ((turns(field, z_max) + STILL_LARGE).ceil() as usize)
+        .next_multiple_of(PER_TEXEL)
+        .clamp(FEWEST_TERMS, MOST_TERMS)
 }
 
 fn turns(field: &HeightField, z_max: f64) -> f64 {
