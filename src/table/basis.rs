@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 pub struct ColorBasis {
     /// Equal pieces of 0 … 2.
     pub pieces: usize,
-    /// Numbers of a texel for each piece, a multiple of [`PER_TEXEL`].
+    /// Numbers of a texel for each piece, a multiple of four.
     pub components: usize,
     /// `[piece][component]`, where t goes from −1 to 1 over the piece.
     pub cubics: Vec<Cubics>,
