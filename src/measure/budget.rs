@@ -101,11 +101,7 @@ impl ErrorBudget {
                     READING_SHARE * shading.tolerance,
                     "by the blur of the finest level",
                 ),
-                part(
-                    "colours over w",
-                    basis,
-                    "measured at directions spread evenly, each relative to its own colour",
-                ),
+                part("colours over w", basis, "measured at places that the basis was not made for"),
                 part("wavelengths of a colour", shading.quadrature(), "by the rule for the nodes"),
             ],
             tolerance: shading.tolerance,

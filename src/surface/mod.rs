@@ -8,6 +8,7 @@ pub mod source;
 pub mod statistics;
 pub mod synth;
 pub mod tiling;
+pub(crate) mod transpose;
 
 pub use height_field::{HeightField, MAX_SIDE};
 pub use prepare::Levelling;

@@ -60,6 +60,7 @@ impl Projection {
         let layers = whole.basis.layers().max(LAYERS);
         for components in (PER_TEXEL..MOST_COMPONENTS).step_by(PER_TEXEL) {
             let most = (layers * PER_TEXEL / components).min(MOST_PIECES);
+            // Mostly this is not enough, and fewer pieces need not be tried.
             if !allowed(&colours.projection(most, components)) {
                 continue;
             }
@@ -87,6 +88,10 @@ struct PlaceColours {
     largest_w: f64,
     // Coefficients of Chebyshev polynomials over 0 … 2.
     series: Vec<DVec3>,
+    // Linear sRGB at the places in |w| that directions have, with these.
+    judged: Vec<(f64, DVec3)>,
+    // The largest of them.
+    largest: f64,
 }
 
 /// What a colour counts for at the least, over the largest of its place: small |w| are small in pictures, too.
@@ -117,13 +122,15 @@ impl ColourSamples {
             places.into_iter().enumerate().map(|(i, place)| row(i, place, reader, settings))
         };
         let [made_for, judged] = [made_for, judged].map(|places| all(rows(places).collect()));
-        let dark = DARK * judged.iter().map(PlaceColours::largest).sum::<f64>() / judged.len() as f64;
+        let dark = DARK * judged.iter().map(|own| own.largest).sum::<f64>() / judged.len() as f64;
         Self { made_for, judged, dark }
     }
 
     /// The best basis of so many pieces and components for the places that it is made for, and its error at the others.
     fn projection(&self, pieces: usize, components: usize) -> Projection {
-        let polynomials = polynomials_at_nodes(pieces, self.made_for[0].series.len());
+        let count = self.made_for[0].series.len();
+        let polynomials: Vec<Vec<f64>> =
+            nodes_of_pieces(pieces).into_iter().map(|w| polynomials_at(w, count)).collect();
         let values: Vec<Vec<Vec4>> = self.made_for.iter().map(|own| own.at_nodes(&polynomials)).collect();
         let mut basis = ColorBasis { pieces, components, cubics: Vec::new() };
         let mut from_nodes = Vec::new();
@@ -139,9 +146,8 @@ impl ColourSamples {
             }
         }
         let mut own = Projection { basis, error: 0.0, from_nodes };
-        let none = JudgedError::default();
         let each = self.judged.iter().map(|judged| own.error_at(judged, &polynomials, self.dark));
-        own.error = each.fold(none, JudgedError::plus).largest();
+        own.error = each.fold(JudgedError::default(), JudgedError::plus).largest();
         own
     }
 }
@@ -180,8 +186,8 @@ impl Projection {
         let mut numbers = Vec::new();
         self.project(&exact.at_nodes(polynomials), &mut numbers);
         let numbers: Vec<&[f32]> = numbers.chunks_exact(self.basis.components).collect();
-        let least = (FAINT * exact.largest()).hypot(dark);
-        let error = |(w, exact): (f64, DVec3)| {
+        let least = (FAINT * exact.largest).hypot(dark);
+        let error = |&(w, exact): &(f64, DVec3)| {
             let (piece, t) = self.basis.piece(w);
             let colour = ColorBasis::colour(self.basis.of_piece(piece), numbers[piece], t);
             let off = (linear_srgb(colour.as_dvec3()) - exact).length_squared();
@@ -196,7 +202,7 @@ impl Projection {
                 exact: shown * size,
             }
         };
-        exact.reached().map(error).fold(JudgedError::default(), JudgedError::plus)
+        exact.judged.iter().map(error).fold(JudgedError::default(), JudgedError::plus)
     }
 }
 
@@ -211,27 +217,16 @@ impl PlaceColours {
                 *slot += sum / places.len() as f64;
             }
         }
-        Self { largest_w: largest_w(places[0]), series }
-    }
-
-    /// Linear sRGB at the places in |w| that directions have, with these.
-    fn reached(&self) -> impl Iterator<Item = (f64, DVec3)> {
-        let mut values = vec![0.0; self.series.len()];
-        between().take_while(|w| *w <= self.largest_w).map(move |w| {
-            polynomials(2.0 * w / LARGEST_W - 1.0, &mut values);
-            (w, linear_srgb(self.series.iter().zip(&values).map(|(a, t)| *a * *t).sum()))
-        })
-    }
-
-    /// The largest linear sRGB.
-    fn largest(&self) -> f64 {
-        self.reached().map(|(_, colour)| colour.length()).fold(0.0, f64::max)
+        let largest_w = largest_w(places[0]);
+        let at = |w| (w, linear_srgb(sum_of(&series, &polynomials_at(w, series.len()))));
+        let judged: Vec<(f64, DVec3)> = between().take_while(|w| *w <= largest_w).map(at).collect();
+        let largest = judged.iter().map(|(_, colour)| colour.length()).fold(0.0, f64::max);
+        Self { largest_w, series, judged, largest }
     }
 
     /// XYZ at the nodes, `[channel][piece]`, that have these `polynomials`.
     fn at_nodes(&self, polynomials: &[Vec<f64>]) -> Vec<Vec4> {
-        let at = |t: &Vec<f64>| -> DVec3 { self.series.iter().zip(t).map(|(a, t)| *a * *t).sum() };
-        let values: Vec<DVec3> = polynomials.iter().map(at).collect();
+        let values: Vec<DVec3> = polynomials.iter().map(|own| sum_of(&self.series, own)).collect();
         let channel = |channel: usize| {
             let (fours, _) = values.as_chunks::<NODES>();
             fours.iter().map(move |four| Vec4::from_array(four.map(|value| value[channel] as f32)))
@@ -240,17 +235,19 @@ impl PlaceColours {
     }
 }
 
-/// Chebyshev polynomials over 0 … 2, `count` of them, at each node of `pieces`.
-fn polynomials_at_nodes(pieces: usize, count: usize) -> Vec<Vec<f64>> {
-    let at = |w: f64| {
-        let mut values = vec![0.0; count];
-        polynomials(2.0 * w / LARGEST_W - 1.0, &mut values);
-        values
-    };
-    nodes_of_pieces(pieces).into_iter().map(at).collect()
+/// Σ coefficient · polynomial.
+fn sum_of(series: &[DVec3], polynomials: &[f64]) -> DVec3 {
+    series.iter().zip(polynomials).map(|(a, t)| *a * *t).sum()
 }
 
-/// The places whose average bases are judged by: one, or, where pictures average over many, a row of them through `place`. Number `i` chooses its direction.
+/// Chebyshev polynomials over 0 … 2, `count` of them, at |w| = `w`.
+fn polynomials_at(w: f64, count: usize) -> Vec<f64> {
+    let mut values = vec![0.0; count];
+    polynomials(2.0 * w / LARGEST_W - 1.0, &mut values);
+    values
+}
+
+/// The places whose average bases are made for and judged by: one, or, where pictures average over many, a row of them through `place`. Number `i` chooses its direction.
 fn row(i: usize, place: DVec2, reader: &SpectraReader, settings: &TableSettings) -> Vec<DVec2> {
     /// Standard deviations of the blur from one to the next, so that they are independent.
     const APART: f64 = 3.0;
@@ -314,7 +311,7 @@ fn cubic_through(values: Vec4) -> [f32; NODES] {
     [a - c, b - 3.0 * d, 2.0 * c, 4.0 * d].map(|x| x as f32)
 }
 
-/// Successive multiples are spread evenly around.
+/// π (3 − √5): successive multiples are spread evenly around (Vogel, "A better way to construct the sunflower head", 1979).
 const GOLDEN_ANGLE: f64 = 2.399_963;
 
 /// Places that bases are made for, and others that they are judged at: of both the brightest ones, which of a grating are few, and others evenly spread.

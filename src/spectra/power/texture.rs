@@ -5,6 +5,7 @@ use super::chebyshev::polynomials;
 use super::orders::OrderGrid;
 use crate::optics::spectrum::MIDDLE;
 use crate::precompute::kernel::{Interpolation, Kernel, Transformed};
+use crate::surface::transpose::{transpose, transposed};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use rayon::prelude::*;
@@ -174,30 +175,9 @@ fn transform(values: &mut [Complex64], [columns, rows]: [usize; 2], inverse: boo
     let mut plan = |n| if inverse { planner.plan_fft_inverse(n) } else { planner.plan_fft_forward(n) };
     let (along_x, along_y) = (plan(columns), plan(rows));
     values.par_chunks_mut(columns).for_each(|row| along_x.process(row));
-    let mut turned = transposed(values, columns);
+    let mut turned = transposed(columns, values);
     turned.par_chunks_mut(rows).for_each(|column| along_y.process(column));
-    transpose(&turned, rows, values);
-}
-
-/// The transpose of `values` of so many `columns`.
-fn transposed(values: &[Complex64], columns: usize) -> Vec<Complex64> {
-    let mut out = vec![Complex64::ZERO; values.len()];
-    transpose(values, columns, &mut out);
-    out
-}
-
-/// The transpose of `values` of so many `columns`, into `out`.
-fn transpose(values: &[Complex64], columns: usize, out: &mut [Complex64]) {
-    /// Rows of the result that are written together: the numbers of two cache lines, of which nothing is read in vain.
-    const TOGETHER: usize = 8;
-    let rows = values.len() / columns;
-    out.par_chunks_mut(TOGETHER * rows).enumerate().for_each(|(block, out)| {
-        for (row, source) in values.chunks_exact(columns).enumerate() {
-            for (out, value) in out.chunks_exact_mut(rows).zip(&source[TOGETHER * block..]) {
-                out[row] = *value;
-            }
-        }
-    });
+    transpose(rows, &turned, values);
 }
 
 /// How many orders of equal power would light a picture as evenly: (∫p)²/∫p² of the power p at the finest level, over that of a single order there (the

@@ -6,6 +6,7 @@ use super::bytes::{Cursor, Number, Order, damaged, decode_text};
 use super::scan::{Block, Channel, Quantity, Scan, size};
 use super::topography::Topography;
 use crate::error::{Error, Result};
+use crate::surface::transpose::transposed;
 use std::io::{self, Write};
 
 /// How a file begins.
@@ -32,7 +33,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     }
     let decode = if columns_first {
         let columns = block.decode([size[1], size[0]])?;
-        Box::new(move || Ok(transposed(&columns()?, size)))
+        Box::new(move || Ok(transposed(size[1], &columns()?)))
     } else {
         block.decode(size)?
     };
@@ -48,11 +49,6 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
             decode,
         },
     ))
-}
-
-/// Rows of what stands column by column.
-fn transposed(columns: &[f64], [width, height]: [usize; 2]) -> Vec<f64> {
-    (0..height).flat_map(|row| (0..width).map(move |column| columns[column * height + row])).collect()
 }
 
 /// What follows `'key':` in the dictionary of the header.

@@ -2,6 +2,7 @@
 
 use crate::surface::HeightField;
 use crate::surface::tiling::Tiling;
+use crate::surface::transpose::transposed;
 use std::f64::consts::PI;
 
 /// Zeros of the sinc on each side. With [`BETA`], a sinusoid of four samples a period and more is kept to 1e-4.
@@ -110,19 +111,6 @@ fn bessel_i0(x: f64) -> f64 {
         k += 1.0;
     }
     sum
-}
-
-/// `field` with rows and columns exchanged: row by row, what was column by column.
-pub(super) fn transposed(columns: usize, heights: &[f64]) -> Vec<f64> {
-    use rayon::prelude::*;
-    let rows = heights.len() / columns;
-    let mut turned = vec![0.0; heights.len()];
-    turned.par_chunks_mut(rows).enumerate().for_each(|(column, line)| {
-        for (row, h) in line.iter_mut().enumerate() {
-            *h = heights[row * columns + column];
-        }
-    });
-    turned
 }
 
 /// The cubic B-spline through the samples of a field [Unser 1999, "Splines: a perfect fit for signal and image processing"].

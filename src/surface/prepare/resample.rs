@@ -1,8 +1,9 @@
 //! Another distance between samples over the same patch.
 
-use super::interpolate::{EdgeRule, Resampler, transposed};
+use super::interpolate::{EdgeRule, Resampler};
 use crate::error::{Error, Result};
 use crate::memory;
+use crate::surface::transpose::transposed;
 use crate::surface::{HeightField, MAX_SIDE, tiling};
 use rayon::prelude::*;
 

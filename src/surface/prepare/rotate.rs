@@ -1,7 +1,8 @@
 //! Turning a surface about its normal, so that its grooves are parallel to an axis.
 
-use super::interpolate::{Spline, transposed};
+use super::interpolate::Spline;
 use crate::error::{Error, Result};
+use crate::surface::transpose::transposed;
 use crate::surface::{HeightField, statistics};
 use crate::units;
 use rayon::prelude::*;

@@ -7,9 +7,9 @@
 //! a line is the lower envelope of parabolas, exact and in linear time [Felzenszwalb, Huttenlocher 2012, "Distance transforms of sampled
 //! functions", Theory of Computing 8, 415].
 
-use super::interpolate::transposed;
 use crate::error::Result;
 use crate::surface::HeightField;
+use crate::surface::transpose::transposed;
 use rayon::prelude::*;
 
 /// `field` eroded by a tip whose apex has the radius of curvature `radius` \[µm\].
