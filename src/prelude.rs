@@ -22,7 +22,7 @@ pub use crate::optics::geometry::{Pair, direction};
 pub use crate::optics::reference::Reference;
 pub use crate::optics::spectrum::Illuminant;
 pub use crate::scene::Scene;
-pub use crate::spectra::power::{PowerSettings, PowerSpectra, power_spectra};
+pub use crate::spectra::power::{OrderSeries, PowerSettings};
 pub use crate::surface::HeightField;
 pub use crate::surface::files::ReadSettings;
 pub use crate::surface::synth::{self, Spec, SurfaceKind};

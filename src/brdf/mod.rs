@@ -2,12 +2,13 @@
 
 mod direct;
 pub mod mean;
-mod pyramid;
+mod mean_answers;
 mod spread;
+pub mod tabulated;
 mod transforms;
 
 pub use direct::DirectSum;
-pub use mean::MeanReference;
+pub use mean_answers::{MeanFromOrders, MeanReference};
 pub use transforms::Transforms;
 
 use crate::error::Result;

@@ -7,6 +7,8 @@ use std::f64::consts::PI;
 
 /// Orders farther from a frequency than so many standard deviations of their blur are left out: e^(−r²/2) = 1e-10.
 pub(super) const CUT: f64 = 6.8;
+/// Distance \[orders\] within which orders are summed however far beyond [`CUT`] they are.
+pub(super) const NEAREST: f64 = 2.0;
 
 /// A normal distribution over frequencies.
 #[derive(Clone, Copy, Debug)]
@@ -47,28 +49,33 @@ impl Spread {
         self.peak * (-0.5 * squares / self.determinant).exp()
     }
 
-    /// Its densities at `from`, and then every `step` along x \[µm²\].
-    pub fn densities(&self, from: DVec2, step: f64) -> impl Iterator<Item = f64> {
+    /// Calls `each` with a number from 0 on and the density \[µm²\] at `from`, and then every `step` along x, `count` in all.
+    pub fn densities(&self, from: DVec2, step: f64, count: usize, mut each: impl FnMut(usize, f64)) {
+        /// Fewer are computed one by one, however far from the middle they are.
+        const FEW: usize = 6;
+        if count <= FEW {
+            (0..count).for_each(|k| each(k, self.density(from + DVec2::new(k as f64 * step, 0.0))));
+            return;
+        }
         // Each is the one before times a factor that itself grows by a constant one.
         let along = (self.yy * (2.0 * from.x + step) - 2.0 * self.xy * from.y) * step;
         let mut factor = (-0.5 * along / self.determinant).exp();
         let growth = (-self.yy * step * step / self.determinant).exp();
-        let next = move |density: &f64| {
-            let next = density * factor;
+        let mut density = self.density(from);
+        for k in 0..count {
+            each(k, density);
+            density *= factor;
             factor *= growth;
-            Some(next)
-        };
-        std::iter::successors(Some(self.density(from)), next)
+        }
     }
 
-    /// Between which x, relative to the centre, a row `y` is within [`CUT`] standard deviations; `None` where it is nowhere.
-    pub fn row(&self, y: f64) -> Option<[f64; 2]> {
-        let left = CUT * CUT - y * y / self.yy;
+    /// Returns the x, relative to the centre, between which a row `y` is within [`CUT`] standard deviations, or within `nearest` of its
+    /// brightest place.
+    pub fn row(&self, y: f64, nearest: f64) -> [f64; 2] {
+        let left = (CUT * CUT - y * y / self.yy).max(0.0);
         let middle = y * self.xy / self.yy;
-        (left >= 0.0).then(|| {
-            let half = (left * self.determinant / self.yy).sqrt();
-            [middle - half, middle + half]
-        })
+        let half = (left * self.determinant / self.yy).sqrt().max(nearest);
+        [middle - half, middle + half]
     }
 }
 
@@ -80,13 +87,12 @@ mod tests {
     fn densities_along_a_row_are_those_of_each_point() {
         let spread = Spread::of(0.3, -0.2, 0.5);
         for (steps, y) in [(3, 0.1), (40, -1.3), (400, 2.9)] {
-            let [left, right] = spread.row(y).unwrap();
+            let [left, right] = spread.row(y, 0.0);
             let step = (right - left) / f64::from(steps);
-            let row = spread.densities(DVec2::new(left, y), step).take(steps as usize + 1);
-            for (i, found) in row.enumerate() {
+            spread.densities(DVec2::new(left, y), step, steps as usize + 1, |i, found| {
                 let exact = spread.density(DVec2::new(left + i as f64 * step, y));
                 assert!((found / exact - 1.0).abs() < 1e-10, "step {i} of {steps}: {found}, {exact}");
-            }
+            });
         }
     }
 }

@@ -15,12 +15,11 @@ use crate::precompute::Layers;
 use crate::render::pigment::Pigment;
 use crate::scene::environment::Environment;
 use crate::scene::{Background, Light, Scene, obj};
-use crate::spectra::power::{self, PowerSpectra};
 use crate::surface::files::{self, scan::Scan, sidecar::Sidecar};
 use crate::table::{ColorTable, TableReader};
 use crate::units;
 use crate::vk::selection::DeviceChoice;
-use glam::{DVec2, Vec4};
+use glam::DVec2;
 use std::ffi::OsString;
 use std::io::Cursor;
 use std::path::Path;
@@ -35,7 +34,7 @@ pub struct UntrustedReader {
 }
 
 /// All of them.
-pub const READERS: [UntrustedReader; 27] = [
+pub const READERS: [UntrustedReader; 26] = [
     UntrustedReader { name: "height_image", read: height_image },
     UntrustedReader { name: "gsf", read: |bytes| scan(files::gsf::read(bytes)) },
     UntrustedReader { name: "gwy", read: |bytes| scan(files::gwy::read(bytes)) },
@@ -61,7 +60,6 @@ pub const READERS: [UntrustedReader; 27] = [
     UntrustedReader { name: "queries", read: |bytes| eval::QueryTable::parse(text(bytes)?).map(drop) },
     UntrustedReader { name: "illuminant", read: |bytes| Illuminant::from_text(text(bytes)?).map(drop) },
     UntrustedReader { name: "layers", read: layers },
-    UntrustedReader { name: "spectra", read: spectra },
     UntrustedReader { name: "colours", read: colours },
     UntrustedReader { name: "sweep", read: sweep },
     UntrustedReader { name: "values", read: values },
@@ -145,25 +143,6 @@ fn layers(bytes: &[u8]) -> Result<()> {
     let pairs = layers.pairs_at(layers.z_max);
     let texels = layers.size[0] * layers.size[1] * 4 * layers.pairs();
     assert!(pairs <= layers.pairs() && texels == layers.texels.len(), "layers that do not fit their numbers");
-    Ok(())
-}
-
-fn spectra(bytes: &[u8]) -> Result<()> {
-    let Some(spectra) = kept::<PowerSpectra>(bytes) else {
-        return Err(Error::failed("there are no power spectra in it", "make them"));
-    };
-    // What textures are made of, and what reads them.
-    let grid = &spectra.header.grid;
-    for (level, texels) in spectra.levels.iter().enumerate() {
-        let count = grid.size_of(level).into_iter().product::<usize>() * spectra.header.terms;
-        assert!(count > 0 && texels.len() == count, "power spectra that do not fit their numbers");
-    }
-    let reader = power::read::SpectraReader::new(&spectra);
-    let mut coefficients = vec![Vec4::ZERO; spectra.header.terms / 4];
-    for f in [DVec2::ZERO, DVec2::splat(1e3), DVec2::splat(-1e9)] {
-        let scratch = &mut power::read::ReadScratch::default();
-        reader.read(&power::read::Square::point(f), 1.0, scratch, &mut coefficients);
-    }
     Ok(())
 }
 

@@ -99,7 +99,7 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
     if method == Method::Reference {
         return Err(Error::usage(
             "--method reference is too slow for a window",
-            "use --method spectral or --method table; E in the window measures the error against the reference",
+            "leave it out; E in the window measures the error against the reference",
         ));
     }
     let shading = arguments.optics.for_pictures(&arguments.colour)?;
@@ -123,7 +123,6 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
         scene,
         plain,
         surface,
-        method,
         windows: shading.windows,
         beyond: shading.beyond,
         basis: shading.basis,

@@ -208,24 +208,14 @@ mod tests {
         let turn = render(&s, &scene, &Output { turntable: Some(24), ..OUTPUT });
         assert!(turn.ends_with("--size 64x48 --turntable 24 -o a.png"), "{turn}");
         assert!(!plain.contains("--eye") && !plain.contains("--surface") && !plain.contains("--seed"));
-        let by_table = OpticsSettings {
-            method: Method::Table,
-            terms: Some(9),
-            windows: Windows::All,
-            ..s.optics.clone()
-        };
+        let by_table = OpticsSettings { terms: Some(9), windows: Windows::All, ..s.optics.clone() };
         let table = render(&ViewSettings { optics: by_table, ..s.clone() }, &scene, &OUTPUT);
         let expected = "--method table --windows all --beyond copies --samples 1 --tolerance 1e-2";
         assert!(table.contains(expected), "{table}");
         assert!(!table.contains("--terms") && !table.contains("--basis"), "{table}");
         let through = Coherence::Repeats([3, 7]);
         // A finite grating stands at one place, so that there is no mean and no table of it.
-        let named = OpticsSettings {
-            method: Method::Table,
-            windows: Windows::All,
-            wavelengths: Some(9),
-            ..s.optics.clone()
-        };
+        let named = OpticsSettings { windows: Windows::All, wavelengths: Some(9), ..s.optics.clone() };
         let repeats = ViewSettings { coherence: through, optics: named, ..s.clone() };
         let told = render(&repeats, &scene, &OUTPUT);
         assert!(told.contains("--coherence grating:3x7") && !told.contains("--wavelengths"), "{told}");

@@ -2,9 +2,8 @@
 
 use crate::precompute::Layers;
 use crate::render::shading::Shading;
-use crate::render::source::{Grating, Mean, Source, Table, Window};
+use crate::render::source::{Grating, Source, Table, Window};
 use crate::setup::READING_SHARE;
-use crate::spectra::power::PowerHeader;
 use serde::Serialize;
 
 /// One contribution to the error.
@@ -34,7 +33,6 @@ impl ErrorBudget {
             Source::Window(Window { layers }) | Source::Grating(Grating { layers, .. }) => {
                 Self::of_layers(layers, shading)
             }
-            Source::Mean(Mean { spectra }) => Self::of_spectra(&spectra.header, shading),
             Source::Table(Table { table }) => Self::of_table(table.header.basis_error, shading),
             Source::Thesis(_) | Source::ClassicalGrating(_) => Self::default(),
         }
@@ -65,27 +63,6 @@ impl ErrorBudget {
                     "from the transform of the kernel",
                 ),
                 part("wavelengths of a colour", quadrature, known),
-            ],
-            tolerance: shading.tolerance,
-        }
-    }
-
-    /// The parts of power spectra under `shading`.
-    fn of_spectra(spectra: &PowerHeader, shading: &Shading) -> Self {
-        let part = |what, error, known: &str| BudgetPart { what, error, known: known.to_owned() };
-        Self {
-            parts: vec![
-                part(
-                    "terms in z",
-                    spectra.series_error / shading.gain(),
-                    "measured on the surface's own orders",
-                ),
-                part(
-                    "reading between texels",
-                    spectra.reading_error / shading.gain(),
-                    "by the kernel's transform",
-                ),
-                part("wavelengths of a colour", shading.quadrature(), "by the rule for the nodes"),
             ],
             tolerance: shading.tolerance,
         }

@@ -36,12 +36,20 @@ pub struct Measurement {
     pub p99: f64,
     /// Mean FLIP of the displayed picture.
     pub flip: f64,
+    /// Tolerance that the setting promises for `relative_l2`; 0 where it promises none: baselines, and numbers of terms or wavelengths set by hand.
+    #[serde(default)]
+    pub promised: f64,
 }
 
 impl Measurement {
     /// Frames a second.
     pub fn fps(&self) -> f64 {
         1e3 / self.frame_ms
+    }
+
+    /// True if the measured error exceeds the promised one.
+    pub fn breaks_promise(&self) -> bool {
+        self.promised > 0.0 && self.relative_l2 > self.promised
     }
 
     /// Whether its numbers are plausible; figures show them on logarithmic axes.
@@ -51,7 +59,7 @@ impl Measurement {
         /// Range of all other numbers.
         const OTHERS: std::ops::RangeInclusive<f64> = 0.0..=1e15;
         [self.frame_ms, self.fastest_ms, self.gpu_ms].iter().all(|x| TIMES.contains(x))
-            && [self.wavelengths, self.samples, self.spread, self.relative_l2, self.p99, self.flip]
+            && [self.wavelengths, self.samples, self.spread, self.relative_l2, self.p99, self.flip, self.promised]
                 .iter()
                 .all(|x| OTHERS.contains(x))
     }
@@ -63,9 +71,14 @@ pub const GRATING: &str = "baseline: grating equation";
 pub const THESIS: &str = "baseline: the thesis";
 
 impl Measurement {
-    /// Whether it is a setting of this program and not a baseline.
+    /// True for a setting of this program, false for a baseline.
     fn is_own(&self) -> bool {
         self.series != GRATING && self.series != THESIS
+    }
+
+    /// True for a setting that can be recommended.
+    fn is_advisable(&self) -> bool {
+        self.is_own() && !self.breaks_promise()
     }
 }
 
@@ -77,13 +90,13 @@ pub fn pareto(rows: &[Measurement]) -> Vec<bool> {
             && (a.frame_ms < b.frame_ms || a.relative_l2 < b.relative_l2)
     };
     rows.iter()
-        .map(|row| row.is_own() && !rows.iter().any(|other| other.is_own() && better(other, row)))
+        .map(|row| row.is_advisable() && !rows.iter().any(|other| other.is_advisable() && better(other, row)))
         .collect()
 }
 
 /// Advice: the fastest setting within each error, the most accurate one at each frame rate.
 pub fn advice(rows: &[Measurement]) -> String {
-    let rows: Vec<&Measurement> = rows.iter().filter(|row| row.is_own()).collect();
+    let rows: Vec<&Measurement> = rows.iter().filter(|row| row.is_advisable()).collect();
     let mut lines = Vec::new();
     for error in [1e-1, 3e-2, 1e-2, 3e-3, 1e-3] {
         let fastest = rows
@@ -119,7 +132,7 @@ pub fn advice(rows: &[Measurement]) -> String {
 /// The best setting within `error`, at `fps`, or both: the fastest that keeps the error, or the most accurate that keeps the
 /// frame rate. If none keeps both, names the nearest on either side.
 pub fn wanted(rows: &[Measurement], error: Option<f64>, fps: Option<f64>) -> String {
-    let own = || rows.iter().filter(|row| row.is_own());
+    let own = || rows.iter().filter(|row| row.is_advisable());
     let (error_kept, rate_kept) = (
         |row: &&Measurement| error.is_none_or(|e| row.relative_l2 <= e),
         |row: &&Measurement| fps.is_none_or(|f| row.fps() >= f),
@@ -193,6 +206,7 @@ pub fn markdown(rows: &[Measurement], heading: &str, impossible: &[(String, Stri
             row.flip,
             row.samples,
             match (front[i], row.is_own()) {
+                _ if row.breaks_promise() => "no: its error exceeds its tolerance",
                 (true, _) => "yes",
                 (false, true) => "",
                 (false, false) => "no: for comparison",
@@ -229,6 +243,7 @@ mod tests {
             relative_l2,
             p99: relative_l2,
             flip: 0.0,
+            promised: 0.0,
         }
     }
 
@@ -240,6 +255,19 @@ mod tests {
         let with_other = [&rows[..], &[other]].concat();
         assert_eq!(pareto(&with_other), [true, true, false, true, false]);
         assert_eq!(advice(&with_other), advice(&rows));
+    }
+
+    #[test]
+    fn a_setting_that_breaks_its_promise_is_marked_and_never_recommended() {
+        let broken = Measurement { promised: 1e-2, ..row("--broken", 1.0, 1.1e-2) };
+        let kept = Measurement { promised: 2e-2, ..row("--kept", 2.0, 1.1e-2) };
+        let rows = [broken, kept];
+        assert_eq!(pareto(&rows), [false, true]);
+        assert!(!advice(&rows).contains("--broken") && advice(&rows).contains("--kept"));
+        assert!(wanted(&rows, Some(1e-1), None).contains("--kept"));
+        let page = markdown(&rows, "A machine.", &[]);
+        let line = |flags: &str| page.lines().find(|line| line.starts_with(&format!("| `{flags}`"))).unwrap();
+        assert!(line("--broken").contains("exceeds its tolerance") && line("--kept").ends_with("| yes |"));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::{InUse, Method, Progress, Settings, check, source};
 use crate::brdf::mean::MeanBrdf;
-use crate::brdf::{Brdf, DirectSum, MeanReference};
+use crate::brdf::{Brdf, DirectSum, MeanFromOrders, MeanReference};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Windows;
 use crate::optics::reference::Reference;
@@ -30,19 +30,26 @@ pub fn for_each_window(
 ) -> Result<()> {
     let shading = &settings.shading;
     check(settings)?;
-    if settings.method == Method::Reference {
-        let illuminant = &shading.illuminant;
-        let Windows::Grid(windows) = shading.windows else {
-            let sigma = settings.power_sigma()?;
-            let mean =
-                MeanBrdf { field, sigma, beyond: shading.beyond, reflectance: shading.reflectance.clone() };
-            return ask(&mut MeanReference::new(mean, illuminant, settings.shortest), 1.0);
-        };
-        let reference = Reference::new(field, shading.coherence, windows, shading.reflectance.clone());
-        return ask(&mut DirectSum { reference, illuminant: &shading.illuminant }, 1.0);
+    let illuminant = &shading.illuminant;
+    let mean = || -> Result<MeanBrdf<'_>> {
+        let sigma = settings.power_sigma()?;
+        Ok(MeanBrdf { field, sigma, beyond: shading.beyond, reflectance: shading.reflectance.clone() })
+    };
+    match (settings.method, shading.windows) {
+        (Method::Reference, Windows::All) => {
+            return ask(&mut MeanReference::new(mean()?, illuminant, settings.shortest), 1.0);
+        }
+        (Method::Reference, Windows::Grid(windows)) => {
+            let reference = Reference::new(field, shading.coherence, windows, shading.reflectance.clone());
+            return ask(&mut DirectSum { reference, illuminant }, 1.0);
+        }
+        (Method::Spectral, Windows::All) => {
+            return ask(&mut MeanFromOrders::new(mean()?, illuminant, shading.tolerance), 1.0);
+        }
+        _ => {}
     }
     let device = device()?;
-    // Spectra of the mean and colour tables average by themselves.
+    // Colour tables average by themselves.
     let [n, m] = shading.windows.grid().unwrap_or([1, 1]);
     let one = match shading.windows {
         Windows::Grid(_) => Shading { windows: Windows::ONE, ..shading.clone() },

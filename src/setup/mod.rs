@@ -14,8 +14,8 @@ use crate::optics::orders::Repeats;
 use crate::optics::spectrum::{MIDDLE, SHORTEST};
 use crate::precompute::{self, Layers, compute_at};
 use crate::render::shading::{Purpose, Shading};
-use crate::render::source::{Grating, Mean, Source, Table};
-use crate::spectra::power::{Blur, PowerSettings, PowerSpectra, power_spectra};
+use crate::render::source::{Grating, Source, Table};
+use crate::spectra::power::{Blur, OrderSeries, PowerSettings};
 use crate::surface::{HeightField, tiling};
 use crate::table::{ColorTable, TableSettings, bake};
 use crate::vk::selection::Candidate;
@@ -24,12 +24,12 @@ use std::sync::{Arc, LazyLock, Weak};
 /// How the optics is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
-    /// Wavelengths are summed over spectra, on the device.
+    /// A sum over wavelengths: of one window or a finite grating on the device, of the mean for single directions on the CPU.
     #[default]
     Spectral,
-    /// A colour table is read, on the device.
+    /// A colour table of the mean, read on the device.
     Table,
-    /// The direct sum in f64, on the CPU.
+    /// The f64 reference, on the CPU.
     Reference,
 }
 
@@ -90,7 +90,6 @@ pub struct Made {
 #[derive(Default)]
 pub struct InUse {
     layers: Known<Layers>,
-    powers: Known<PowerSpectra>,
     tables: Known<ColorTable>,
 }
 
@@ -118,10 +117,6 @@ pub fn source(
         (Method::Table, _) => {
             let (table, note) = table(field, settings, limits, in_use, progress)?;
             Ok(Made { source: Source::Table(Table { table }), note })
-        }
-        (Method::Spectral, _) if shading.windows == Windows::All => {
-            let (spectra, note) = powers(field, settings, limits, in_use, progress)?;
-            Ok(Made { source: Source::Mean(Mean { spectra }), note })
         }
         (Method::Spectral, Coherence::Gaussian { length }) => {
             let (layers, note) = layers(field, settings, length / 4.0, limits, in_use, progress)?;
@@ -156,28 +151,8 @@ fn layers(
         memory_limit: precompute::cache::memory_limit(&own),
         cached: settings.cached,
     };
-    let make =
-        |_: &mut InUse| compute_at(field, &own, settings.shift, &|done, of| progress("spectra", done, of));
+    let make = || compute_at(field, &own, settings.shift, &|done, of| progress("spectra", done, of));
     wanted.obtain(in_use, |in_use| &mut in_use.layers, make)
-}
-
-/// The power spectra of the mean.
-fn powers(
-    field: &HeightField,
-    settings: &Settings,
-    limits: &Candidate,
-    in_use: &mut InUse,
-    progress: &Progress<'_>,
-) -> Result<(Arc<PowerSpectra>, Option<Error>)> {
-    let own = settings.power_settings(limits)?;
-    let wanted = Wanted {
-        key: Key::new(&PowerSpectra::FORMAT, &own, field)?,
-        name: "the power spectra",
-        memory_limit: own.memory_limit as u64,
-        cached: settings.cached,
-    };
-    let make = |_: &mut InUse| power_spectra(field, &own, &|done, of| progress("spectra", done, of));
-    wanted.obtain(in_use, |in_use| &mut in_use.powers, make)
 }
 
 /// The colour table of the mean.
@@ -190,14 +165,15 @@ fn table(
 ) -> Result<(Arc<ColorTable>, Option<Error>)> {
     let own = settings.table_settings(limits);
     let wanted = Wanted {
-        key: Key::new(&ColorTable::FORMAT, &(settings.power_settings(limits)?, &own), field)?,
+        key: Key::new(&ColorTable::FORMAT, &(settings.power_settings()?, &own), field)?,
         name: "the colour table",
         memory_limit: own.memory_limit as u64,
         cached: settings.cached,
     };
-    let make = |in_use: &mut InUse| {
-        let (spectra, _) = powers(field, settings, limits, in_use, progress)?;
-        bake(&spectra, &own, &|done, of| progress("colours", done, of))
+    let powers = settings.power_settings()?;
+    let make = || {
+        let series = OrderSeries::new(field, &powers, &|done, of| progress("orders", done, of))?;
+        bake(&series, &own, &|done, of| progress("colours", done, of))
     };
     wanted.obtain(in_use, |in_use| &mut in_use.tables, make)
 }
@@ -220,7 +196,7 @@ impl Wanted {
         &self,
         in_use: &mut InUse,
         known: impl Fn(&mut InUse) -> &mut Known<T>,
-        make: impl FnOnce(&mut InUse) -> Result<T>,
+        make: impl FnOnce() -> Result<T>,
     ) -> Result<(Arc<T>, Option<Error>)> {
         if let Some(data) = find(known(in_use), &self.key) {
             return Ok((data, None));
@@ -230,7 +206,7 @@ impl Wanted {
         let (data, note) = match kept {
             Some(data) => (data, None),
             None => {
-                let made = make(in_use)?;
+                let made = make()?;
                 let outcome = store.map_or(Ok(()), |store| store.save_kept(&self.key, &made));
                 let name = self.name;
                 (made, outcome.err().map(|e| e.at(format!("{name} cannot be kept for next time"))))
@@ -256,9 +232,9 @@ pub fn beyond_of(field: &HeightField) -> Beyond {
     }
 }
 
-/// Whether the source of `settings` averages over the footprints of pixels.
+/// True if the source of `settings` averages over the footprints of pixels.
 pub fn averages_footprints(settings: &Settings) -> bool {
-    settings.method != Method::Reference && settings.shading.windows == Windows::All
+    settings.method == Method::Table
 }
 
 /// Fails for combinations that cannot be.
@@ -272,6 +248,10 @@ pub fn check(settings: &Settings) -> Result<()> {
         (_, Windows::All) if !gaussian => Err(Error::usage(
             "a finite grating stands at one place, and a mean over all windows is of Gaussian coherence",
             [Remedy::OneWindow, Remedy::GaussianCoherence],
+        )),
+        (Method::Spectral, Windows::All) if shading.purpose == Purpose::Picture => Err(Error::usage(
+            "pictures of the mean over all windows are read from a colour table",
+            [Remedy::TableMethod, Remedy::OneWindow],
         )),
         (Method::Table, Windows::Grid(_)) => Err(Error::usage(
             "a colour table holds the mean over all windows",
@@ -298,18 +278,6 @@ impl Settings {
         self.shading.coherence.sigma().ok_or_else(|| {
             Error::usage("the mean over all windows is of Gaussian coherence", Remedy::GaussianCoherence)
         })
-    }
-
-    /// Share of the tolerance for reading power spectra between texels. Its error is relative to the brightest orders. Single directions count relative to their
-    /// own value, which is between orders a small part of that, and a picture may show none but faint directions: a plate lit across its grooves erred by
-    /// 0.07 at 1e-2 where pictures had the whole tolerance, by 0.002 with this.
-    fn reading_share(&self) -> f64 {
-        const OF_SINGLE_DIRECTIONS: f64 = 0.02;
-        const OF_PICTURES: f64 = 0.3;
-        match self.shading.purpose {
-            Purpose::Directions => OF_SINGLE_DIRECTIONS,
-            Purpose::Picture => OF_PICTURES,
-        }
     }
 
     /// Standard deviation of (u, v) that the coherence of light of the middle of the spectrum averages over; `None` for finite gratings.
@@ -340,23 +308,17 @@ impl Settings {
         }
     }
 
-    /// What power spectra are made for.
-    fn power_settings(&self, limits: &Candidate) -> Result<PowerSettings> {
-        let sigma = self.power_sigma()?;
-        let budget = self.shading.budget();
+    /// Returns the settings of the orders' series that a colour table is baked from.
+    fn power_settings(&self) -> Result<PowerSettings> {
         Ok(PowerSettings {
-            sigma,
+            sigma: self.power_sigma()?,
             beyond: self.shading.beyond,
             shortest: self.shortest,
-            series_error: SERIES_SHARE * self.shading.tolerance,
-            reading_error: budget.interpolation * self.reading_share(),
-            least_footprint: self.finest(),
-            side_limit: limits.max_side as usize,
-            memory_limit: Self::memory_limit(limits),
+            error: SERIES_SHARE * self.shading.tolerance,
         })
     }
 
-    /// What a colour table is made for.
+    /// Returns the settings of the colour table.
     fn table_settings(&self, limits: &Candidate) -> TableSettings {
         let tolerance = self.shading.tolerance;
         let average = self.pixel_average();
@@ -377,7 +339,7 @@ impl Settings {
     }
 }
 
-/// Share of the tolerance for the series in z of power spectra, as an RMS over orders. All pixels whose light is of one order share its error, which no average
+/// Share of the tolerance for the series in z, as an RMS over orders. All pixels whose light is of one order share its error, which no average
 /// makes smaller: a plate of *Xenopeltis* under 0.023 erred by 0.043. Series converge fast, so that a small share costs four terms at most.
 const SERIES_SHARE: f64 = 0.25;
 

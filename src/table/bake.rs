@@ -9,46 +9,43 @@ use super::{ColorTable, TableHeader, TableSettings};
 use crate::error::{Error, Remedy, Result};
 use crate::memory;
 use crate::optics::reflectance::MeanReflectance;
-use crate::optics::spectrum::BLUE;
-use crate::spectra::power::PowerSpectra;
-use crate::spectra::power::read::{SpectraReader, Square};
+use crate::optics::spectrum::{BLUE, MIDDLE};
+use crate::spectra::power::{OrderReader, OrderSeries, Square};
 use glam::{DVec2, Vec4};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use rayon::prelude::*;
+use std::f64::consts::PI;
 
 /// Linear interpolation of prefiltered samples a spacing Δ apart of what is blurred by a standard deviation b errs by this times (Δ/b)², relative
 /// L2: 4·√(3/(64·720)) along each axis, from (2πΔf)²/√720 averaged over the blur's spectrum.
 const LINEAR_ERROR: f64 = 0.0323 * std::f64::consts::SQRT_2;
 
-/// Bakes the table of the surface that `spectra` describe.
+/// |w| where both directions are 30 degrees off the normal.
+const USUAL_W: f64 = 1.7;
+
+/// Bakes the table of the surface of `series`.
 ///
 /// # Errors
 /// Where the limits or memory do not suffice; what `progress` returns.
 pub fn bake(
-    spectra: &PowerSpectra,
+    series: &OrderSeries,
     settings: &TableSettings,
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<ColorTable> {
-    let reader = SpectraReader::new(spectra);
-    let orders = reader.header.orders_blur.variance;
+    let reader = OrderReader::new(series);
+    let orders = series.blur.variance;
     let coherence_blur = BLUE * BLUE * 0.5 * (orders[0] + orders[1]);
     let blur = settings.finest.powi(2) + coherence_blur;
-    let spectrum = DirectionWavelengths::new(&reader, settings);
+    let spectrum = DirectionWavelengths::new(series, settings);
     let projection = Projection::choose(&reader, &spectrum, settings)?;
     let layers = projection.basis.layers();
-    let grid = choose_grid(&reader, settings, blur, layers);
+    let effective_orders = series.effective_orders(2.0 * PI * USUAL_W / MIDDLE);
+    let grid = choose_grid(effective_orders, settings, blur, layers);
     check_room(&grid, layers, settings)?;
     let sums = Sums::new(&reader, &spectrum, projection.basis.pieces);
     let width = layers * PER_TEXEL;
-    let side = grid.side;
-    let mut finest = vec![0f32; side * side * width];
-    let mut done = 0;
-    for (number, rows) in finest.chunks_mut(TILE * side * width).enumerate() {
-        progress(done, side)?;
-        done += rows.len() / (side * width);
-        bake_rows(&sums, &projection, &grid, number * TILE, rows);
-    }
+    let finest = bake_finest(&sums, &projection, &grid, progress)?;
     let unit = unit_of(&finest);
     let mut levels = Vec::with_capacity(grid.levels);
     let mut current = finest;
@@ -58,10 +55,9 @@ pub fn bake(
             current = next_level(&current, grid.side_of(level), width, level, &grid);
         }
     }
-    progress(side, side)?;
-    let specular = Specular::new(&reader.header, settings);
+    progress(1, 1)?;
+    let specular = Specular::new(series, settings);
     let mean_reflectance = settings.reflectance.as_ref().map(MeanReflectance::new);
-    let effective_orders = reader.header.effective_orders;
     let header = TableHeader {
         grid,
         basis_error: projection.error,
@@ -78,12 +74,12 @@ pub fn bake(
 /// Texels for a table of `layers` whose finest level averages over `blur`. The errors of orders are independent, so that what is shown of many errs by less
 /// than a single point, up to [`TableSettings::averaging`] times less. What is shown of few gets more texels. Where they would take more than
 /// [`ROOM`], they stand farther apart, as far as [`TableSettings::most_averaging`] allows.
-fn choose_grid(reader: &SpectraReader, settings: &TableSettings, blur: f64, layers: usize) -> TableGrid {
+fn choose_grid(effective_orders: f64, settings: &TableSettings, blur: f64, layers: usize) -> TableGrid {
     let grid = |averaging: f64| {
         let spacing = (settings.reading_error * averaging / LINEAR_ERROR).sqrt().min(MOST_SPACING);
         TableGrid::new(spacing * blur.sqrt(), settings.finest, blur.sqrt())
     };
-    let own = (reader.header.effective_orders / UNAVERAGED).sqrt().clamp(1.0, settings.averaging.max(1.0));
+    let own = (effective_orders / UNAVERAGED).sqrt().clamp(1.0, settings.averaging.max(1.0));
     let over_room = grid(own).bytes(layers) as f64 / ROOM;
     grid((own * over_room.max(1.0)).min(settings.most_averaging.max(own)))
 }
@@ -99,32 +95,58 @@ const ROOM: f64 = 256.0 * 1024.0 * 1024.0;
 /// Texels along a side of the squares that are summed at once.
 const TILE: usize = 16;
 
-/// Sums the texels of `rows`, the first of which is row `first`.
-fn bake_rows(sums: &Sums<'_>, projection: &Projection, grid: &TableGrid, first: usize, rows: &mut [f32]) {
+/// Rows of tiles between two calls of `progress`, for each thread.
+const TILE_ROWS: usize = 2;
+
+/// Sums the texels of the finest level, `[row][column][number]`.
+fn bake_finest(
+    sums: &Sums<'_>,
+    projection: &Projection,
+    grid: &TableGrid,
+    progress: &dyn Fn(usize, usize) -> Result<()>,
+) -> Result<Vec<f32>> {
+    let width = projection.basis.layers() * PER_TEXEL;
+    let mut finest = vec![0f32; grid.side * grid.side * width];
+    let tile_row = TILE * grid.side * width;
+    let rows_at_once = TILE_ROWS * rayon::current_num_threads();
+    for (batch, rows) in finest.chunks_mut(rows_at_once * tile_row).enumerate() {
+        progress(batch * rows_at_once * TILE, grid.side)?;
+        rows.par_chunks_mut(tile_row).enumerate().for_each_init(
+            Scratch::default,
+            |scratch, (row, texels)| {
+                let first = (batch * rows_at_once + row) * TILE;
+                bake_row(sums, projection, grid, first, scratch, texels);
+            },
+        );
+    }
+    Ok(finest)
+}
+
+/// Sums the texels of a row of tiles, whose first row of texels is `first`.
+fn bake_row(
+    sums: &Sums<'_>,
+    projection: &Projection,
+    grid: &TableGrid,
+    first: usize,
+    scratch: &mut Scratch,
+    texels: &mut [f32],
+) {
     let (side, width) = (grid.side, projection.basis.layers() * PER_TEXEL);
-    let tiles: Vec<usize> = (0..side).step_by(TILE).collect();
-    let baked: Vec<Vec<f32>> = tiles
-        .par_iter()
-        .map_init(Scratch::default, |scratch, &column| {
-            let tile = Square {
-                first: DVec2::new(grid.at(0, column), grid.at(0, first)),
-                step: grid.spacing(0),
-                side: TILE,
-            };
-            // No two directions are farther apart than opposite ones; footprints reach a little beyond.
-            if tile.nearest() > grid.extent + 2.0 * grid.spacing(0) {
-                return Vec::new();
+    let mut numbers = Vec::with_capacity(width);
+    for column in (0..side).step_by(TILE) {
+        let corner = DVec2::new(grid.at(0, column), grid.at(0, first));
+        let tile = Square { first: corner, step: grid.spacing(0), side: TILE };
+        // No two directions are farther apart than opposite ones; footprints reach a little beyond.
+        if tile.nearest() > grid.extent + 2.0 * grid.spacing(0) {
+            continue;
+        }
+        for (i, values) in sums.at_nodes(&tile, scratch).enumerate() {
+            let (x, y) = (column + i % TILE, i / TILE);
+            if x < side && (y * side + x) * width < texels.len() {
+                numbers.clear();
+                projection.project(values, &mut numbers);
+                texels[(y * side + x) * width..][..width].copy_from_slice(&numbers);
             }
-            let mut texels = Vec::with_capacity(TILE * TILE * width);
-            let values = sums.at_nodes(&tile, scratch).chunks_exact(3 * projection.basis.pieces);
-            values.for_each(|values| projection.project(values, &mut texels));
-            texels
-        })
-        .collect();
-    for (column, texels) in tiles.into_iter().zip(baked) {
-        let columns = TILE.min(side - column);
-        for (row, texels) in rows.chunks_exact_mut(side * width).zip(texels.chunks_exact(TILE * width)) {
-            row[column * width..][..columns * width].copy_from_slice(&texels[..columns * width]);
         }
     }
 }
@@ -139,7 +161,7 @@ fn check_room(grid: &TableGrid, layers: usize, settings: &TableSettings) -> Resu
                 grid.side,
                 bytes as f64 / MIB
             ),
-            [Remedy::LargerTolerance, Remedy::FartherCamera, Remedy::SpectralMethod],
+            [Remedy::LargerTolerance, Remedy::FartherCamera, Remedy::OneWindow],
         ));
     }
     // The finest level in 32-bit floats and the one after it stand beside all levels in 16-bit floats.
@@ -189,34 +211,32 @@ fn next_level(values: &[f32], side: usize, width: usize, level: usize, grid: &Ta
     both
 }
 
-/// A level as 16-bit texels, prefiltered for linear reading: (−1, 14, −1)/12 along each axis (Condat, Blu, Unser, *Beyond
+/// Converts a level to 16-bit texels, prefiltered for linear reading: (−1, 14, −1)/12 along each axis (Condat, Blu, Unser, *Beyond
 /// interpolation*, 2005). Beyond the edges there is nothing.
 fn texels(values: &[f32], side: usize, layers: usize, unit: f64) -> Vec<f16> {
+    /// Largest 16-bit float, less what the prefilter adds.
+    const LARGEST: f32 = 65_000.0;
     let width = layers * PER_TEXEL;
     let scale = (1.0 / unit) as f32;
     let prefiltered = |[before, middle, after]: [Vec4; 3]| (14.0 * middle - before - after) / 12.0;
-    // Numbers of what stands before, at and after place i. Before the first there is number usize::MAX.
-    let around = |i: usize| [i.wrapping_sub(1), i, i + 1];
     let mut out = vec![f16::ZERO; values.len()];
-    out.par_chunks_mut(side * side * PER_TEXEL).enumerate().for_each(|(layer, out)| {
-        let numbers = |row: usize, column: usize| {
-            if column >= side {
-                return Vec4::ZERO;
-            }
-            let first = (row * side + column) * width + layer * PER_TEXEL;
-            Vec4::from_slice(&values[first..first + PER_TEXEL])
+    out.par_chunks_mut(side * PER_TEXEL).enumerate().for_each(|(number, out)| {
+        let (layer, row) = (number / side, number % side);
+        // Numbers along columns, prefiltered along y; none beside the table.
+        let at = |column: Option<usize>| {
+            let Some(column) = column.filter(|column| *column < side) else { return Vec4::ZERO };
+            let texel = |row: Option<usize>| match row.filter(|row| *row < side) {
+                Some(row) => Vec4::from_slice(&values[(row * side + column) * width + layer * PER_TEXEL..]),
+                None => Vec4::ZERO,
+            };
+            prefiltered([row.checked_sub(1), Some(row), Some(row + 1)].map(texel))
         };
-        let numbers = &numbers;
-        let along_rows: Vec<Vec4> = (0..side)
-            .flat_map(|row| (0..side).map(move |column| prefiltered(around(column).map(|c| numbers(row, c)))))
-            .collect();
-        let at =
-            |row: usize, column: usize| if row < side { along_rows[row * side + column] } else { Vec4::ZERO };
-        for (i, texel) in out.chunks_exact_mut(PER_TEXEL).enumerate() {
-            let (row, column) = (i / side, i % side);
-            let value = prefiltered(around(row).map(|r| at(r, column))) * scale;
-            texel
-                .convert_from_f32_slice(&value.clamp(Vec4::splat(-65000.0), Vec4::splat(65000.0)).to_array());
+        let mut along_y = [Vec4::ZERO, at(Some(0)), at(Some(1))];
+        for (column, out) in out.chunks_exact_mut(PER_TEXEL).enumerate() {
+            let value = prefiltered(along_y) * scale;
+            let least = Vec4::splat(-LARGEST);
+            out.convert_from_f32_slice(&value.clamp(least, -least).to_array());
+            along_y = [along_y[1], along_y[2], at(Some(column + 2))];
         }
     });
     out

@@ -55,10 +55,13 @@ impl TableGrid {
         (i as f64 + 0.5) * self.spacing(level) - self.extent
     }
 
-    /// The level, with a fraction, that averages over the variance `variance` of u and of v.
+    /// Returns the level, with a fraction, that averages over the variance `variance` of u and of v.
     pub fn level(&self, variance: f64) -> f64 {
-        let ratio = (variance - self.finest.powi(2)) / self.growth.powi(2) + 1.0;
-        crate::spectra::power::texture::level_of_ratio(ratio, self.levels)
+        let ratio = ((variance - self.finest.powi(2)) / self.growth.powi(2) + 1.0).max(1.0);
+        let last = (self.levels - 1) as f64;
+        let lower = (0.5 * ratio.log2()).floor().min(last);
+        let share = (ratio / 4f64.powf(lower) - 1.0) / 3.0;
+        (lower + share.clamp(0.0, 1.0)).min(last)
     }
 
     /// The variance of u and of v that `level` averages over.

@@ -27,7 +27,7 @@ pub use specular::{BANDS, SPECULAR_SAMPLES, Specular};
 
 use crate::optics::reflectance::{MeanReflectance, Reflectance};
 use crate::optics::spectrum::Illuminant;
-use crate::spectra::power::texture::EVEN;
+use crate::spectra::power::EVEN;
 use crate::surface::MAX_SIDE;
 use half::f16;
 use serde::{Deserialize, Serialize};
@@ -112,7 +112,7 @@ pub struct TableHeader {
     pub coherence_blur: f64,
     /// Relative error of the basis, measured.
     pub basis_error: f64,
-    /// How many orders share the light: that of the power spectra.
+    /// Number of orders that share the light: [`crate::spectra::power::OrderSeries::effective_orders`].
     pub effective_orders: f64,
     /// Where R depends on the wavelength, the colours hold R over this mean of it, which is the larger part of how R depends on the angle. It belongs to the
     /// directions of the pixel and not to those that its footprint averages over.

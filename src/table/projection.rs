@@ -7,8 +7,8 @@ use crate::error::{Error, Remedy, Result};
 use crate::optics::color::xyz_to_linear_srgb as linear_srgb;
 use crate::optics::spectrum::MIDDLE;
 use crate::optics::svd::Svd;
+use crate::spectra::power::OrderReader;
 use crate::spectra::power::chebyshev::{coefficients_from_values, nodes, polynomials};
-use crate::spectra::power::read::SpectraReader;
 use glam::{DMat3, DVec2, DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
@@ -28,12 +28,13 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// Appends the numbers of a place, `[piece][component]`, to `out`; it has the `values` at the nodes, `[channel][piece]`.
+    /// Appends the numbers of a place, `[piece][component]`, to `out`; it has the `values` at the nodes, for each channel those of the pieces and perhaps
+    /// padding.
     pub fn project(&self, values: &[Vec4], out: &mut Vec<f32>) {
-        let ColorBasis { pieces, components, .. } = self.basis;
+        let (components, stride) = (self.basis.components, values.len() / 3);
         let each_piece = self.from_nodes.chunks_exact(components).enumerate();
         out.extend(each_piece.flat_map(|(piece, rows)| {
-            let of_piece: [Vec4; 3] = std::array::from_fn(|channel| values[channel * pieces + piece]);
+            let of_piece: [Vec4; 3] = std::array::from_fn(|channel| values[channel * stride + piece]);
             rows.iter()
                 .map(move |row| row.iter().zip(&of_piece).map(|(row, value)| row.dot(*value)).sum::<f32>())
         }));
@@ -44,7 +45,7 @@ impl Projection {
     /// # Errors
     /// Where no basis does.
     pub fn choose(
-        reader: &SpectraReader,
+        reader: &OrderReader<'_>,
         spectrum: &DirectionWavelengths,
         settings: &TableSettings,
     ) -> Result<Self> {
@@ -54,7 +55,7 @@ impl Projection {
         let whole = whole.ok_or_else(|| {
             Error::failed(
                 format!("{MOST_PIECES} cubics do not hold the colours of so high a surface"),
-                [Remedy::LargerTolerance, Remedy::SpectralMethod],
+                [Remedy::LargerTolerance, Remedy::OneWindow],
             )
         })?;
         let layers = whole.basis.layers().max(LAYERS);
@@ -106,10 +107,10 @@ fn between() -> impl Iterator<Item = f64> {
 }
 
 impl ColourSamples {
-    fn new(reader: &SpectraReader, spectrum: &DirectionWavelengths, settings: &TableSettings) -> Self {
+    fn new(reader: &OrderReader<'_>, spectrum: &DirectionWavelengths, settings: &TableSettings) -> Self {
         /// Nodes more than what a wavelength takes, for what the surface reflects.
         const MORE: usize = 8;
-        let count = reader.header.terms + MORE;
+        let count = reader.series.terms + MORE;
         let sums = Sums::at(reader, spectrum, nodes(count, LARGEST_W));
         let matrix = coefficients_from_values(count);
         let colours =
@@ -248,11 +249,11 @@ fn polynomials_at(w: f64, count: usize) -> Vec<f64> {
 }
 
 /// The places whose average bases are made for and judged by: one, or, where pictures average over many, a row of them through `place`. Number `i` chooses its direction.
-fn row(i: usize, place: DVec2, reader: &SpectraReader, settings: &TableSettings) -> Vec<DVec2> {
+fn row(i: usize, place: DVec2, reader: &OrderReader<'_>, settings: &TableSettings) -> Vec<DVec2> {
     /// Standard deviations of the blur from one to the next, so that they are independent.
     const APART: f64 = 3.0;
     let count = settings.averaged_places.max(1);
-    let blur = MIDDLE * reader.header.orders_blur.variance[0].sqrt();
+    let blur = MIDDLE * reader.series.blur.variance[0].sqrt();
     let step = DVec2::from_angle(GOLDEN_ANGLE * i as f64) * (APART * blur.hypot(settings.finest));
     (0..count).map(|k| place + step * (k as f64 - 0.5 * (count - 1) as f64)).collect()
 }
@@ -315,7 +316,7 @@ fn cubic_through(values: Vec4) -> [f32; NODES] {
 const GOLDEN_ANGLE: f64 = 2.399_963;
 
 /// Places that bases are made for, and others that they are judged at: of both the brightest ones, which of a grating are few, and others evenly spread.
-fn places(reader: &SpectraReader, spectrum: &DirectionWavelengths) -> [Vec<DVec2>; 2] {
+fn places(reader: &OrderReader<'_>, spectrum: &DirectionWavelengths) -> [Vec<DVec2>; 2] {
     /// Candidates, on a spiral of equal areas, and how many of them are chosen for their light and for their place.
     const CANDIDATES: usize = 3000;
     const BRIGHT: usize = 300;

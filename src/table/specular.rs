@@ -7,8 +7,7 @@ use super::TableSettings;
 use crate::optics::quadrature::density_table;
 use crate::optics::reflectance::MeanReflectance;
 use crate::optics::spectrum::{LONGEST, SHORTEST};
-use crate::spectra::power::chebyshev::polynomials;
-use crate::spectra::power::{Blur, PowerHeader};
+use crate::spectra::power::{Blur, OrderSeries};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -31,8 +30,8 @@ pub struct Specular {
 }
 
 impl Specular {
-    /// Of the surface that `spectra` describe, in the light of `settings`.
-    pub fn new(spectra: &PowerHeader, settings: &TableSettings) -> Self {
+    /// Computes the lobes of the surface of `series` in the light of `settings`.
+    pub fn new(series: &OrderSeries, settings: &TableSettings) -> Self {
         /// Wavelengths: about 1 nm apart, as the tables of the observer.
         const COUNT: usize = 401;
         let density = density_table(&settings.illuminant, COUNT);
@@ -43,7 +42,7 @@ impl Specular {
             (first + i as f64 * step, density[i] * (step * end))
         };
         let reflectance = settings.reflectance.as_ref().map(|r| (r, MeanReflectance::new(r)));
-        let blur = Blur::of_coherence(spectra.sigma).variance[0];
+        let blur = Blur::of_coherence(series.sigma).variance[0];
         let (mut variances, mut weights) = (Vec::new(), Vec::new());
         for band in 0..BANDS {
             let nodes: Vec<(f64, DVec3)> =
@@ -64,7 +63,7 @@ impl Specular {
                                 .as_ref()
                                 .map_or(1.0, |(r, mean)| r.at(1.0 / q, 0.5 * w) / mean.at(0.5 * w))
                         };
-                        let power = |q: f64| power(spectra, 2.0 * PI * q * w) * reflected(q);
+                        let power = |q: f64| series.specular_power(2.0 * PI * q * w) * reflected(q);
                         let sum: DVec3 = nodes.iter().map(|(q, xyz)| *xyz * power(*q)).sum();
                         sum.as_vec3().to_array()
                     })
@@ -73,11 +72,4 @@ impl Specular {
         }
         Self { variances, weights }
     }
-}
-
-/// |c_0|² at z \[rad/µm\].
-fn power(spectra: &PowerHeader, z: f64) -> f64 {
-    let mut t = vec![0.0; spectra.specular.len()];
-    polynomials(2.0 * z / spectra.z_max - 1.0, &mut t);
-    spectra.specular.iter().zip(&t).map(|(a, t)| a * t).sum::<f64>().max(0.0)
 }

@@ -7,14 +7,14 @@ use super::{LARGEST_W, TableSettings};
 use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
 use crate::optics::reflectance::{MeanReflectance, Reflectance};
 use crate::optics::spectrum::MIDDLE;
-use crate::spectra::power::chebyshev::{nodes, polynomials};
-use crate::spectra::power::read::{ReadScratch, SpectraReader, Square};
-use crate::spectra::power::texture::PER_TEXEL;
+use crate::spectra::power::chebyshev::nodes;
+use crate::spectra::power::{OrderReader, OrderSeries, ReadScratch, Square};
 use glam::{DVec2, Vec4};
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Values of |w| in a piece of its range, for the coefficients of a cubic; and values that the products take at once.
+/// Values of |w| in a piece of its range, for the coefficients of a cubic.
 pub const NODES: usize = 4;
 
 /// The wavelengths of each direction.
@@ -29,8 +29,8 @@ pub struct DirectionWavelengths {
 
 impl DirectionWavelengths {
     /// For the table of `settings`.
-    pub fn new(reader: &SpectraReader, settings: &TableSettings) -> Self {
-        let orders = reader.header.orders_blur.variance;
+    pub fn new(series: &OrderSeries, settings: &TableSettings) -> Self {
+        let orders = series.blur.variance;
         let variance = settings.finest.powi(2);
         // The response along a ray varies as its blur allows: that of a window of this standard deviation.
         let blur = 0.5 * (orders[0] + orders[1]) + variance / MIDDLE.powi(2);
@@ -84,118 +84,192 @@ impl ReflectanceRow {
     }
 }
 
+/// Values of |w| that the products take at once: the numbers of a vector register.
+const LANES: usize = 8;
+/// Places whose products share what they read of the polynomials.
+const PLACES: usize = 4;
+
 /// Sums over the spectrum at given |w|.
 pub struct Sums<'a> {
-    reader: &'a SpectraReader,
+    reader: &'a OrderReader<'a>,
     spectrum: &'a DirectionWavelengths,
-    // Number of |w|, and the same rounded up to NODES.
+    /// Number of |w|.
     count: usize,
+    /// Number of |w|, rounded up to [`LANES`].
     padded: usize,
-    // For each comb, node by node: [w / NODES][term][w % NODES], q² z²/w² times the Chebyshev polynomials at
-    // z = 2πq|w|.
-    polynomials: Vec<Vec<Vec4>>,
-    // |w|² of each lane.
-    w2: Vec<Vec4>,
+    /// For each comb, node by node: `[w / LANES][term][w % LANES]`, q² z²/w² times the Chebyshev polynomials at z = 2πq|w|.
+    polynomials: Vec<Vec<[f32; LANES]>>,
+    /// |w|².
+    w2: Vec<f32>,
+    /// Registers of this machine.
+    arch: Arch,
 }
 
 /// Working arrays of a thread.
 #[derive(Default)]
 pub struct Scratch {
     reading: ReadScratch,
-    terms: Vec<Vec4>,
-    /// `[texel][channel][w]`, w padded to [`NODES`].
+    /// `[place][term]`.
+    terms: Vec<f32>,
+    /// R, `[place][w]`; empty where R stands in front of the sums.
+    reflectances: Vec<[f32; LANES]>,
+    /// `[place][channel][w]`, w padded to [`LANES`].
     sums: Vec<Vec4>,
 }
 
 impl<'a> Sums<'a> {
-    /// At the four Chebyshev nodes of each of `pieces`.
-    pub fn new(reader: &'a SpectraReader, spectrum: &'a DirectionWavelengths, pieces: usize) -> Self {
+    /// Prepares sums at the four Chebyshev nodes of each of `pieces`.
+    pub fn new(reader: &'a OrderReader<'a>, spectrum: &'a DirectionWavelengths, pieces: usize) -> Self {
         Self::at(reader, spectrum, nodes_of_pieces(pieces))
     }
 
-    /// At the given |w|.
-    pub fn at(reader: &'a SpectraReader, spectrum: &'a DirectionWavelengths, w: Vec<f64>) -> Self {
-        let (terms, z_max) = (reader.header.terms, reader.header.z_max);
-        let (count, padded) = (w.len(), w.len().next_multiple_of(NODES));
+    /// Prepares sums at the given |w|.
+    pub fn at(reader: &'a OrderReader<'a>, spectrum: &'a DirectionWavelengths, w: Vec<f64>) -> Self {
+        let terms = reader.series.terms;
+        let (count, padded) = (w.len(), w.len().next_multiple_of(LANES));
         let of_comb = |comb: &Comb| {
-            let mut values = vec![0f32; comb.weights.len() * terms * padded];
+            let mut values = vec![[0f32; LANES]; comb.weights.len() * terms * padded / LANES];
             let mut t = vec![0.0; terms];
-            for (q, node) in comb.wavenumbers.iter().zip(values.chunks_exact_mut(terms * padded)) {
+            for (q, node) in comb.wavenumbers.iter().zip(values.chunks_exact_mut(terms * padded / LANES)) {
+                let factor = (2.0 * PI * q * q).powi(2);
                 for (i, w) in w.iter().enumerate() {
-                    let factor = (2.0 * PI * q * q).powi(2) * reader.header.unit;
-                    polynomials((4.0 * PI * q * w / z_max - 1.0).min(1.0), &mut t);
-                    let lane = (i / NODES) * terms * NODES + i % NODES;
-                    for (k, t) in t.iter().enumerate() {
-                        node[lane + k * NODES] = (t * factor) as f32;
+                    reader.series.polynomials_at(2.0 * PI * q * w, &mut t);
+                    for (factors, t) in node[i / LANES * terms..].iter_mut().zip(&t) {
+                        factors[i % LANES] = (t * factor) as f32;
                     }
                 }
             }
-            values.chunks_exact(NODES).map(Vec4::from_slice).collect()
+            values
         };
         let polynomials = spectrum.combs.par_iter().map(of_comb).collect();
-        let squared: Vec<f32> = (0..padded).map(|i| w.get(i).map_or(0.0, |w| (w * w) as f32)).collect();
-        let w2 = squared.chunks_exact(NODES).map(Vec4::from_slice).collect();
-        Self { reader, spectrum, count, padded, polynomials, w2 }
+        let w2 = (0..padded).map(|i| w.get(i).map_or(0.0, |w| (w * w) as f32)).collect();
+        Self { reader, spectrum, count, padded, polynomials, w2, arch: Arch::new() }
     }
 
-    /// XYZ at every w for every texel of `tile`, into `scratch`.
+    /// Writes XYZ at every w for every texel of `tile` into `scratch`.
     fn sum(&self, tile: &Square, scratch: &mut Scratch) {
         let number = self.spectrum.comb(tile.farthest());
         let comb = &self.spectrum.combs[number];
-        let (terms, texels, lanes) = (self.reader.header.terms, tile.side * tile.side, self.padded / NODES);
+        let (terms, places) = (self.reader.series.terms, tile.side * tile.side);
         scratch.sums.clear();
-        scratch.sums.resize(texels * 3 * lanes, Vec4::ZERO);
-        scratch.terms.resize(texels * terms / PER_TEXEL, Vec4::ZERO);
-        let per_node = terms * lanes;
-        let layers = terms / PER_TEXEL;
-        for (j, (q, weight)) in comb.wavenumbers.iter().zip(&comb.weights).enumerate() {
-            let square = tile.scaled(*q);
-            self.reader.read(
-                &square,
-                q * q * self.spectrum.variance,
-                &mut scratch.reading,
-                &mut scratch.terms,
-            );
-            let weight = weight.as_vec3().to_array();
-            let matrix = &self.polynomials[number][j * per_node..(j + 1) * per_node];
-            let reflectance = self.spectrum.reflectances.get(number).map(|rows| &rows[j]);
-            let texels = scratch.terms.chunks_exact(layers).zip(scratch.sums.chunks_exact_mut(3 * lanes));
-            for (texel, (series, sums)) in texels.enumerate() {
-                let uv2 = tile.place(texel).length_squared() as f32;
-                for (lane, factors) in matrix.chunks_exact(terms).enumerate() {
-                    let mut value = product(series, factors);
-                    if let Some(row) = reflectance {
-                        value *= Vec4::from(self.w2[lane].to_array().map(|w2| row.at(uv2, w2)));
-                    }
-                    for (channel, weight) in weight.iter().enumerate() {
-                        sums[channel * lanes + lane] += value * *weight;
-                    }
-                }
+        scratch.sums.resize(places * 3 * self.padded / 4, Vec4::ZERO);
+        scratch.terms.resize(places * terms, 0.0);
+        let nodes = comb.wavenumbers.iter().zip(&comb.weights);
+        let polynomials = self.polynomials[number].chunks_exact(terms * self.padded / LANES);
+        for (j, ((q, weight), polynomials)) in nodes.zip(polynomials).enumerate() {
+            let widened = q * q * self.spectrum.variance;
+            self.reader.read(&tile.scaled(*q), widened, &mut scratch.reading, &mut scratch.terms);
+            if let Some(rows) = self.spectrum.reflectances.get(number) {
+                self.reflect(tile, &rows[j], &mut scratch.reflectances);
             }
+            let products =
+                Products { series: &scratch.terms, polynomials, terms, reflectances: &scratch.reflectances };
+            let sums = bytemuck::cast_slice_mut(&mut scratch.sums);
+            self.arch.dispatch(AddProducts { products, weights: weight.as_vec3().to_array(), sums });
         }
     }
 
-    /// XYZ at every w for one place.
+    /// Writes R at a wavenumber for every place of `tile` and every w into `out`.
+    fn reflect(&self, tile: &Square, row: &ReflectanceRow, out: &mut Vec<[f32; LANES]>) {
+        out.clear();
+        for place in 0..tile.side * tile.side {
+            let uv2 = tile.place(place).length_squared() as f32;
+            out.extend(self.w2.as_chunks::<LANES>().0.iter().map(|w2| w2.map(|w2| row.at(uv2, w2))));
+        }
+    }
+
+    /// Returns XYZ at every w for one place.
     pub fn colours(&self, place: DVec2, scratch: &mut Scratch) -> Vec<[f32; 3]> {
         self.sum(&Square::point(place), scratch);
         let sums: &[f32] = bytemuck::cast_slice(&scratch.sums);
         (0..self.count).map(|i| std::array::from_fn(|channel| sums[channel * self.padded + i])).collect()
     }
 
-    /// XYZ at the nodes for every texel of `tile`: `[texel][channel][piece]`, for [`Sums::new`].
-    pub fn at_nodes<'s>(&self, tile: &Square, scratch: &'s mut Scratch) -> &'s [Vec4] {
+    /// Returns XYZ at the nodes for every texel of `tile`: for each texel and channel, the nodes of all pieces and padding.
+    pub fn at_nodes<'s>(&self, tile: &Square, scratch: &'s mut Scratch) -> std::slice::ChunksExact<'s, Vec4> {
         self.sum(tile, scratch);
-        &scratch.sums
+        scratch.sums.chunks_exact(3 * self.padded / 4)
     }
 }
 
-/// max(0, Σ term·factor), at [`NODES`] values of |w|.
-fn product(series: &[Vec4], factors: &[Vec4]) -> Vec4 {
-    let mut sum = Vec4::ZERO;
-    for (terms, factors) in series.iter().zip(factors.chunks_exact(PER_TEXEL)) {
-        sum += factors[0] * terms.x + factors[1] * terms.y + factors[2] * terms.z + factors[3] * terms.w;
+/// Factors of the products at one wavelength.
+struct Products<'a> {
+    /// `[place][term]`.
+    series: &'a [f32],
+    /// `[w / LANES][term][w % LANES]`.
+    polynomials: &'a [[f32; LANES]],
+    /// Number of terms.
+    terms: usize,
+    /// R, `[place][w / LANES][w % LANES]`; empty where R stands in front of the sums.
+    reflectances: &'a [[f32; LANES]],
+}
+
+/// Adds max(0, Σ term·polynomial) · R times the XYZ `weights` of a wavelength to `sums`, for each place and |w|.
+struct AddProducts<'a> {
+    products: Products<'a>,
+    weights: [f32; 3],
+    /// `[place][channel][w]`.
+    sums: &'a mut [f32],
+}
+
+impl WithSimd for AddProducts<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Products { series, polynomials, terms, reflectances } = self.products;
+        let lanes = polynomials.len() / terms;
+        // Registers of each LANES numbers.
+        let each = LANES / S::F32_LANES;
+        let (polynomials, _) = S::as_simd_f32s(polynomials.as_flattened());
+        let (reflectances, _) = S::as_simd_f32s(reflectances.as_flattened());
+        let (sums, _) = S::as_mut_simd_f32s(self.sums);
+        let weights = self.weights.map(|weight| simd.splat_f32s(weight));
+        let (dark, registers) = (simd.splat_f32s(0.0), lanes * each);
+        for register in 0..registers {
+            // Polynomials of this register, term by term.
+            let first = register / each * terms * each + register % each;
+            let polynomials = &polynomials[first..];
+            let mut place = 0;
+            for series in series.chunks(PLACES * terms) {
+                let mut values = [dark; PLACES];
+                let count = series.len() / terms;
+                if count == PLACES {
+                    let (a, rest) = series.split_at(terms);
+                    let (b, rest) = rest.split_at(terms);
+                    let (c, d) = rest.split_at(terms);
+                    let [mut va, mut vb, mut vc, mut vd] = values;
+                    for ((((factor, a), b), c), d) in
+                        polynomials.iter().step_by(each).zip(a).zip(b).zip(c).zip(d)
+                    {
+                        va = simd.mul_add_e_f32s(*factor, simd.splat_f32s(*a), va);
+                        vb = simd.mul_add_e_f32s(*factor, simd.splat_f32s(*b), vb);
+                        vc = simd.mul_add_e_f32s(*factor, simd.splat_f32s(*c), vc);
+                        vd = simd.mul_add_e_f32s(*factor, simd.splat_f32s(*d), vd);
+                    }
+                    values = [va, vb, vc, vd];
+                } else {
+                    for (value, series) in values.iter_mut().zip(series.chunks_exact(terms)) {
+                        for (factor, term) in polynomials.iter().step_by(each).zip(series) {
+                            *value = simd.mul_add_e_f32s(*factor, simd.splat_f32s(*term), *value);
+                        }
+                    }
+                }
+                for value in &values[..count] {
+                    let mut value = simd.max_f32s(*value, dark);
+                    if let Some(reflected) = reflectances.get(place * registers + register) {
+                        value = simd.mul_f32s(value, *reflected);
+                    }
+                    let sums = &mut sums[3 * place * registers..][..3 * registers];
+                    for (channel, weight) in weights.iter().enumerate() {
+                        let sum = &mut sums[channel * registers + register];
+                        *sum = simd.mul_add_e_f32s(value, *weight, *sum);
+                    }
+                    place += 1;
+                }
+            }
+        }
     }
-    sum.max(Vec4::ZERO)
 }
 
 /// The nodes of each of `pieces` of the range of |w|, one piece after the other.
@@ -203,4 +277,44 @@ pub fn nodes_of_pieces(pieces: usize) -> Vec<f64> {
     let length = LARGEST_W / pieces as f64;
     let of_piece = |piece| nodes(NODES, length).into_iter().map(move |w| piece as f64 * length + w);
     (0..pieces).flat_map(of_piece).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use pulp::Scalar;
+
+    #[test]
+    fn products_in_registers_are_the_plain_sums() {
+        let mut random = Random::new(4);
+        let mut numbers = |count: usize| -> Vec<f32> {
+            (0..count).map(|_| random.share() as f32 - 0.4).collect()
+        };
+        // One place less than fills the last block.
+        let (terms, places, lanes) = (12, 7, 2);
+        let series = numbers(places * terms);
+        let polynomials: Vec<[f32; LANES]> = numbers(lanes * terms * LANES).as_chunks().0.to_vec();
+        let reflectances: Vec<[f32; LANES]> = numbers(places * lanes * LANES).as_chunks().0.to_vec();
+        let weights = [0.3, 1.0, -0.2];
+        for reflectances in [&[][..], &reflectances] {
+            let products = || Products { series: &series, polynomials: &polynomials, terms, reflectances };
+            let mut exact = vec![0f32; places * 3 * lanes * LANES];
+            for (i, sum) in exact.iter_mut().enumerate() {
+                let (place, channel, w) = (i / (3 * lanes * LANES), i / (lanes * LANES) % 3, i % (lanes * LANES));
+                let term = |t: usize| series[place * terms + t] * polynomials[w / LANES * terms + t][w % LANES];
+                let value = (0..terms).map(term).sum::<f32>().max(0.0);
+                let r = reflectances.get(place * lanes + w / LANES).map_or(1.0, |r| r[w % LANES]);
+                *sum = value * r * weights[channel];
+            }
+            assert!(exact.iter().any(|sum| *sum != 0.0) && exact.contains(&0.0));
+            let (mut found, mut plain) = (vec![0f32; exact.len()], vec![0f32; exact.len()]);
+            Arch::new().dispatch(AddProducts { products: products(), weights, sums: &mut found });
+            AddProducts { products: products(), weights, sums: &mut plain }.with_simd(Scalar);
+            for sums in [found, plain] {
+                let apart = sums.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0f32, f32::max);
+                assert!(apart < 1e-5, "{apart}");
+            }
+        }
+    }
 }

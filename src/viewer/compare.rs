@@ -2,7 +2,7 @@
 
 use super::settings::OpticsSettings;
 use crate::expansion::Basis;
-use crate::setup::Method;
+use crate::optics::coherence::Windows;
 
 /// How the picture is compared with another setting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -95,25 +95,18 @@ impl Compare {
     }
 }
 
-/// The setting to compare with until the user changes it. For a colour table it is a table of three tenths of the tolerance: one of a tenth takes
-/// a minute and a gigabyte for the default scene, and a sum over wavelengths several minutes a picture on a software device. Else it is a tenth
-/// of the tolerance, by the most accurate basis.
+/// Returns the setting to compare with until the user changes it. For a colour table it is a table of three tenths of the tolerance: one of a tenth takes a
+/// gigabyte for the default scene. For one window it is a tenth of the tolerance, by the most accurate basis.
 pub fn strict(own: &OpticsSettings) -> OpticsSettings {
-    match own.method {
-        Method::Table => {
-            let tolerance = (0.3 * own.tolerance).max(1e-4);
-            OpticsSettings { method: Method::Table, ..optimal(own, tolerance) }
-        }
-        _ => optimal(own, (own.tolerance / 10.0).max(1e-4)),
-    }
+    let share = if own.windows == Windows::All { 0.3 } else { 0.1 };
+    optimal(own, (share * own.tolerance).max(1e-4))
 }
 
 /// The setting for the first colours of a picture; `None` if its own is as quick to prepare.
-pub fn preview(own: &OpticsSettings, of_mean: bool) -> Option<OpticsSettings> {
+pub fn preview(own: &OpticsSettings) -> Option<OpticsSettings> {
     /// Enough to recognise the colours, and in a small part of the usual time.
     const TOLERANCE: f64 = 0.3;
-    let method = if of_mean { Method::Table } else { Method::Spectral };
-    (own.tolerance < TOLERANCE).then(|| OpticsSettings { method, ..optimal(own, TOLERANCE) })
+    (own.tolerance < TOLERANCE).then(|| optimal(own, TOLERANCE))
 }
 
 /// The setting for moving pictures: ten times the tolerance.
@@ -131,20 +124,12 @@ fn loose(own: &OpticsSettings) -> f64 {
 }
 
 fn optimal(own: &OpticsSettings, tolerance: f64) -> OpticsSettings {
-    OpticsSettings {
-        method: Method::Spectral,
-        windows: own.windows,
-        basis: Basis::Optimal,
-        tolerance,
-        terms: None,
-        wavelengths: None,
-    }
+    OpticsSettings { windows: own.windows, basis: Basis::Optimal, tolerance, terms: None, wavelengths: None }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optics::coherence::Windows;
 
     #[test]
     fn the_key_steps_through_all_and_comes_back() {
@@ -173,7 +158,6 @@ mod tests {
     fn the_compared_setting_is_stricter_and_the_moving_picture_looser() {
         for tolerance in [1e-3, 1e-2, 5e-2] {
             let own = OpticsSettings {
-                method: Method::Table,
                 windows: Windows::ONE,
                 basis: Basis::Taylor,
                 tolerance,
@@ -181,9 +165,9 @@ mod tests {
                 wavelengths: None,
             };
             assert!(strict(&own).tolerance < tolerance && coarse(&own).tolerance > tolerance);
-            let first = preview(&own, true).unwrap();
-            assert!(first.tolerance >= coarse(&own).tolerance && first.method == Method::Table);
-            assert_eq!(preview(&first, true), None);
+            let first = preview(&own).unwrap();
+            assert!(first.tolerance >= coarse(&own).tolerance);
+            assert_eq!(preview(&first), None);
             assert_eq!((strict(&own).terms, strict(&own).windows), (None, own.windows));
         }
     }

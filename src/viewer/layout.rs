@@ -83,7 +83,6 @@ mod tests {
             }
             1 => {
                 settings.optics.windows = Windows::All;
-                settings.optics.method = Method::Table;
                 settings.surface.name = "scan.png".into();
             }
             _ => {

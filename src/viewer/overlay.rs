@@ -116,7 +116,7 @@ fn progress(painter: &Painter, at: egui::Pos2, width: f32, what: &str, part: f32
 /// A side of the comparison by its settings, and by its surface where the two sides differ in it.
 fn named(surface: Option<&SurfaceSource>, settings: &ViewSettings, optics: &OpticsSettings) -> String {
     let of_mean = settings.windows(optics) == Windows::All;
-    let by = if of_mean { optics.method.name() } else { optics.basis.name() };
+    let by = if of_mean { Method::Table.name() } else { optics.basis.name() };
     let mut text = String::new();
     if let Some(surface) = surface {
         let name = Path::new(&surface.name).file_name().unwrap_or_default();
@@ -126,7 +126,7 @@ fn named(surface: Option<&SurfaceSource>, settings: &ViewSettings, optics: &Opti
         }
     }
     text += &format!("{by}, {} %", (optics.tolerance * 1e6).round() / 1e4);
-    let terms = optics.terms.filter(|_| optics.method == Method::Spectral);
+    let terms = optics.terms.filter(|_| !of_mean);
     for (number, name) in [(terms, "terms"), (optics.wavelengths, "wavelengths")] {
         if let Some(n) = number {
             text += &format!(", {n} {name}");

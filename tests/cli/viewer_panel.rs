@@ -8,17 +8,14 @@ use crate::viewer::Viewer;
 const LARGE: [&str; 2] = ["--size", "600x1064"];
 
 #[test]
-fn windows_method_and_what_else_the_optics_has_act_on_the_picture() {
+fn windows_and_what_else_the_optics_has_act_on_the_picture() {
     let viewer = Viewer::open(&[&["sphere"][..], &LARGE].concat());
     let (first, _) = viewer.shows("--method table --windows all");
     viewer.says("of a colour table");
-    viewer.press("spectral");
-    viewer.shows("--method spectral --windows all");
     viewer.press("one");
     let (speckled, command) = viewer.shows("--windows 1x1 --basis optimal");
     assert!(speckled != first, "{command}");
     viewer.press_in("windows", "mean"); // levels are called so, too
-    viewer.press("table");
     let (again, _) = viewer.shows("--method table --windows all");
     assert!(again == first);
     viewer.press("one");

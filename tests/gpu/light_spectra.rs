@@ -88,7 +88,7 @@ fn lights_of_several_spectra_add_up_to_pictures_under_each_alone() {
     let sample = Sampling { count: 4, seed: 3 }.sample(1);
     let shown = Shown::plain(0.0, DVec3::ZERO);
     with_device(|device| {
-        for method in [Method::Table, Method::Spectral] {
+        for method in [Method::Table] {
             // Pictures of `lights`, where the objects are shaded from `sources`.
             let picture = |lights: Vec<Light>, sources: [ObjectSources; 2]| {
                 let view = View::of(&scene, lights);
@@ -197,7 +197,7 @@ fn pictures_under_several_spectra_are_those_of_the_reference() {
     let shading = shading(Illuminant::D65);
     let textures = ObjectTextures::of(&scene).unwrap();
     with_device(|device| {
-        for (method, most) in [(Method::Table, 2e-2), (Method::Spectral, 2e-2)] {
+        for (method, most) in [(Method::Table, 2e-2)] {
             let sources = [sources(device, &field, method, &every)];
             let all = objects(&scene, &textures, &sources);
             let mut painter = Painter::of_objects(device, &all, SIZE).unwrap();

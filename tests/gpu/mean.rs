@@ -1,9 +1,10 @@
-//! The mean over all windows on the device, by power spectra and by a colour table, against the f64 mean.
+//! The mean over all windows on the device, by a colour table, against the f64 mean.
 
 use crate::device::with_device;
-use crate::evaluation::{FLOOR, colours, patch, queries};
-use crate::measure::{channel, per_direction};
-use diffract::brdf::mean::{MeanBrdf, SummedOrders, TabulatedMean};
+use crate::evaluation::{colours, patch, queries};
+use crate::measure::channel;
+use diffract::brdf::mean::MeanBrdf;
+use diffract::brdf::tabulated::{SummedOrders, TabulatedMean};
 use diffract::measure::error;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::footprint::{Covariance, FootprintSizes, MOST_SIDES};
@@ -71,8 +72,9 @@ fn relative(found: &[DVec3], exact: &[DVec3]) -> f64 {
     (difference / exact.iter().map(|e| e.length_squared()).sum::<f64>()).sqrt()
 }
 
-/// Colours of single directions meet each of `tolerances` by `method`, and those of a higher surface do not.
-fn colours_meet_their_tolerance(method: Method, tolerances: &[f64]) {
+#[test]
+fn colours_by_a_table_meet_their_tolerance() {
+    let tolerances = [1e-1, 2e-2];
     let queries = colours(21, 300);
     let asked: Vec<_> = queries.iter().map(|q| (q.pair, Covariance::default())).collect();
     with_device(|device| {
@@ -85,15 +87,16 @@ fn colours_meet_their_tolerance(method: Method, tolerances: &[f64]) {
             let any = shading(length, 1.0);
             let table = TabulatedMean::new(mean(&field, &any), SHORTEST, &|_, _| Ok(())).unwrap();
             let exact = table.xyz(&any.illuminant, &asked, SummedOrders::All, &|_, _| Ok(())).unwrap();
-            for &tolerance in tolerances {
+            for tolerance in tolerances {
                 let shading = shading(length, tolerance);
                 let answers = |field: &HeightField| {
-                    let source = source(device, field, &shading, method, FootprintSizes::default());
+                    let source =
+                        source(device, field, &shading, Method::Table, FootprintSizes::default());
                     let mut evaluator = Evaluator::new(device, &source, &shading).unwrap();
                     evaluator.cosine_weighted(&queries).unwrap()
                 };
                 let error = relative(&answers(&field), &exact);
-                eprintln!("{} by {} at {tolerance:e}: {error:.2e}", kind.name(), method.name());
+                eprintln!("{} at {tolerance:e}: {error:.2e}", kind.name());
                 assert!(error <= tolerance, "{} at {tolerance}: {error:e}", kind.name());
                 if tolerances.last() == Some(&tolerance) {
                     let wrong = relative(&answers(&higher(&field)), &exact);
@@ -102,16 +105,6 @@ fn colours_meet_their_tolerance(method: Method, tolerances: &[f64]) {
             }
         }
     });
-}
-
-#[test]
-fn colours_by_a_table_meet_their_tolerance() {
-    colours_meet_their_tolerance(Method::Table, &[1e-1, 2e-2]);
-}
-
-#[test]
-fn colours_by_power_spectra_meet_their_tolerance() {
-    colours_meet_their_tolerance(Method::Spectral, &[1e-1, 1e-2]);
 }
 
 #[test]
@@ -135,7 +128,6 @@ fn materials_and_films_keep_the_tolerance_by_every_source() {
                 queries.iter().map(|q| one.cosine_weighted_xyz(&q.pair, &Illuminant::D65).unwrap()).collect();
             for (windows, method, exact) in [
                 (Windows::All, Method::Table, &exact),
-                (Windows::All, Method::Spectral, &exact),
                 (Windows::ONE, Method::Spectral, &of_window),
             ] {
                 let answers = |shading: &Shading| {
@@ -154,32 +146,12 @@ fn materials_and_films_keep_the_tolerance_by_every_source() {
 }
 
 #[test]
-fn single_wavelengths_by_power_spectra_meet_their_tolerance_and_tables_refuse_them() {
-    let field = patch(SurfaceKind::Elaphe, 12.0);
-    let queries = queries(22, 400);
-    let exact: Vec<f64> = {
-        let shading = shading(16.0, 1.0);
-        let table = TabulatedMean::new(mean(&field, &shading), SHORTEST, &|_, _| Ok(())).unwrap();
-        let none = Covariance::default();
-        queries.iter().map(|q| table.cosine_weighted(&q.pair, q.wavelength.unwrap(), &none)).collect()
-    };
+fn a_table_refuses_single_wavelengths() {
+    let (field, shading) = (patch(SurfaceKind::Elaphe, 4.0), shading(16.0, 1e-1));
     with_device(|device| {
-        for tolerance in [1e-1, 1e-2] {
-            let shading = shading(16.0, tolerance);
-            let answers = |field: &HeightField| -> Vec<f64> {
-                let source = source(device, field, &shading, Method::Spectral, FootprintSizes::default());
-                let mut evaluator = Evaluator::new(device, &source, &shading).unwrap();
-                evaluator.cosine_weighted(&queries).unwrap().iter().map(|f| f.x).collect()
-            };
-            let error = per_direction(&answers(&field), &exact, FLOOR);
-            eprintln!("single wavelengths at {tolerance:e}: {error:.2e}");
-            assert!(error <= tolerance, "{tolerance}: {error:e}");
-            assert!(per_direction(&answers(&higher(&field)), &exact, FLOOR) > 2.0 * tolerance);
-        }
-        let shading = shading(16.0, 1e-1);
         let table = source(device, &field, &shading, Method::Table, FootprintSizes::default());
         let mut evaluator = Evaluator::new(device, &table, &shading).unwrap();
-        assert!(evaluator.cosine_weighted(&queries[..1]).is_err(), "a table holds colours");
+        assert!(evaluator.cosine_weighted(&queries(22, 1)).is_err(), "a table holds colours");
     });
 }
 
@@ -194,8 +166,9 @@ fn directions(device: &Arc<Device>, scene: &Scene, view: &View) -> Vec<Direction
     (0..lights).map(|light| painter.directions(view, light).unwrap()).collect()
 }
 
-/// Pictures over footprints by `method` are within `allowed` of the f64 picture; under another light, and without footprints, they are farther from it.
-fn pictures_are_the_reference_picture(method: Method, allowed: f64) {
+#[test]
+fn a_picture_by_a_table_is_near_the_reference_picture_over_the_same_footprints() {
+    let allowed = TABLE_OVER_FOOTPRINTS;
     let field = patch(SurfaceKind::Elaphe, 12.0);
     let scene = Scene::open("sphere").unwrap();
     let lights = vec![Light::point(45.0, -40.0, 2.0), Light::point(70.0, 60.0, 0.7)];
@@ -203,14 +176,14 @@ fn pictures_are_the_reference_picture(method: Method, allowed: f64) {
     let shading = shading(16.0, 2e-2).for_pictures();
     with_device(|device| {
         let seen = directions(device, &scene, &view);
-        let source = source(device, &field, &shading, method, sizes_of(&seen));
+        let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
         let mesh = &scene.mesh;
         let mut painter = Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
         let mut paint = |view: &View| painter.paint(view, 0.0, DVec3::ZERO).unwrap().radiance;
         let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
         let errors = |found: &[[f32; 4]]| [0, 1, 2].map(|c| channel(found, &exact, c));
         let found = errors(&paint(&view));
-        eprintln!("pictures by {}: {found:.4?}", method.name());
+        eprintln!("pictures by a table: {found:.4?}");
         // Without footprints the reference is another picture.
         let points: Vec<Directions> =
             seen.iter().map(|seen| Directions { footprints: Vec::new(), ..seen.clone() }).collect();
@@ -222,31 +195,18 @@ fn pictures_are_the_reference_picture(method: Method, allowed: f64) {
         eprintln!("without footprints {without:.4?}, under a moved light {wrong:.4?}");
         assert!(wrong.iter().zip(&found).all(|(wrong, found)| *wrong > 1.3 * found), "{wrong:?}");
         assert!(without.iter().all(|&e| e > allowed), "{without:?}");
-        assert!(found.iter().all(|&e| e <= allowed), "{}: {found:?}", method.name());
+        assert!(found.iter().all(|&e| e <= allowed), "{found:?}");
     });
 }
 
 /// Relative L2 error that is measured for one sample of this sphere, whose footprints are up to a hundred times as wide as an order.
 const TABLE_OVER_FOOTPRINTS: f64 = 0.016;
-/// The same by power spectra.
-const SPECTRAL_OVER_FOOTPRINTS: f64 = 0.012;
 
 /// The same for 16 samples under one light, which is seen at a narrower highlight.
 const TABLE_OF_SAMPLES: f64 = 0.006;
-const SPECTRAL_OF_SAMPLES: f64 = 0.006;
 
 /// The same for single samples of a light that moves.
 const TABLE_OF_FRAMES: f64 = 0.026;
-
-#[test]
-fn a_picture_by_a_table_is_near_the_reference_picture_over_the_same_footprints() {
-    pictures_are_the_reference_picture(Method::Table, TABLE_OVER_FOOTPRINTS);
-}
-
-#[test]
-fn a_picture_by_power_spectra_is_near_the_reference_picture_over_the_same_footprints() {
-    pictures_are_the_reference_picture(Method::Spectral, SPECTRAL_OVER_FOOTPRINTS);
-}
 
 #[test]
 fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far() {
@@ -260,21 +220,19 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
     assert!(reflectance.is_spectral(), "the scene has a material");
     // A mirror is in closed form. Of a patch of few orders a Gaussian so wide is read from the coarsest level, by cubics that hold colours over |w|
     // at one place of (u, v).
-    for (kind, allowed) in [(SurfaceKind::Flat, [0.02, 0.002]), (SurfaceKind::Elaphe, [0.07, 0.04])] {
+    for (kind, allowed) in [(SurfaceKind::Flat, 0.02), (SurfaceKind::Elaphe, 0.07)] {
         let field = patch(kind, 4.0);
         let shading = Shading { reflectance: reflectance.clone(), ..shading(8.0, 2e-2) }.for_pictures();
         with_device(|device| {
             let seen = directions(device, &scene, &view);
             let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
-            for (method, allowed) in [Method::Table, Method::Spectral].into_iter().zip(allowed) {
-                let source = source(device, &field, &shading, method, sizes_of(&seen));
-                let mut painter =
-                    Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
-                let found = painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
-                let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
-                eprintln!("{} under large pixels by {}: {errors:.4?}", kind.name(), method.name());
-                assert!(errors.iter().all(|&e| e <= allowed), "{}: {errors:?}", method.name());
-            }
+            let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
+            let mut painter =
+                Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
+            let found = painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
+            let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
+            eprintln!("{} under large pixels: {errors:.4?}", kind.name());
+            assert!(errors.iter().all(|&e| e <= allowed), "{errors:?}");
         });
     }
 }
@@ -300,15 +258,11 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
         let object = ReferenceObject { field: Some(&field), shading, base_color };
         let samples = ReferenceSamples { sampling: &sampling, size: SIZE, chosen: &|_| true };
         let exact = reference_mean(&[object], &view, &samples, &mut seen, &|_, _| Ok(())).unwrap();
-        for (method, allowed) in [(Method::Table, TABLE_OF_SAMPLES), (Method::Spectral, SPECTRAL_OF_SAMPLES)]
-        {
-            let source = source(device, &field, shading, method, least);
-            let found =
-                new(&source).paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap().radiance;
-            let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
-            eprintln!("16 samples by {}: {errors:.4?}", method.name());
-            assert!(errors.iter().all(|&e| e <= allowed), "{}: {errors:?}", method.name());
-        }
+        let source = source(device, &field, shading, Method::Table, least);
+        let found = new(&source).paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap().radiance;
+        let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
+        eprintln!("16 samples: {errors:.4?}");
+        assert!(errors.iter().all(|&e| e <= TABLE_OF_SAMPLES), "{errors:?}");
     });
 }
 

@@ -73,11 +73,11 @@ fn each_object_of_a_scene_is_drawn_as_it_would_be_alone_where_nothing_stands_bef
     with_device(|device| {
         let footprints = FootprintSizes::default();
         // Sources of three kinds: a table, a sum over wavelengths, and none.
-        let shadings = [shading(1.5), shading(2.0), Shading::default()];
+        let of_window = Shading { windows: Windows::ONE, tolerance: 1e-1, ..shading(2.0) };
+        let shadings = [shading(1.5), of_window, Shading::default()];
         let first =
             source(device, &patch(SurfaceKind::Elaphe, 12.0), &shadings[0], Method::Table, footprints);
-        let second =
-            source(device, &patch(SurfaceKind::Blaze, 12.0), &shadings[1], Method::Spectral, footprints);
+        let second = window(&layers(&patch(SurfaceKind::Blaze, 12.0), &shadings[1]));
         let sources = [first, second, pigment_alone()].into_iter().zip(shadings);
         let sources: Vec<_> = sources.map(|(source, shading)| ObjectSources::new(source, shading)).collect();
         let all = objects(&scene, &textures, &sources);

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:
   diffract profile
-  diffract profile disc --method spectral --tolerance 5e-2 --size 640x480 --error 2000
+  diffract profile disc --windows 1x1 --tolerance 5e-2 --size 640x480 --error 2000
   diffract profile --fps 15 --json profile.json")]
 pub struct Arguments {
     #[command(flatten)]

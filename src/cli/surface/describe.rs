@@ -9,7 +9,7 @@ use crate::optics::spectrum::SHORTEST;
 use crate::optics::validity::Validity;
 use crate::precompute::layers::largest_z;
 use crate::setup;
-use crate::spectra::power::{Estimate, PowerSettings, estimate};
+use crate::spectra::power::{Estimate, OrderSeries, PowerSettings};
 use crate::surface::prepare;
 use crate::surface::statistics::{Period, notes};
 use crate::surface::{HeightField, Statistics, SurfaceSource};
@@ -131,7 +131,7 @@ fn optics(field: &HeightField, statistics: &Statistics) -> Vec<Line> {
         ("directions held at 380 nm", held),
         ("largest phase k|w|a", format!("{x:.2}")),
     ];
-    lines.extend([1e-1, 1e-2, 1e-3].map(|tolerance| ("power spectra", power_cost(field, tolerance))));
+    lines.extend([1e-1, 1e-2, 1e-3].map(|tolerance| ("orders of the mean", power_cost(field, tolerance))));
     for tolerance in [1e-1, 1e-2, 1e-3, 1e-4] {
         let bound = match terms_for(x, tolerance, F32_ROUNDOFF) {
             Ok(terms) => {
@@ -146,15 +146,15 @@ fn optics(field: &HeightField, statistics: &Statistics) -> Vec<Line> {
     lines
 }
 
-/// What the mean over coherence areas takes in sunlight for a `tolerance`.
+/// Returns the size of the orders' series in sunlight for a `tolerance`.
 fn power_cost(field: &HeightField, tolerance: f64) -> String {
     const MIB: f64 = 1024.0 * 1024.0;
     let settings = PowerSettings::new(SUNLIGHT_LENGTH / 4.0, setup::beyond_of(field), tolerance);
-    let Some(Estimate { terms, size: [x, y], bytes }) = estimate(field, &settings) else {
+    let Some(Estimate { terms, orders: [x, y], bytes }) = OrderSeries::estimate(field, &settings) else {
         return format!("error {tolerance:.0e}: not for so high a surface");
     };
     let mib = bytes as f64 / MIB;
     format!(
-        "error {tolerance:.0e}: from {terms} terms on over {x} x {y} frequencies, {mib:.1} MiB (coherence of 65 um)"
+        "error {tolerance:.0e}: from {terms} terms on for {x} x {y} orders, {mib:.1} MiB (coherence of 65 um)"
     )
 }

@@ -9,7 +9,7 @@ use crate::optics::footprint::Covariance;
 use crate::optics::geometry::{Pair, direction};
 use crate::optics::spectrum::{Illuminant, SHORTEST};
 use crate::setup;
-use crate::spectra::power::{PowerSettings, power_spectra};
+use crate::spectra::power::{OrderSeries, PowerSettings};
 use crate::surface::{HeightField, Statistics};
 use crate::table::{ColorTable, TableReader, TableSettings, bake};
 use glam::DVec3;
@@ -20,14 +20,14 @@ use std::borrow::Cow;
 const SIDE: u32 = 600;
 /// Standard deviation of the directions that a point of a map averages over: a quarter of a degree, about what light of 65 µm coherence blurs.
 const SPREAD: f64 = 0.004;
-/// Relative errors of the power spectra (two) and of the colour table (three). Together with the mixing of two levels of the spectra, which does not fall
-/// with them, they come to 0.11 relative L2 over directions (measured on *Elaphe*): what a glance does not show.
+/// Relative errors of the orders' series and of the colour table (three). Together they come to 0.11 relative L2 over directions (measured on
+/// *Elaphe*): what a glance does not show.
 const ERROR: f64 = 0.05;
 /// Samples on a side that the colours are made from: the middle of a larger field.
 const MOST_SAMPLES: usize = 1024;
-/// Most bytes of the power spectra and of the colour table.
+/// Most bytes of the colour table.
 const MEMORY: usize = 1 << 30;
-/// Most texels on a side of either.
+/// Most texels along a side of it.
 const MOST_TEXELS: usize = 1 << 14;
 /// Coherence length of the light \[µm\], and refractive index of the surface: the defaults of all commands.
 const COHERENCE: f64 = 65.0;
@@ -38,7 +38,7 @@ const SLANTED: f64 = 45.0;
 /// Panels of the colours in light from straight above and from aside, across the strongest grooves, and words for the caption.
 ///
 /// # Errors
-/// A surface that is too high for the power spectra, or no memory for them.
+/// A surface that is too high for the series in z, or too little memory.
 pub fn panels(field: &HeightField, statistics: &Statistics) -> Result<(Vec<Panel>, String)> {
     let part = middle(field);
     let table = table(&part)?;
@@ -61,15 +61,11 @@ pub fn panels(field: &HeightField, statistics: &Statistics) -> Result<(Vec<Panel
 
 /// The colour table of `field`.
 fn table(field: &HeightField) -> Result<ColorTable> {
-    let spectra = PowerSettings {
+    let powers = PowerSettings {
         sigma: Coherence::Gaussian { length: COHERENCE }.sigma().unwrap_or(COHERENCE),
         beyond: setup::beyond_of(field),
         shortest: SHORTEST,
-        series_error: ERROR,
-        reading_error: ERROR,
-        least_footprint: SPREAD,
-        side_limit: MOST_TEXELS,
-        memory_limit: MEMORY,
+        error: ERROR,
     };
     let colours = TableSettings {
         illuminant: Illuminant::D65,
@@ -85,7 +81,7 @@ fn table(field: &HeightField) -> Result<ColorTable> {
         side_limit: MOST_TEXELS,
         memory_limit: MEMORY,
     };
-    bake(&power_spectra(field, &spectra, &|_, _| Ok(()))?, &colours, &|_, _| Ok(()))
+    bake(&OrderSeries::new(field, &powers, &|_, _| Ok(()))?, &colours, &|_, _| Ok(()))
 }
 
 /// `field`, or the middle of it.
@@ -169,7 +165,8 @@ fn exposure(map: &HemisphereMap, light: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::brdf::mean::{MeanBrdf, SummedOrders, TabulatedMean};
+    use crate::brdf::mean::MeanBrdf;
+    use crate::brdf::tabulated::{SummedOrders, TabulatedMean};
     use crate::surface::synth::{Spec, SurfaceKind, generate};
 
     fn small(kind: SurfaceKind) -> HeightField {

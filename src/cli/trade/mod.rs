@@ -179,6 +179,7 @@ impl<'a> TradeSweep<'a> {
             kernel: summary.kernel,
             wavelengths: cost.wavelengths_per_pixel(),
             samples: cost.samples_per_pixel(),
+            promised: options.promised(),
             ..measured
         })
     }
@@ -242,17 +243,15 @@ impl<'a> TradeSweep<'a> {
     }
 }
 
-/// The settings of a sweep: each basis over tolerances, then some over numbers of terms and of wavelengths.
+/// Returns the settings of a sweep: tables and one window by each basis over tolerances, then some over numbers of terms.
 fn settings(quick: bool) -> Vec<String> {
-    let mut all = Vec::new();
-    let tolerances: &[&str] =
-        if quick { &["1e-1", "1e-2", "1e-3"] } else { &["2e-1", "1e-1", "3e-2", "1e-2", "3e-3", "1e-3"] };
-    for basis in ["taylor", "optimal"] {
-        all.extend(tolerances.iter().map(|e| format!("--windows 1x1 --basis {basis} --tolerance {e}")));
+    let tables: &[&str] = if quick { &["1e-1", "2e-2", "1e-2"] } else { &["1e-1", "5e-2", "2e-2", "1e-2"] };
+    let windows: &[&str] =
+        if quick { &["1e-1", "1e-2"] } else { &["2e-1", "1e-1", "3e-2", "1e-2", "3e-3", "1e-3"] };
+    let mut all: Vec<String> = tables.iter().map(|e| format!("--method table --tolerance {e}")).collect();
+    for basis in ["optimal", "taylor"] {
+        all.extend(windows.iter().map(|e| format!("--windows 1x1 --basis {basis} --tolerance {e}")));
     }
-    let table: &[&str] = if quick { &["1e-1", "2e-2"] } else { &["1e-1", "5e-2", "2e-2", "1e-2"] };
-    all.extend(table.iter().map(|e| format!("--method table --tolerance {e}")));
-    all.extend(tolerances.iter().map(|e| format!("--method spectral --tolerance {e}")));
     if quick {
         return all;
     }
@@ -261,9 +260,6 @@ fn settings(quick: bool) -> Vec<String> {
         all.extend(
             ["taylor", "optimal"].map(|basis| format!("--windows 1x1 --basis {basis} --terms {terms}")),
         );
-    }
-    for wavelengths in [16, 31, 41, 81, 161] {
-        all.push(format!("--method spectral --wavelengths {wavelengths}"));
     }
     all
 }

@@ -8,7 +8,6 @@ mod bound;
 pub mod classical_grating;
 pub mod cost;
 pub mod grating;
-pub mod mean;
 pub mod part;
 mod reflectance;
 pub mod spectra;
@@ -19,7 +18,6 @@ pub mod window;
 pub use bound::BoundSource;
 pub use classical_grating::ClassicalGrating;
 pub use grating::Grating;
-pub use mean::Mean;
 pub use table::Table;
 pub use thesis::Thesis;
 pub use window::Window;
@@ -38,8 +36,6 @@ use std::sync::Arc;
 /// What a pixel is shaded from: data on the host, cheap to clone.
 #[derive(Clone)]
 pub enum Source {
-    /// Power spectra of the mean over all windows, summed over wavelengths.
-    Mean(Mean),
     /// Spectra through one Gaussian window, summed over wavelengths.
     Window(Window),
     /// Spectra of one period, repeated n × m times.
@@ -111,7 +107,6 @@ impl Source {
     /// Where the device has no room.
     pub fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
         match self {
-            Self::Mean(source) => source.bind(device, shading),
             Self::Window(source) => source.bind(device, shading),
             Self::Grating(source) => source.bind(device, shading),
             Self::Table(source) => source.bind(device, shading),
@@ -127,7 +122,6 @@ impl Source {
     /// Where the device has no room.
     pub fn rebind(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
         match self {
-            Self::Mean(source) => source.set(device, bound, shading),
             Self::Window(source) => source.set(device, bound, shading),
             Self::Grating(source) => source.set(device, bound, shading),
             Self::Table(source) => source.set(device, bound, shading),
@@ -142,7 +136,6 @@ impl Source {
             (Self::Window(a), Self::Window(b)) => Arc::ptr_eq(&a.layers, &b.layers),
             (Self::Grating(a), Self::Grating(b)) => Arc::ptr_eq(&a.layers, &b.layers),
             (Self::Table(a), Self::Table(b)) => Arc::ptr_eq(&a.table, &b.table),
-            (Self::Mean(a), Self::Mean(b)) => Arc::ptr_eq(&a.spectra, &b.spectra),
             _ => false,
         }
     }
@@ -153,7 +146,6 @@ impl Source {
             Self::Window(Window { layers })
             | Self::Grating(Grating { layers, .. })
             | Self::Thesis(Thesis { layers, .. }) => spectra::extent(layers),
-            Self::Mean(source) => source.extent(),
             Self::Table(source) => source.extent(),
             Self::ClassicalGrating(_) => Extent::default(),
         }
@@ -165,14 +157,13 @@ impl Source {
             Self::Window(Window { layers })
             | Self::Grating(Grating { layers, .. })
             | Self::Thesis(Thesis { layers, .. }) => Some(layers.terms),
-            Self::Mean(_) | Self::Table(_) | Self::ClassicalGrating(_) => None,
+            Self::Table(_) | Self::ClassicalGrating(_) => None,
         }
     }
 
     /// What reports say of it, drawn under `shading`.
     pub fn summary(&self, shading: &Shading) -> SourceSummary {
         match self {
-            Self::Mean(source) => source.summary(),
             Self::Window(source) => source.summary(shading),
             Self::Grating(source) => source.summary(shading),
             Self::Table(source) => source.summary(),
@@ -184,7 +175,6 @@ impl Source {
     /// What a frame does that shades `directions` (one entry per light) under `shading`.
     pub fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
         match self {
-            Self::Mean(source) => source.cost(shading, directions),
             Self::Window(source) => source.cost(shading, directions),
             Self::Grating(source) => source.cost(shading, directions),
             Self::Table(source) => source.cost(shading, directions),

@@ -11,16 +11,17 @@
 //! There is no phase between orders, and every term is at least 0. As everywhere in the program, z = k|w| is positive and
 //! frequencies are those of ω_i + ω_r = −(u, v), which is the same point reflection of both signs.
 
-mod cache;
 pub mod chebyshev;
-mod make;
 mod orders;
-pub mod read;
-pub mod texture;
+mod pyramid;
+mod read;
+mod series;
 
 pub use crate::optics::coherence::Beyond;
-pub use make::{Estimate, PowerHeader, PowerSettings, PowerSpectra, estimate, power_spectra};
 pub use orders::{OrderGrid, OrderPowers, Transform};
+pub use pyramid::{Downsampling, Pyramid, PyramidLevel};
+pub use read::{OrderReader, ReadScratch, Square};
+pub use series::{EVEN, Estimate, OrderSeries, PowerSettings, TERMS_AT_ONCE};
 
 use std::f64::consts::PI;
 
@@ -28,7 +29,7 @@ use std::f64::consts::PI;
 /// few percent at half a side; beyond it the patch says nothing about the surface.
 pub const LAG_WINDOW: f64 = 0.18;
 
-/// The Gaussian that blurs each order, by axis.
+/// Gaussian that blurs each order, by axis.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Blur {
     /// Variance along f_x and f_y \[µm⁻²\].
@@ -36,12 +37,12 @@ pub struct Blur {
 }
 
 impl Blur {
-    /// γ̂ of a Gaussian coherence window of standard deviation `sigma` \[µm\].
+    /// Returns γ̂ of a Gaussian coherence window of standard deviation `sigma` \[µm\].
     pub fn of_coherence(sigma: f64) -> Self {
         Self { variance: [1.0 / (8.0 * (PI * sigma).powi(2)); 2] }
     }
 
-    /// The blur of the orders of a patch of side lengths `patch` \[µm\] in light of coherence `sigma` \[µm\]: with
+    /// Returns the blur of the orders of a patch of side lengths `patch` \[µm\] in light of coherence `sigma` \[µm\]: with
     /// [`Beyond::Alike`] the lag window's transform widens it.
     pub fn of_orders(sigma: f64, patch: [f64; 2], beyond: Beyond) -> Self {
         let mut blur = Self::of_coherence(sigma);
@@ -51,10 +52,5 @@ impl Blur {
             }
         }
         blur
-    }
-
-    /// Standard deviations of the window that it is the transform of \[µm\]: γ = exp(−2π²b²Δ²) for a variance b².
-    pub fn window(&self) -> [f64; 2] {
-        self.variance.map(|variance| 1.0 / (2.0 * PI * variance.sqrt()))
     }
 }

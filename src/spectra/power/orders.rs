@@ -87,6 +87,11 @@ impl<'a> Transform<'a> {
         }
     }
 
+    /// The height field.
+    pub fn field(&self) -> &HeightField {
+        self.field
+    }
+
     /// The orders that are kept.
     pub fn grid(&self) -> &OrderGrid {
         &self.grid

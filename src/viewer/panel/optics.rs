@@ -5,7 +5,6 @@ use super::section;
 use crate::expansion::Basis;
 use crate::optics::coherence::{Coherence, Windows};
 use crate::optics::spectrum;
-use crate::setup::Method;
 use crate::viewer::model::Model;
 use crate::viewer::settings::OpticsSettings;
 use crate::viewer::style;
@@ -35,13 +34,7 @@ pub fn setting(ui: &mut Ui, id: &str, optics: &mut OpticsSettings, coherence: Co
             ui.selectable_value(&mut optics.windows, Windows::ONE, "one");
         });
     }
-    if !finite && optics.windows == Windows::All {
-        rows::show(ui, &rows::METHOD, |ui| {
-            for method in [Method::Table, Method::Spectral] {
-                ui.selectable_value(&mut optics.method, method, method.name());
-            }
-        });
-    } else {
+    if finite || optics.windows != Windows::All {
         rows::show(ui, &rows::BASIS, |ui| {
             let all = Basis::ALL.map(|b| (b, b.name()));
             let shown = optics.basis.name();

@@ -68,8 +68,6 @@ rows! {
     WINDOWS = SettingRow::setting("windows", "--windows", "mean: what a pixel sees, the average over all positions of the coherence window. \
         one: a single window, with its speckle.")
         .copied(|to, from| to.optics.windows = from.optics.windows);
-    METHOD = SettingRow::setting("method", "--method", "table: reads colours that are summed beforehand, the fastest. spectral: sums the wavelengths in every pixel.")
-        .copied(|to, from| to.optics.method = from.optics.method);
     BASIS = SettingRow::setting("basis", "--basis", "Functions that the phase is expanded in. optimal: fewest terms for the tolerance. taylor: powers of the height.")
         .copied(|to, from| to.optics.basis = from.optics.basis);
     TOLERANCE = SettingRow::setting("tolerance", "--tolerance", "Accepted relative error of the colours, root mean square. Smaller is slower.")

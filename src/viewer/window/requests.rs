@@ -34,7 +34,7 @@ impl ViewerWindow {
             self.request_as_seen(&own);
         }
         // No spectra are as fast as a colour table, which reduces its resolution instead.
-        if self.model.pacing.quality.is_slow() && ready && own.optics.method == Method::Spectral {
+        if self.model.pacing.quality.is_slow() && ready && own.method(&own.optics) == Method::Spectral {
             let optics = compare::coarse(&own.optics);
             self.request_preparation(Role::Coarse, &ViewSettings { optics, ..own.clone() });
             // Through repeats the wavelengths are those of the grating's orders: none can be left out.
@@ -87,12 +87,11 @@ impl ViewerWindow {
 
     /// Requests the first colours of `own`, if that is not requested yet.
     fn request_preview(&mut self, own: &ViewSettings) {
-        let of_mean = own.windows(&own.optics) == Windows::All;
         if self.is_requested(Role::Own, own) {
             return;
         }
         self.requested.preparations[Role::Preview as usize] = None;
-        if let Some(optics) = compare::preview(&own.optics, of_mean) {
+        if let Some(optics) = compare::preview(&own.optics) {
             self.request_preparation(Role::Preview, &ViewSettings { optics, ..own.clone() });
         }
     }

@@ -1,0 +1,365 @@
+//! The mean over coherence areas in f64 for many directions: Fourier transforms at Chebyshev nodes in z give every order's power, and a direction sums
+//! the few orders around it.
+
+use super::mean::MeanBrdf;
+use super::spread::{CUT, NEAREST, Spread};
+use crate::error::Result;
+use crate::optics::brdf::cosine_weighted;
+use crate::optics::footprint::Covariance;
+use crate::optics::geometry::Pair;
+use crate::optics::nufft::Progress;
+use crate::optics::quadrature::{Nodes, SPAN};
+use crate::optics::spectrum::{Illuminant, LONGEST};
+use crate::spectra::power::{
+    Blur, Downsampling, OrderGrid, OrderSeries, PowerSettings, Pyramid, PyramidLevel, TERMS_AT_ONCE,
+    Transform,
+};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+/// Nodes in z beyond those that the height range asks for: the interpolation error falls below 1e-8 on every surface of the tests.
+const MORE_NODES: usize = 16;
+
+/// Orders that are summed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SummedOrders {
+    /// All of them.
+    All,
+    /// All but the specular one.
+    Scattered,
+}
+
+/// Wavelengths that colours are summed over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColourSampling {
+    /// Level of the coherence function beyond which the colour integral may alias.
+    pub alias_level: f64,
+    /// Wavelengths that the colour functions alone take.
+    pub nodes: usize,
+}
+
+impl ColourSampling {
+    /// Sampling of the reference: with 101 wavelengths, colours of *Elaphe* in the specular direction differ from 401 by 1.6e-6.
+    pub const EXACT: Self = Self { alias_level: 1e-9, nodes: 128 };
+
+    /// Returns the sampling that keeps the relative error of each colour well below `tolerance`, dark ones included.
+    pub fn within(tolerance: f64) -> Self {
+        /// Relative level of aliases, so that a colour a thousand times as dark as its neighbours keeps the tolerance.
+        const BELOW: f64 = 1e-3;
+        /// Wavelengths of the colour functions alone for a relative error of 1e-3.
+        const NODES: usize = 64;
+        let alias_level = (BELOW * tolerance).clamp(Self::EXACT.alias_level, 1e-4);
+        Self { alias_level, nodes: if tolerance < 1e-3 { Self::EXACT.nodes } else { NODES } }
+    }
+}
+
+/// The mean with every order's power as a Chebyshev series in z. Its power differs from the direct sum by less than 1e-5.
+pub struct TabulatedMean<'a> {
+    mean: MeanBrdf<'a>,
+    sampling: ColourSampling,
+    series: OrderSeries,
+    // Made when an average over many orders is first asked for.
+    pyramid: OnceLock<Pyramid>,
+}
+
+impl<'a> TabulatedMean<'a> {
+    /// Tabulates the powers of all orders of `mean` for wavelengths from `shortest` \[µm\].
+    ///
+    /// # Errors
+    /// Too little memory; errors of `progress`.
+    pub fn new(mean: MeanBrdf<'a>, shortest: f64, progress: Progress<'_>) -> Result<Self> {
+        Self::with_sampling(mean, shortest, ColourSampling::EXACT, progress)
+    }
+
+    /// Tabulates the powers of all orders, for colours by `sampling`.
+    ///
+    /// # Errors
+    /// As [`TabulatedMean::new`].
+    pub fn with_sampling(
+        mean: MeanBrdf<'a>,
+        shortest: f64,
+        sampling: ColourSampling,
+        progress: Progress<'_>,
+    ) -> Result<Self> {
+        let MeanBrdf { field, sigma, beyond, .. } = mean;
+        let (low, high) = field.range();
+        let settings = PowerSettings { shortest, ..PowerSettings::new(sigma, beyond, 0.0) };
+        let turns = 2.0 * PI / shortest * (high - low);
+        let terms = (turns.ceil() as usize + MORE_NODES).next_multiple_of(TERMS_AT_ONCE);
+        let [x, y] = mean.blur().variance;
+        let grid = OrderGrid::new(field, 2.0 / shortest, CUT * x.max(y).sqrt());
+        let transform = Transform::new(field, grid, beyond);
+        transform.ensure_room()?;
+        let series = OrderSeries::with_terms(&transform, &settings, terms, progress)?;
+        progress(terms, terms)?;
+        Ok(Self { mean, sampling, series, pyramid: OnceLock::new() })
+    }
+
+    /// Returns ⟨|P|²⟩/A \[µm²\] as [`MeanBrdf::power`].
+    pub fn power(&self, uvw: DVec3, q: f64, around: &Covariance) -> f64 {
+        let f = -uvw.truncate() * q;
+        let lobe = Spread::new(Blur::of_coherence(self.mean.sigma), around, q);
+        let specular = if self.mean.holds(f) { self.specular_order(uvw, q) * lobe.density(f) } else { 0.0 };
+        specular + self.scattered_power(uvw, q, around)
+    }
+
+    /// Returns the same without the specular order.
+    pub fn scattered_power(&self, uvw: DVec3, q: f64, around: &Covariance) -> f64 {
+        let f = -uvw.truncate() * q;
+        let z = 2.0 * PI * q * uvw.z.abs();
+        if !self.mean.holds(f) || z > self.series.z_max * (1.0 + 1e-9) {
+            return 0.0;
+        }
+        z * z * self.blurred(f, &Spread::new(self.mean.blur(), around, q), &self.polynomials_at(z))
+    }
+
+    /// Returns |c_0|² at wavenumber `q` \[µm⁻¹\], the specular order's share of the power.
+    pub fn specular_order(&self, uvw: DVec3, q: f64) -> f64 {
+        let z = 2.0 * PI * q * uvw.z.abs();
+        if z > self.series.z_max * (1.0 + 1e-9) {
+            return 0.0;
+        }
+        self.series.specular_power(z)
+    }
+
+    fn polynomials_at(&self, z: f64) -> Vec<f32> {
+        let mut t = vec![0.0; self.series.terms];
+        self.series.polynomials_at(z, &mut t);
+        t.into_iter().map(|t| t as f32).collect()
+    }
+
+    /// Returns Σ_m |c_m|²/z² γ̂(f − m/T) for the polynomials `t` of z, γ̂ being `spread`.
+    fn blurred(&self, f: DVec2, spread: &Spread, t: &[f32]) -> f64 {
+        let [width, height] = self.series.grid.patch;
+        let beyond = |[x, y]: [f64; 2]| spread.beyond([x / (width * width), y / (height * height)]);
+        // Two orders: the blur of the first level.
+        const NARROWEST: [f64; 2] = [4.0; 2];
+        let orders = Pyramid::orders(&self.series);
+        if beyond(NARROWEST).is_none() {
+            return self.sum(f, spread, t, &orders);
+        }
+        let pyramid = self.pyramid.get_or_init(|| Pyramid::new(&self.series, Downsampling::EXACT));
+        let levels = (1..pyramid.count()).rev().map(|number| pyramid.level(number, &self.series));
+        let coarser = levels.filter_map(|level| Some((beyond(level.grid.variance)?, level))).next();
+        match coarser {
+            Some((left, level)) => self.sum(f, &left, t, &level),
+            None => self.sum(f, spread, t, &orders),
+        }
+    }
+
+    /// Sums the points of `level` under `spread` about `f`, for the polynomials `t` of z. The orders nearest to `f` always count: between
+    /// those of a short patch there is nothing but what they leave.
+    fn sum(&self, f: DVec2, spread: &Spread, t: &[f32], level: &PyramidLevel<'_>) -> f64 {
+        let step = level.grid.step;
+        let points = DVec2::from_array(self.series.grid.patch) / DVec2::from_array(step);
+        let reach = (spread.yy.sqrt() * CUT).max(NEAREST / points.y);
+        let [first, last] = [((f.y - reach) * points.y).ceil(), ((f.y + reach) * points.y).floor()];
+        let mut sum = 0.0;
+        for row in first as i64..=last as i64 {
+            let y = row as f64 / points.y - f.y;
+            let [left, right] = spread.row(y, NEAREST / points.x);
+            let columns = ((f.x + left) * points.x).ceil() as i64..=((f.x + right) * points.x).floor() as i64;
+            let from = DVec2::new(*columns.start() as f64 / points.x - f.x, y);
+            let count = (columns.end() - columns.start() + 1).max(0) as usize;
+            spread.densities(from, 1.0 / points.x, count, |k, weight| {
+                if let Some(series) = level.at(columns.start() + k as i64, row) {
+                    sum += weight * f64::from(dot(series, t));
+                }
+            });
+        }
+        (sum * step[0] * step[1]).max(0.0)
+    }
+
+    /// Returns f cos θ_i \[sr⁻¹\] of one pair at `wavelength` \[µm\], averaged over `around`.
+    pub fn cosine_weighted(&self, pair: &Pair, wavelength: f64, around: &Covariance) -> f64 {
+        self.weighted(pair, wavelength, |uvw, q| self.power(uvw, q, around))
+    }
+
+    /// Returns f cos θ_i \[sr⁻¹\] for the `power` at (u, v, w) and a wavenumber.
+    fn weighted(&self, pair: &Pair, wavelength: f64, power: impl Fn(DVec3, f64) -> f64) -> f64 {
+        if !pair.above_horizon() {
+            return 0.0;
+        }
+        let reflectance = self.mean.reflectance.at(wavelength, pair.cos_half_angle());
+        reflectance * cosine_weighted(pair, wavelength, 1.0, power(pair.uvw(), 1.0 / wavelength))
+    }
+
+    /// Returns XYZ of f cos θ_i \[sr⁻¹\] of each pair under `illuminant`, averaged over the covariance beside it, by these `orders`.
+    ///
+    /// # Errors
+    /// What `progress` returns.
+    pub fn xyz(
+        &self,
+        illuminant: &Illuminant,
+        pairs: &[(Pair, Covariance)],
+        orders: SummedOrders,
+        progress: Progress<'_>,
+    ) -> Result<Vec<DVec3>> {
+        const AT_ONCE: usize = 1024;
+        let counts: Vec<usize> = pairs.iter().map(|(pair, around)| self.colour_nodes(pair, around)).collect();
+        let distinct: std::collections::BTreeSet<usize> = counts.iter().copied().collect();
+        let combs: BTreeMap<usize, Nodes> =
+            distinct.into_par_iter().map(|n| (n, Nodes::catmull_rom(illuminant, n))).collect();
+        let mut colours = Vec::with_capacity(pairs.len());
+        for (pairs_now, counts_now) in pairs.chunks(AT_ONCE).zip(counts.chunks(AT_ONCE)) {
+            progress(colours.len(), pairs.len())?;
+            colours.par_extend(pairs_now.par_iter().zip(counts_now).map(|((pair, around), count)| {
+                combs.get(count).map_or(DVec3::ZERO, |nodes| {
+                    integral(nodes, |wavelength| match orders {
+                        SummedOrders::All => self.cosine_weighted(pair, wavelength, around),
+                        SummedOrders::Scattered => {
+                            self.weighted(pair, wavelength, |uvw, q| self.scattered_power(uvw, q, around))
+                        }
+                    })
+                })
+            }));
+        }
+        progress(pairs.len(), pairs.len())?;
+        Ok(colours)
+    }
+
+    /// Returns XYZ of the light that the surface sends toward `view` of surroundings of radiance 1, by the specular order alone.
+    pub fn mirrored(&self, illuminant: &Illuminant, views: &[DVec3]) -> Vec<DVec3> {
+        let nodes = Nodes::catmull_rom(illuminant, self.sampling.nodes);
+        let of = |view: &DVec3| {
+            let pair = Pair::new(DVec3::new(-view.x, -view.y, view.z), *view);
+            // The density of the lobe over (u, v) has the integral 1/q², and du dv = cos θ_i dω_i.
+            let power = |uvw: DVec3, q: f64| self.specular_order(uvw, q) / (q * q);
+            integral(&nodes, |wavelength| self.weighted(&pair, wavelength, power))
+                / view.z.max(f64::MIN_POSITIVE)
+        };
+        views.par_iter().map(of).collect()
+    }
+
+    /// Returns the number of wavelengths that resolve the response along the ray of `pair`, rounded up to a ladder of few counts.
+    fn colour_nodes(&self, pair: &Pair, around: &Covariance) -> usize {
+        /// Counts grow by this factor, so that few sets of weights serve all directions.
+        const STEP: f64 = 1.1;
+        let uv = pair.uvw().truncate();
+        // Straight at the specular direction every wavelength reads the same place.
+        let along = uv.try_normalize().unwrap_or(DVec2::X);
+        let q = 1.0 / LONGEST;
+        let spread = Spread::new(Blur::of_coherence(self.mean.sigma), around, q);
+        let variance = spread.xx * along.x * along.x
+            + 2.0 * spread.xy * along.x * along.y
+            + spread.yy * along.y * along.y;
+        // The correlation function of a blur of standard deviation b is exp(−2π²b²Δ²).
+        let extent = (1.0 / self.sampling.alias_level).ln().sqrt() / (PI * (2.0 * variance).sqrt());
+        let count = self.sampling.nodes as f64 + SPAN * uv.length() * extent;
+        STEP.powf((count.ln() / STEP.ln()).ceil()) as usize
+    }
+
+    /// Returns the shortest wavelength that is held \[µm\].
+    pub fn shortest(&self) -> f64 {
+        4.0 * PI / self.series.z_max
+    }
+}
+
+/// Returns Σ of `of` over the wavelengths of `nodes`.
+fn integral(nodes: &Nodes, of: impl Fn(f64) -> f64) -> DVec3 {
+    let wavelength = |j: usize| 1.0 / (nodes.first + j as f64 * nodes.step);
+    nodes.weights.iter().enumerate().map(|(j, weight)| *weight * of(wavelength(j))).sum()
+}
+
+/// Returns Σ a b by eight partial sums, so that the loop runs on vector registers.
+fn dot(a: &[f32], b: &[f32]) -> f32 {
+    let mut sums = [0f32; 8];
+    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f32 = a8.remainder().iter().zip(b8.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in a8.zip(b8) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    sums.iter().sum::<f32>() + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::geometry::direction;
+    use crate::spectra::power::Beyond;
+    use crate::surface::synth::{self, Spec, SurfaceKind};
+
+    fn rough() -> HeightField {
+        let heights = (0..24 * 20).map(|i| 0.15 * ((i * 37 % 101) as f64 * 0.7).sin()).collect();
+        HeightField::new(24, 20, [0.1, 0.11], heights).unwrap()
+    }
+
+    const DIRECTIONS: [((f64, f64), (f64, f64)); 4] = [
+        ((30.0, 20.0), (40.0, 170.0)),
+        ((10.0, 0.0), (70.0, 80.0)),
+        ((60.0, 5.0), (60.0, 185.0)),
+        ((30.0, 0.0), (31.0, 179.0)),
+    ];
+
+    fn pair((light, view): ((f64, f64), (f64, f64))) -> Pair {
+        Pair::new(direction(light.0, light.1), direction(view.0, view.1))
+    }
+
+    #[test]
+    fn averages_over_many_orders_are_the_sum_over_all_of_them() {
+        let elaphe = |spacing: f64| {
+            let spec = Spec {
+                patch: Some([12.0, 8.0]),
+                pixel_size: Some([spacing; 2]),
+                ..Spec::new(SurfaceKind::Elaphe)
+            };
+            synth::generate(&spec).unwrap()
+        };
+        let rough = |width: usize, height: usize| {
+            let heights = (0..width * height).map(|i| 0.15 * ((i * 37 % 101) as f64 * 0.7).sin()).collect();
+            HeightField::new(width, height, [0.25; 2], heights).unwrap()
+        };
+        // Of samples 0.25 µm apart the orders wrap around, and may be odd in number.
+        for field in [elaphe(0.1), elaphe(0.25), rough(48, 34), rough(49, 33)] {
+            let name = (field.columns(), field.rows());
+            let mean = MeanBrdf::in_sunlight(&field, 1.5);
+            let table = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
+            for (uu, uv, vv) in [(0.02, 0.0, 0.02), (0.2, 0.05, 0.03), (0.3, -0.1, 0.3), (1e-3, 0.0, 0.2)] {
+                let around = Covariance { uu, uv, vv };
+                for (uvw, q) in [(DVec3::new(0.1, -0.2, -1.8), 2.2), (DVec3::new(-0.9, 0.6, -1.0), 1.5)] {
+                    let spread = Spread::new(table.mean.blur(), &around, q);
+                    let z = 2.0 * PI * q * uvw.z.abs();
+                    let t = table.polynomials_at(z);
+                    let f = -uvw.truncate() * q;
+                    let all = table.sum(f, &spread, &t, &Pyramid::orders(&table.series));
+                    let some = table.blurred(f, &spread, &t);
+                    assert!((some / all - 1.0).abs() < 1e-5, "{name:?}, {around:?}: {some} of {all}");
+                }
+            }
+            let coarser = table.pyramid.get().map_or(0, |pyramid| pyramid.count() - 1);
+            assert!(coarser > 0, "{name:?} samples have no levels");
+        }
+    }
+
+    #[test]
+    fn the_transforms_give_the_direct_sum() {
+        for field in [
+            rough(),
+            synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(SurfaceKind::Blaze) }).unwrap(),
+        ] {
+            for beyond in [Beyond::Copies, Beyond::Alike] {
+                let mean = MeanBrdf { field: &field, sigma: 2.0, beyond, reflectance: 1.5.into() };
+                let table = TabulatedMean::new(mean.clone(), 0.38, &|_, _| Ok(())).unwrap();
+                for around in [Covariance::default(), Covariance { uu: 4e-4, uv: 1e-4, vv: 1e-3 }] {
+                    for directions in DIRECTIONS {
+                        for wavelength in [0.4, 0.55, 0.7] {
+                            let uvw = pair(directions).uvw();
+                            let direct = mean.power(uvw, 1.0 / wavelength, &around);
+                            let fast = table.power(uvw, 1.0 / wavelength, &around);
+                            // Relative to the mean density of power, 1 over the band, where the value itself is fainter.
+                            assert!(
+                                (fast - direct).abs() <= 1e-5 * direct + 1e-9,
+                                "{beyond:?} {directions:?} {wavelength}: {fast} {direct}"
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
