@@ -8,13 +8,6 @@
 #include "reflectance.glsl"
 
 layout(constant_id = 11) const int LAYERS = 3; // four terms each
-// Between two levels: `Polygon` of src/optics/footprint.rs.
-layout(constant_id = 12) const int CORNERS = 4;
-layout(constant_id = 13) const float MIDDLE_SHARE = 0.0;
-layout(constant_id = 14) const float BEND = 0.5;
-layout(constant_id = 15) const bool READS_MIXED = false; // both in the middle alone
-layout(constant_id = 16) const float READS_BEND = 0.0;
-layout(constant_id = 17) const float READS_TURN = 0.0;
 
 layout(set = 1, binding = 0, std140) uniform Mean {
     vec2 texels;             // of the finest level
@@ -87,8 +80,8 @@ float mean_power(Pair pair, vec2 f, float q, float level) {
     return held(f) ? q * q * z * z * source.unit * fluctuation(f, z, level) : 0.0;
 }
 
-// The same averaged over a blur of `ratio` times the finest level's variance. Between two levels a polygon of reads around the frequency stands for
-// it, `Polygon` of src/optics/footprint.rs; or both levels in the middle.
+// The same averaged over a blur of `ratio` times the finest level's variance. Between two levels, a
+// mixture of both stands for it.
 float averaged_power(Pair pair, vec2 toward, float q, float ratio) {
     vec2 f = toward * q;
     float level = min(level_of_ratio(ratio), source.last_level);
@@ -97,25 +90,7 @@ float averaged_power(Pair pair, vec2 toward, float q, float ratio) {
     if (s <= 0.0) {
         return mean_power(pair, f, q, level);
     }
-    if (READS_MIXED) {
-        return mix(mean_power(pair, f, q, level), mean_power(pair, f, q, level + 1.0), mixed_weight(s, vec2(READS_BEND, READS_TURN)));
-    }
-    vec2 parts = between_levels(s, BEND);
-    // Along each axis, the variance of the corners is half the square of their distance.
-    float left = 3.0 * parts.y * source.finest * exp2(2.0 * level);
-    vec2 corner = f * (sqrt(2.0 * left / (1.0 - MIDDLE_SHARE)) * inversesqrt(max(dot(f, f), 1e-20)));
-    float angle = 2.0 * PI / float(CORNERS);
-    mat2 turn = mat2(cos(angle), sin(angle), -sin(angle), cos(angle));
-    float around = 0.0;
-    [[unroll]] for (int k = 0; k < CORNERS; ++k) {
-        around += mean_power(pair, f + corner, q, level);
-        corner = turn * corner;
-    }
-    float finer = around * ((1.0 - MIDDLE_SHARE) / float(CORNERS));
-    if (MIDDLE_SHARE > 0.0) {
-        finer += MIDDLE_SHARE * mean_power(pair, f, q, level);
-    }
-    return mix(finer, mean_power(pair, f, q, level + 1.0), parts.x);
+    return mix(mean_power(pair, f, q, level), mean_power(pair, f, q, level + 1.0), s);
 }
 
 // The comb of wavelengths for |(u, v)| in units of the blur.
@@ -157,14 +132,10 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     int rows = pair.factor > 0.0 ? taps.rows : 0;
     for (int number = 0; number < rows; ++number) {
         Row row = row_of(taps, number);
-        vec3 sum = vec3(0.0);
-        float norm = 0.0;
-        for (float n = row.first; n < row.last; n += 1.0) {
-            float weight = exp(-row.fall * n * n);
-            sum += weight * colour_at(pair, pair.toward + row.aside + n * row.step, rays, own);
-            norm += weight;
+        for (float n = row.first; n < 0.5 - row.first; n += 1.0) {
+            vec3 colour = colour_at(pair, pair.toward + row.aside + n * row.step, rays, own);
+            average += row.weight * exp(-row.fall * n * n) * colour;
         }
-        average += sum * (row.weight / norm);
     }
     return average * (pair.factor / (4.0 * PI));
 }

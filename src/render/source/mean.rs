@@ -4,9 +4,9 @@ use super::bound::{BoundSource, Kind, uniform};
 use super::cost::{Cost, LitPixel};
 use super::part::Iterations;
 use super::spectra::{kernel_constants, numbers};
-use super::{Extent, SourceSummary, reflectance, stages, taps_constants};
+use super::{Extent, SourceSummary, reflectance, stages};
 use crate::error::Result;
-use crate::optics::footprint::{self, Levels, Polygon, Tap, TapRule, Taps};
+use crate::filter::{self, Levels, Tap, Taps};
 use crate::optics::spectrum::{BLUE, MIDDLE};
 use crate::render::directions::Directions;
 use crate::render::shading::Shading;
@@ -89,25 +89,10 @@ pub struct MeanBlock {
 impl Mean {
     pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
         const LAYERS: u32 = 11;
-        const CORNERS: u32 = 12;
-        const MIDDLE_SHARE: u32 = 13;
-        const BEND: u32 = 14;
-        const READS_MIXED: u32 = 15;
-        const READS_BEND: u32 = 16;
-        const READS_TURN: u32 = 17;
         let header = &self.spectra.header;
         let layers = header.terms.div_ceil(4) as u32;
-        let mut constants = taps_constants(self.rule(shading));
-        constants.extend(kernel_constants(&header.grid.interpolation()));
+        let mut constants = kernel_constants(&header.grid.interpolation());
         constants.push(Constant::new(LAYERS, layers));
-        let polygon = self.polygon(shading);
-        constants.push(Constant::new(CORNERS, polygon.corners as u32));
-        constants.push(Constant::float(MIDDLE_SHARE, polygon.middle as f32));
-        constants.push(Constant::float(BEND, polygon.bend as f32));
-        constants.push(Constant::new(READS_MIXED, polygon.mixed));
-        let [bend, turn] = footprint::MIXED_IN_THE_PLANE;
-        constants.push(Constant::float(READS_BEND, bend as f32));
-        constants.push(Constant::float(READS_TURN, turn as f32));
         constants.push(reflectance::constant(shading));
         let of = &shading.reflectance;
         let mut bound = BoundSource::new(device, "mean set", &KINDS, stages!("mean"), constants, of)?;
@@ -141,7 +126,7 @@ impl Mean {
         let header = &self.spectra.header;
         let combs = self.combs(shading);
         // Beside those of the taps, the specular order is a sum of its own.
-        bound.iterations = Iterations::new(combs.most(), 0, footprint::MOST_TAPS + 1);
+        bound.iterations = Iterations::new(combs.most(), 0, filter::MOST_TAPS + 1);
         let pair = |v: [f64; 2]| v.map(|x| x as f32);
         let mean = |v: [f64; 2]| 0.5 * (v[0] + v[1]);
         let (finest, orders) = (mean(header.grid.blur.variance), mean(header.orders_blur.variance));
@@ -171,14 +156,6 @@ impl Mean {
             tables,
             vec![(binding::BLOCK, uniform(device, "mean block", &block)?), (binding::COMBS, bins)],
         )
-    }
-
-    fn rule(&self, shading: &Shading) -> TapRule {
-        TapRule::of(shading.tolerance, self.spectra.header.effective_orders)
-    }
-
-    fn polygon(&self, shading: &Shading) -> Polygon {
-        Polygon::of(shading.tolerance, self.spectra.header.effective_orders)
     }
 
     /// The wavelengths of each |(u, v)| at the blur of the finest level.
@@ -228,22 +205,20 @@ impl Mean {
         let combs = self.combs(shading);
         let per_wavelength = header.terms.div_ceil(4) * header.grid.interpolation().reads();
         let mean = |v: [f64; 2]| 0.5 * (v[0] + v[1]);
-        let (rule, polygon) = (self.rule(shading), self.polygon(shading));
         let (finest, orders) = (mean(header.grid.blur.variance), mean(header.orders_blur.variance));
         let coherence = BLUE * BLUE * finest;
         let coarsest = MIDDLE.powi(2) * (finest * 4f64.powi(header.grid.levels as i32 - 1) - orders);
         Cost::counted(directions, |LitPixel { pair, around }| {
-            let between = polygon.reads();
             let [_, shorter] = around.axes();
-            let own = shorter.max(rule.least_own(around, coherence));
+            let own = shorter.max(filter::least_own(around, coherence));
             let read = coarsest.clamp(0.0, own);
-            let taps = Taps::new(rule, around, own, Levels { read, next: None, blur: coherence });
+            let taps = Taps::new(around, own, Levels { read, next: None, blur: coherence });
             let toward = -pair.uvw().truncate();
             let rays = (finest / (orders + read / MIDDLE.powi(2))).sqrt();
             let reads_at = |node: &[f32; 4]| {
                 let ratio = (orders + f64::from(node[3]).powi(2) * own) / finest;
                 // One, where the blur is that of a level.
-                if level_of_ratio(ratio, header.grid.levels).fract() > 0.0 { between } else { 1 }
+                if level_of_ratio(ratio, header.grid.levels).fract() > 0.0 { 2 } else { 1 }
             };
             let of_tap = |tap: Tap| {
                 let nodes = combs.nodes_at((toward + tap.place).length() * rays);
