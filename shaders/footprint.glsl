@@ -22,122 +22,103 @@ Ellipse ellipse_of(vec3 c) {
     return Ellipse(axis, mean + spread, max(mean - spread, 0.0));
 }
 
-// The constants of src/optics/footprint.rs.
-layout(constant_id = 20) const float TAP_SPACING = 2.0;
-layout(constant_id = 21) const float TAP_REACH = 2.0;
-layout(constant_id = 22) const float MOST_SIDES = 1.0;
-layout(constant_id = 23) const float ROUND = 0.0;
-layout(constant_id = 24) const float NARROW = 0.0;
+// The constants of src/filter/taps.rs.
+const float SPACING = 2.25;
+const float REACH = 2.4;
+const float TAPS_PER_DEVIATION = 5.086;
+const float MOST_OF_ROW = 201.0;
+const float MOST_ASIDE = 3.0;
+const float ROUND = 0.2;
 
-// What a tap averages over: `Levels` of src/optics/footprint.rs.
+// Variances of the mip level read and of the next coarser one, without coherence: `Levels` of src/filter/taps.rs.
 struct Levels {
     float read;
-    float next; // of the next coarser level; no more than `read` where there is none
-    float blur;
+    float next; // no more than `read` for the coarsest level
+    float blur; // of coherence
 };
 
-// Places in a footprint, whose weighted sum stands for the average over it: `Taps` of src/optics/footprint.rs.
+// Places on a line with Gaussian weights, symmetric about the middle: `Line` of src/filter/taps.rs.
+struct Line {
+    float count;
+    float step; // distance between places
+    float fall; // the weight n steps from the middle is exp(-fall n^2) / norm
+    float norm;
+};
+
+// Rows of taps whose weighted sum stands for the average over a footprint: `Taps` of src/filter/taps.rs.
 struct Taps {
     Levels levels;
-    vec2 axis;     // unit vector along the longer axis
-    float longer;  // variance along it
-    float rest;    // variance across it that is left
-    float coarser; // weight of the row of the next coarser level, the first of three; or 0
-    float aside;   // distance of the other rows from the middle
-    int rows;      // 1 to 4
+    vec2 axis;    // unit vector along the longer axis
+    float longer; // variance along it
+    float share;  // weight of the row of the next coarser level
+    Line aside;   // rows side by side
+    int rows;
 };
 
-// Taps in a line.
+// Row of taps along the longer axis: `Row` of src/filter/taps.rs.
 struct Row {
-    float first;  // steps from the middle of the row to its first tap
-    float last;   // just beyond the last one
-    vec2 step;    // from one tap to the next
-    float fall;   // the weight of a tap n steps from the middle is exp(-fall n^2)
-    vec2 aside;   // from the middle of the footprint to that of the row
-    float weight; // share of the row in the average
-    float coarser; // 1 where it reads the next coarser level
+    float first;   // steps from the middle to the first tap
+    vec2 step;     // from one tap to the next
+    float fall;    // the weight of the tap n steps from the middle is weight exp(-fall n^2)
+    vec2 aside;    // from the middle of the footprint to that of the row
+    float weight;
+    float coarser; // 1 if the row reads the next coarser level
 };
 
-const float ASIDE = 1.7320508, WEIGHT_ASIDE = 1.0 / 6.0, OFFSET_ASIDE = 0.5, LN_4 = 1.3862944;
-
-layout(constant_id = 25) const float MIDDLE_ROW = 0.0;
-layout(constant_id = 26) const float BEND_OF_ROWS = 0.6;
-
-// The weight of the coarser of two levels, and the variance that is left to where the finer one is read over the difference of their variances:
-// `between_levels` of src/optics/footprint.rs.
-vec2 between_levels(float s, float bend) {
-    return vec2(s * s * (1.0 + bend - bend * s), s * (1.0 - bend * s) / (1.0 + s - bend * s * s));
-}
-
-// Where both levels are read in the middle alone: `mixed_weight` of src/optics/footprint.rs.
-layout(constant_id = 27) const float MIXED_BEND = 0.0;
-layout(constant_id = 28) const float MIXED_TURN = 0.0;
-layout(constant_id = 29) const bool MIXED = false; // whether they are
-
-float mixed_weight(float s, vec2 bends) {
-    return s * (1.0 + (bends.x - bends.y * s) * (1.0 - s));
+// Spreads at most `most` places over the standard deviation `deviation`, where each averages over the standard deviation `tap`. The variance of
+// the places is that of the line.
+Line line_of(float deviation, float tap, float most) {
+    if (deviation <= ROUND * tap) {
+        return Line(1.0, 0.0, 0.0, 1.0);
+    }
+    float count = clamp(ceil(TAPS_PER_DEVIATION * deviation / (SPACING * tap)), 2.0, most);
+    float h = 2.0 * REACH / count;
+    float fall = 0.5 * h * h, norm = 0.0, moment = 0.0;
+    for (float n = -0.5 * (count - 1.0); n < 0.5 * count; n += 1.0) {
+        float weight = exp(-fall * n * n);
+        norm += weight;
+        moment += weight * n * n;
+    }
+    return Line(count, deviation * sqrt(norm / moment), fall, norm);
 }
 
 // For a footprint of which the variance `own` is left to the shorter axis.
 Taps taps_of(Ellipse ellipse, float own, Levels levels) {
-    Taps taps = Taps(levels, ellipse.axis, ellipse.longer, max(own - levels.read, 0.0), 0.0, 0.0, 1);
-    if (taps.rest > NARROW * NARROW * (levels.read + levels.blur)) {
-        taps.rows = 3;
-        taps.aside = ASIDE * sqrt(taps.rest);
-        if (levels.next > levels.read) {
-            float between = levels.next - levels.read;
-            if (MIXED) {
-                taps.coarser = mixed_weight(min(taps.rest / between, 1.0), vec2(MIXED_BEND, MIXED_TURN));
-                taps.aside = 0.0;
-                taps.rows = 2;
-                return taps;
-            }
-            vec2 parts = between_levels(min(taps.rest / between, 1.0), BEND_OF_ROWS);
-            taps.coarser = parts.x;
-            taps.aside = sqrt(parts.y * between / (1.0 - MIDDLE_ROW));
-            taps.rows = MIDDLE_ROW > 0.0 ? 4 : 3;
-        }
+    float rest = max(own - levels.read, 0.0);
+    Taps taps = Taps(levels, ellipse.axis, ellipse.longer, 0.0, Line(1.0, 0.0, 0.0, 1.0), 1);
+    if (levels.next > levels.read) {
+        taps.share = min(rest / (levels.next - levels.read), 1.0);
+        taps.rows = taps.share > 0.0 ? 2 : 1;
+    } else {
+        taps.aside = line_of(sqrt(rest), sqrt(levels.read + levels.blur), MOST_ASIDE);
+        taps.rows = int(taps.aside.count);
     }
     return taps;
 }
 
-// Row number `row`.
-Row row_of(Taps taps, int row) {
-    bool mixed = taps.coarser > 0.0;
-    bool coarser = mixed && row == 0;
+// Row number `number`. Rows of two levels have the variance of the longer axis together.
+Row row_of(Taps taps, int number) {
+    bool coarser = taps.share > 0.0 && number == taps.rows - 1;
     float read = coarser ? taps.levels.next : taps.levels.read;
-    float left = taps.longer - read;
-    float weight = taps.rows == 1 ? 1.0 : row == 0 ? 1.0 - 2.0 * WEIGHT_ASIDE : WEIGHT_ASIDE;
-    if (mixed) {
-        float share = taps.rows == 2 ? 1.0 : row == 3 ? MIDDLE_ROW : 0.5 * (1.0 - MIDDLE_ROW);
-        weight = row == 0 ? taps.coarser : share * (1.0 - taps.coarser);
-        // All rows together have the variance of the longer axis.
-        float whole = (taps.longer - taps.coarser * max(taps.longer, taps.levels.next)) / max(1.0 - taps.coarser, 1e-3);
-        left = row == 0 ? left : whole - read;
-    }
-    left = sqrt(max(left, 0.0));
-    float tap = sqrt(read + taps.levels.blur);
-    float sides = left > ROUND * tap ? min(ceil(TAP_REACH * left / (TAP_SPACING * tap)), MOST_SIDES) : 0.0;
-    // Rows beside each other stand half a step apart.
-    bool even = row == 0 || row == 3 || (mixed && taps.rows <= 3 && row == 1);
-    float moved = sides > 1.0 && !even ? OFFSET_ASIDE : 0.0;
-    // Three taps are those of Gauss and Hermite, too.
-    float step = sides > 1.0 ? TAP_REACH / sides : ASIDE;
-    float side = row == 1 ? 1.0 : row == 2 ? -1.0 : 0.0;
-    Row own;
-    own.first = -sides - moved;
-    own.last = own.first + 2.0 * sides + 0.5;
-    own.step = taps.axis * (left * step);
-    own.fall = sides > 1.0 ? 0.5 * step * step : LN_4;
-    own.aside = vec2(-taps.axis.y, taps.axis.x) * (side * taps.aside);
-    own.weight = weight;
-    own.coarser = coarser ? 1.0 : 0.0;
-    return own;
+    float whole = (taps.longer - taps.share * max(taps.longer, taps.levels.next)) / max(1.0 - taps.share, 1e-3);
+    float left = (coarser ? taps.longer : whole) - read;
+    Line line = line_of(sqrt(max(left, 0.0)), sqrt(read + taps.levels.blur), MOST_OF_ROW);
+    float place = float(number) - 0.5 * (taps.aside.count - 1.0);
+    float aside = coarser ? 0.0 : place * taps.aside.step;
+    float weight = coarser ? taps.share : (1.0 - taps.share) * exp(-taps.aside.fall * place * place) / taps.aside.norm;
+    Row row;
+    row.first = -0.5 * (line.count - 1.0);
+    row.step = taps.axis * line.step;
+    row.fall = line.fall;
+    row.aside = vec2(-taps.axis.y, taps.axis.x) * aside;
+    row.weight = weight / line.norm;
+    row.coarser = coarser ? 1.0 : 0.0;
+    return row;
 }
 
-// The least variance that a tap has to average over, so that MOST_SIDES suffice.
+// The least variance that a tap has to average over, so that MOST_OF_ROW taps suffice.
 float least_own(Ellipse ellipse, float blur) {
-    float part = TAP_REACH / (TAP_SPACING * MOST_SIDES);
+    float part = TAPS_PER_DEVIATION / (SPACING * MOST_OF_ROW);
     return max(ellipse.longer * (part * part) - blur, 0.0);
 }
 

@@ -128,15 +128,8 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
         Row row = row_of(taps, number);
         vec2 step = row.step * source.texture_per_uv;
         vec2 place = middle + row.aside * source.texture_per_uv;
-        Numbers sum = NOTHING;
-        float norm = 0.0;
-        for (float n = row.first; n < row.last; n += 1.0) {
-            float weight = exp(-row.fall * n * n);
-            add_place(sum, weight, vec3(place + n * step, layer), level + row.coarser);
-            norm += weight;
-        }
-        [[unroll]] for (int i = 0; i < TEXELS; ++i) {
-            average.of_texel[i] += sum.of_texel[i] * (row.weight / norm);
+        for (float n = row.first; n < 0.5 - row.first; n += 1.0) {
+            add_place(average, row.weight * exp(-row.fall * n * n), vec3(place + n * step, layer), level + row.coarser);
         }
     }
     return colour_of(average, piece) * (source.unit * pair.w * pair.w) * table_factor(pair);

@@ -17,6 +17,7 @@ pub mod expansion;
 pub mod fft_size;
 pub mod figure;
 pub mod files;
+pub mod filter;
 pub mod input;
 #[cfg(feature = "vulkan")]
 pub mod measure;

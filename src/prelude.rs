@@ -15,9 +15,9 @@
 pub use crate::brdf::mean::MeanBrdf;
 pub use crate::brdf::{Brdf, DirectSum, MeanReference};
 pub use crate::error::{Error, Result};
+pub use crate::filter::Covariance;
 pub use crate::optics::coherence::{Beyond, Coherence, Windows};
 pub use crate::optics::color::{display, xyz_to_linear_srgb};
-pub use crate::optics::footprint::Covariance;
 pub use crate::optics::geometry::{Pair, direction};
 pub use crate::optics::reference::Reference;
 pub use crate::optics::spectrum::Illuminant;

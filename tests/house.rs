@@ -6,8 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// What each module at the top of `src/` may import: the table of floors in `docs/ARCHITECTURE.md`.
-const FLOORS: [(&str, &[&str]); 25] = [
+const FLOORS: [(&str, &[&str]); 26] = [
     ("error", &[]),
+    ("filter", &[]),
     ("units", &["error"]),
     ("input", &["error"]),
     ("output", &["error"]),
@@ -38,8 +39,8 @@ const FLOORS: [(&str, &[&str]); 25] = [
         ],
     ),
     ("spectra", &["precompute", "cache", "optics", "surface", "error", "fft_size", "memory"]),
-    ("brdf", &["spectra", "optics", "surface", "error", "memory"]),
-    ("table", &["spectra", "brdf", "cache", "optics", "surface", "error", "memory"]),
+    ("brdf", &["spectra", "filter", "optics", "surface", "error", "memory"]),
+    ("table", &["spectra", "brdf", "filter", "cache", "optics", "surface", "error", "memory"]),
     (
         "render",
         &[
@@ -50,6 +51,7 @@ const FLOORS: [(&str, &[&str]); 25] = [
             "precompute",
             "expansion",
             "scene",
+            "filter",
             "optics",
             "surface",
             "error",
@@ -71,6 +73,7 @@ const FLOORS: [(&str, &[&str]); 25] = [
             "precompute",
             "scene",
             "cache",
+            "filter",
             "optics",
             "surface",
             "error",
@@ -104,6 +107,7 @@ const FLOORS: [(&str, &[&str]); 25] = [
             "precompute",
             "expansion",
             "scene",
+            "filter",
             "optics",
             "surface",
             "error",
@@ -131,6 +135,7 @@ const FLOORS: [(&str, &[&str]); 25] = [
             "expansion",
             "scene",
             "cache",
+            "filter",
             "optics",
             "surface",
             "files",

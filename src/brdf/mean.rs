@@ -1,9 +1,9 @@
 //! The mean over coherence areas in f64, by a direct sum over the samples. See [`crate::spectra::power`] for the formula.
 
 use super::spread::{CUT, NEAREST, Spread};
+use crate::filter::Covariance;
 use crate::optics::brdf::cosine_weighted;
 use crate::optics::coherence::SUNLIGHT_LENGTH;
-use crate::optics::footprint::Covariance;
 use crate::optics::geometry::Pair;
 use crate::optics::reflectance::Reflectance;
 use crate::spectra::power::{Beyond, Blur};

@@ -4,7 +4,7 @@ use super::mean::MeanBrdf;
 use super::tabulated::{ColourSampling, SummedOrders, TabulatedMean};
 use super::{Brdf, without_cosine};
 use crate::error::Result;
-use crate::optics::footprint::Covariance;
+use crate::filter::Covariance;
 use crate::optics::geometry::Pair;
 use crate::optics::spectrum::{Illuminant, SHORTEST};
 use glam::DVec3;

@@ -1,6 +1,6 @@
 //! Normal distributions over frequencies.
 
-use crate::optics::footprint::Covariance;
+use crate::filter::Covariance;
 use crate::spectra::power::Blur;
 use glam::DVec2;
 use std::f64::consts::PI;

@@ -5,7 +5,7 @@ use super::mean::MeanBrdf;
 use super::spread::{CUT, NEAREST, Spread};
 use crate::error::Result;
 use crate::optics::brdf::cosine_weighted;
-use crate::optics::footprint::Covariance;
+use crate::filter::Covariance;
 use crate::optics::geometry::Pair;
 use crate::optics::nufft::Progress;
 use crate::optics::quadrature::{Nodes, SPAN};

@@ -6,7 +6,6 @@ pub mod brdf;
 pub mod coherence;
 pub mod color;
 pub mod color_difference;
-pub mod footprint;
 pub mod geometry;
 pub mod grating;
 pub mod material;

@@ -1,6 +1,6 @@
 //! What pixels see: the directions that a frame shades, as data.
 
-use crate::optics::footprint::Covariance;
+use crate::filter::Covariance;
 use glam::{DVec2, DVec3};
 
 /// What one pixel of a frame shows, and what it was shaded for.

@@ -10,7 +10,7 @@ use super::sampling::Sampling;
 use super::shading::Shading;
 use super::source::{ClassicalGrating, Source};
 use crate::error::Result;
-use crate::optics::footprint::FootprintSizes;
+use crate::filter::FootprintSizes;
 use crate::scene::Mesh;
 use crate::scene::camera::pixel_in_clip;
 use crate::vk::device::Device;

@@ -8,8 +8,8 @@ pub use picture::{ObjectSurface, PictureSettings, PreparedScene, own_view, pictu
 
 use crate::cache::{Kept, Key, Store};
 use crate::error::{Error, Remedy, Result};
+use crate::filter::FootprintSizes;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
-use crate::optics::footprint::FootprintSizes;
 use crate::optics::orders::Repeats;
 use crate::optics::spectrum::{MIDDLE, SHORTEST};
 use crate::precompute::{self, Layers, compute_at};

@@ -2,8 +2,8 @@
 
 use super::basis::PER_TEXEL;
 use super::{ColorBasis, ColorTable, LARGEST_W, SPECULAR_SAMPLES};
+use crate::filter::{self, Covariance, Levels, Tap, Taps};
 use crate::optics::brdf::schlick;
-use crate::optics::footprint::{Covariance, Levels, Tap, TapRule, Taps};
 use crate::optics::geometry::Pair;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -11,18 +11,12 @@ use std::f64::consts::PI;
 /// Reads one table.
 pub struct TableReader<'a> {
     table: &'a ColorTable,
-    rule: TapRule,
 }
 
 impl<'a> TableReader<'a> {
-    /// For `table`; averages footprints finely.
+    /// Reads `table`.
     pub fn new(table: &'a ColorTable) -> Self {
-        Self::by_rule(table, TapRule::FINE)
-    }
-
-    /// For `table`; averages footprints by `rule`.
-    pub fn by_rule(table: &'a ColorTable, rule: TapRule) -> Self {
-        Self { table, rule }
+        Self { table }
     }
 
     /// The level to read over `around`, and the taps: a level stands for the shorter axis, as far as it
@@ -31,11 +25,11 @@ impl<'a> TableReader<'a> {
         let header = &self.table.header;
         let [_, shorter] = around.axes();
         let grid = &header.grid;
-        let own = shorter.max(grid.finest.powi(2)).max(self.rule.least_own(around, header.coherence_blur));
+        let own = shorter.max(grid.finest.powi(2)).max(filter::least_own(around, header.coherence_blur));
         let level = grid.level(own) as usize;
         let next = (level + 1 < grid.levels).then(|| grid.variance(level + 1));
         let levels = Levels { read: grid.variance(level), next, blur: header.coherence_blur };
-        (level, Taps::new(self.rule, around, own, levels))
+        (level, Taps::new(around, own, levels))
     }
 
     /// XYZ of f cos θ_i \[sr⁻¹\] of one pair, averaged over `around`, on a surface whose R is Schlick's for the index `ior`; a table that was

@@ -3,8 +3,8 @@
 use crate::device::with_device;
 use crate::evaluation::{colours, grating, layers, patch, shading, window};
 use crate::mean::source;
+use diffract::filter::FootprintSizes;
 use diffract::optics::coherence::Windows;
-use diffract::optics::footprint::FootprintSizes;
 use diffract::render::evaluator::Evaluator;
 use diffract::render::frame::{Shown, View};
 use diffract::render::picture::Painter;

@@ -4,7 +4,7 @@ use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::mean::{shading, source};
 use crate::measure::colours;
-use diffract::optics::footprint::FootprintSizes;
+use diffract::filter::FootprintSizes;
 use diffract::render::frame::{Shown, View};
 use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;

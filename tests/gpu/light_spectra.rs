@@ -3,9 +3,9 @@
 use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::mean::source;
+use diffract::filter::FootprintSizes;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::color::xyz_to_linear_srgb;
-use diffract::optics::footprint::FootprintSizes;
 use diffract::optics::spectrum::Illuminant;
 use diffract::render::frame::{Shown, View};
 use diffract::render::object::{ObjectSource, ObjectSources, ObjectTextures, objects};

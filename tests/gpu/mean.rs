@@ -5,9 +5,9 @@ use crate::evaluation::{colours, patch, queries};
 use crate::measure::channel;
 use diffract::brdf::mean::MeanBrdf;
 use diffract::brdf::tabulated::{SummedOrders, TabulatedMean};
+use diffract::filter::{Covariance, FootprintSizes, MOST_OF_ROW};
 use diffract::measure::error;
 use diffract::optics::coherence::{Coherence, Windows};
-use diffract::optics::footprint::{Covariance, FootprintSizes, MOST_SIDES};
 use diffract::optics::material::Material;
 use diffract::optics::reference::Reference;
 use diffract::optics::reflectance::{Film, Reflectance};
@@ -334,7 +334,7 @@ fn the_work_of_a_table_is_the_texels_of_a_place_for_each_tap() {
         assert!(lit > cost.covered / 2 && lit < cost.covered, "{lit} of {}", cost.covered);
         assert_eq!(cost.samples, texels * lit);
         // Three rows at the most, of which the one of the coarser level has fewer taps.
-        let most = texels as f64 * 3.0 * (2 * MOST_SIDES + 1) as f64;
+        let most = texels as f64 * 3.0 * MOST_OF_ROW as f64;
         let along = source.cost(&shading, &seen).samples_per_pixel();
         assert!(along > cost.samples_per_pixel() && along <= most, "{along}");
         // As many for every light.

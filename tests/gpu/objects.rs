@@ -3,8 +3,8 @@
 use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::mean::source;
+use diffract::filter::FootprintSizes;
 use diffract::optics::coherence::{Coherence, Windows};
-use diffract::optics::footprint::FootprintSizes;
 use diffract::render::directions::Directions;
 use diffract::render::frame::{Shown, View};
 use diffract::render::grooves::GrooveDirections;

@@ -3,8 +3,8 @@
 use crate::device::with_device;
 use crate::evaluation::{grating, layers, patch, shading, window};
 use crate::measure::channel;
+use diffract::filter::FootprintSizes;
 use diffract::optics::coherence::Windows;
-use diffract::optics::footprint::FootprintSizes;
 use diffract::optics::spectrum::Illuminant;
 use diffract::precompute::{Layers, compute};
 use diffract::render::frame::{Shown, View};

@@ -3,9 +3,9 @@
 use crate::cli::brdf::map::{HemisphereMap, views};
 use crate::error::Result;
 use crate::figure::{Mark, MarkShape, Panel, Raster, palette};
+use crate::filter::Covariance;
 use crate::optics::coherence::Coherence;
 use crate::optics::color::{display, xyz_to_linear_srgb};
-use crate::optics::footprint::Covariance;
 use crate::optics::geometry::{Pair, direction};
 use crate::optics::spectrum::{Illuminant, SHORTEST};
 use crate::setup;

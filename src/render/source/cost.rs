@@ -1,6 +1,6 @@
 //! What a frame does, counted in f64 over the directions that it shades.
 
-use crate::optics::footprint::Covariance;
+use crate::filter::Covariance;
 use crate::optics::geometry::Pair;
 use crate::render::directions::Directions;
 use glam::DVec3;

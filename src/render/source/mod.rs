@@ -26,7 +26,6 @@ use super::directions::Directions;
 use super::shading::Shading;
 use crate::error::Result;
 use crate::expansion::Basis;
-use crate::optics::footprint::{self, TapRule};
 use crate::precompute::Layers;
 use crate::vk::device::Device;
 use crate::vk::pipeline::Constant;
@@ -46,27 +45,6 @@ pub enum Source {
     Thesis(Thesis),
     /// Baseline: the classical shader of a grating of one period.
     ClassicalGrating(ClassicalGrating),
-}
-
-/// The constants of `shaders/footprint.glsl`.
-fn taps_constants(rule: TapRule) -> Vec<Constant> {
-    const FIRST: u32 = 20;
-    const MIXED: u32 = 29;
-    let values = [
-        rule.spacing,
-        footprint::REACH,
-        footprint::MOST_SIDES as f64,
-        footprint::ROUND,
-        footprint::NARROW,
-        rule.middle,
-        rule.bend,
-        footprint::MIXED_ROWS[0],
-        footprint::MIXED_ROWS[1],
-    ];
-    let mut constants: Vec<_> =
-        (FIRST..).zip(values).map(|(id, value)| Constant::float(id, value as f32)).collect();
-    constants.push(Constant::new(MIXED, rule.mixed));
-    constants
 }
 
 /// The texture that holds a source's data.
@@ -177,7 +155,7 @@ impl Source {
         match self {
             Self::Window(source) => source.cost(shading, directions),
             Self::Grating(source) => source.cost(shading, directions),
-            Self::Table(source) => source.cost(shading, directions),
+            Self::Table(source) => source.cost(directions),
             Self::Thesis(source) => source.cost(directions),
             Self::ClassicalGrating(_) => Cost::counted(directions, |_| (0, 0)),
         }

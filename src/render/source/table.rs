@@ -3,9 +3,8 @@
 
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
-use super::{Extent, SourceSummary, stages, taps_constants};
+use super::{Extent, SourceSummary, stages};
 use crate::error::Result;
-use crate::optics::footprint::TapRule;
 use crate::render::directions::Directions;
 use crate::render::shading::Shading;
 use crate::render::upload;
@@ -70,8 +69,7 @@ impl Table {
         /// Texels that a direction reads at each place.
         const TEXELS: u32 = 11;
         let basis = &self.table.header.basis;
-        let mut constants = taps_constants(self.rule(shading));
-        constants.push(Constant::new(TEXELS, basis.texels() as u32));
+        let constants = vec![Constant::new(TEXELS, basis.texels() as u32)];
         let of = &shading.reflectance;
         let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), constants, of)?;
         bound.spectral = false;
@@ -145,13 +143,9 @@ impl Table {
         }
     }
 
-    fn rule(&self, shading: &Shading) -> TapRule {
-        TapRule::of(shading.tolerance, self.table.header.effective_orders)
-    }
-
     /// Samples along the footprints of `directions`.
-    pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
-        let reader = TableReader::by_rule(&self.table, self.rule(shading));
+    pub(super) fn cost(&self, directions: &[Directions]) -> Cost {
+        let reader = TableReader::new(&self.table);
         let texels = self.table.header.basis.texels();
         Cost::counted(directions, |pixel| (0, texels * reader.taps(&pixel.around).1.count()))
     }

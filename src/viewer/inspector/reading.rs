@@ -1,6 +1,6 @@
 //! What a pixel of the picture shows, and what it was shaded for.
 
-use crate::optics::footprint::Covariance;
+use crate::filter::Covariance;
 use crate::optics::geometry::Pair;
 use crate::render::directions::{Directions, Pixel};
 use crate::render::frame::View;
