@@ -24,6 +24,7 @@ layout(set = 0, binding = 6) uniform sampler2D shadow;     // depth from the lig
 
 #include "surroundings.glsl"
 
+// As `surface.vert` writes them; `view` and `light` are no unit vectors.
 layout(location = 0) in vec3 view;
 layout(location = 1) in vec2 pigment_uv;
 layout(location = 2) in vec3 light;

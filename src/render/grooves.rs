@@ -1,8 +1,10 @@
-//! How the patch of a height field lies on a mesh, for the geometry pass: its twin is `groove_turn` of `shaders/geometry.frag`.
+//! How the patch of a height field lies on a mesh, for the geometry pass: the twin of [`GrooveDirections::turn_at`] is `groove_turn` of
+//! `shaders/geometry.frag`.
 
 use crate::error::Result;
 use crate::input::PictureFile;
 use crate::scene::Grooves;
+use glam::DVec2;
 use half::f16;
 use image::ImageFormat;
 use std::f64::consts::TAU;
@@ -58,6 +60,32 @@ impl GrooveDirections {
             Grooves::Radial => Ok(Self { layout: Layout::Radial, ..Self::along() }),
             Grooves::Map(file) => Self::read(file),
         }
+    }
+
+    /// Returns the unit vector along the patch's x in the tangent frame at the texture coordinates `uv`.
+    pub fn turn_at(&self, uv: DVec2) -> DVec2 {
+        let turn = match self.layout {
+            Layout::Along => DVec2::X,
+            Layout::Turned => DVec2::new(self.turn[0].into(), self.turn[1].into()),
+            Layout::Radial => uv - 0.5,
+            Layout::Mapped => self.between_texels(uv),
+        };
+        turn.try_normalize().unwrap_or(DVec2::X)
+    }
+
+    /// Interpolates the map linearly at `uv`, whose v grows upward. The map repeats.
+    fn between_texels(&self, uv: DVec2) -> DVec2 {
+        let size = DVec2::new(self.size[0].into(), self.size[1].into());
+        // From the middle of the first texel.
+        let place = DVec2::new(uv.x, 1.0 - uv.y) * size - 0.5;
+        let (corner, share) = (place.floor(), place - place.floor());
+        let texel = |right: f64, down: f64| {
+            let [column, row] = [(corner.x + right).rem_euclid(size.x), (corner.y + down).rem_euclid(size.y)];
+            let [cosine, sine] = self.texels[row as usize * self.size[0] as usize + column as usize];
+            DVec2::new(cosine.to_f64(), sine.to_f64())
+        };
+        let along = |down| texel(0.0, down).lerp(texel(1.0, down), share.x);
+        along(0.0).lerp(along(1.0), share.y)
     }
 
     fn read(path: &Path) -> Result<Self> {
