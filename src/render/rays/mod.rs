@@ -13,6 +13,8 @@ use super::frame::View;
 use super::grooves::GrooveDirections;
 use super::light_passes::LightPass;
 use super::object::ObjectTextures;
+use super::shading::Shading;
+use crate::optics::coherence::Windows;
 use crate::scene::{Environment, Incident, Mesh, Scene};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -53,6 +55,15 @@ pub struct RaySettings {
     pub shadows: bool,
     /// Variance of (u, v) over which the specular order spreads, where surroundings are mirrored.
     pub specular_spread: Option<f64>,
+}
+
+impl RaySettings {
+    /// Data that the reference of a picture of `size` pixels needs by `shading`: the mean over windows is averaged over footprints, and its specular
+    /// order mirrors the surroundings.
+    pub fn new(size: [u32; 2], shadows: bool, shading: &Shading) -> Self {
+        let footprints = shading.windows == Windows::All;
+        Self { size, footprints, shadows, specular_spread: shading.specular_spread().filter(|_| footprints) }
+    }
 }
 
 /// Objects of a scene as rays meet them.
