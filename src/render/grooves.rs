@@ -111,3 +111,26 @@ const MAP: PictureFile = PictureFile {
     role: "a picture",
     side: MAX_MAP,
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_map_is_read_from_the_top_between_texels_and_repeats() {
+        let texels = [0.0, 90.0, 180.0, 270.0].map(|angle: f64| direction(angle.to_radians())).to_vec();
+        let map =
+            GrooveDirections { layout: Layout::Mapped, size: [2, 2], texels, ..GrooveDirections::along() };
+        let near = |uv: [f64; 2], angle: f64| {
+            let found = map.turn_at(uv.into());
+            assert!((found - DVec2::from_angle(angle.to_radians())).length() < 1e-3, "{uv:?}: {found}");
+        };
+        // v grows upward, rows downward.
+        near([0.25, 0.75], 0.0);
+        near([0.75, 0.75], 90.0);
+        near([0.25, 0.25], 180.0);
+        near([1.75, -0.75], 270.0);
+        near([0.5, 0.75], 45.0);
+        near([1.0, 1.75], 45.0);
+    }
+}

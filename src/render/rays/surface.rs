@@ -25,7 +25,8 @@ impl SurfacePlace {
             corners.iter().zip(weights).map(|(corner, weight)| of(corner) * weight).sum()
         };
         let normal = mix(&|corner| Vec3::from(corner.normal).as_dvec3()).normalize_or(DVec3::Z);
-        let tangent = mix(&|corner| Vec3::from_slice(&corner.tangent).as_dvec3()).reject_from_normalized(normal);
+        let tangent =
+            mix(&|corner| Vec3::from_slice(&corner.tangent).as_dvec3()).reject_from_normalized(normal);
         let tangent = tangent.try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
         // All corners of a triangle have the same.
         let handedness = f64::from(corners[0].tangent[3]);
@@ -44,5 +45,36 @@ impl SurfacePlace {
         let along = DVec2::new(x, y);
         let [x, y] = [self.turn.dot(along), self.turn.perp_dot(along)];
         if back { DVec3::new(x, -y, -z) } else { DVec3::new(x, y, z) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::triangles::{Ray, Triangles};
+    use super::*;
+    use crate::render::grooves::GrooveDirections;
+    use crate::scene::primitives;
+
+    #[test]
+    fn the_frame_of_a_sphere_is_that_of_its_closed_form() {
+        let (mesh, grooves) = (primitives::sphere(), GrooveDirections::along());
+        let object = RayObject { mesh: &mesh, grooves: &grooves, casts_shadows: true };
+        let triangles = Triangles::new(std::iter::once((&mesh, true)));
+        for toward in [DVec3::new(0.3, 0.4, -1.0), DVec3::new(-1.0, 0.1, 0.2), DVec3::new(0.5, -1.0, 0.6)] {
+            let (triangle, crossing) =
+                triangles.nearest(&Ray { origin: toward * 3.0, direction: -toward }).unwrap();
+            let place = SurfacePlace::new(&object, triangle, crossing.weights);
+            // The poles stand on y; T points east.
+            let normal = toward.normalize();
+            let east = DVec3::Y.cross(normal).normalize();
+            let exact = DMat3::from_cols(east, normal.cross(east), normal);
+            let apart = (place.frame - exact).to_cols_array().iter().fold(0f64, |m, x| m.max(x.abs()));
+            assert!(apart < 1e-3, "{toward}: {apart}");
+            let unit = place.frame.transpose() * place.frame - DMat3::IDENTITY;
+            assert!(unit.to_cols_array().iter().all(|x| x.abs() < 1e-12));
+            // From the back the frame is turned about T: what points along −N points up.
+            let below = place.direction(-normal, true);
+            assert!(below.z > 0.999 && place.direction(east, true).x > 0.999, "{below}");
+        }
     }
 }

@@ -165,3 +165,58 @@ impl Triangles {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use crate::scene::primitives;
+
+    #[test]
+    fn the_nearest_triangle_is_the_one_that_a_search_through_all_finds() {
+        let meshes = [primitives::sphere(), primitives::disc(), primitives::plate()];
+        let triangles = Triangles::new(meshes.iter().map(|mesh| (mesh, true)));
+        let mut random = Random::new(7);
+        let mut point = |size: f64| DVec3::from([(); 3].map(|()| size * (2.0 * random.share() - 1.0)));
+        let mut met = 0;
+        for _ in 0..300 {
+            let origin = point(3.0);
+            let ray = Ray { origin, direction: point(1.0) - origin };
+            let crossings = triangles.all.iter().filter_map(|triangle| triangle.crossing(&ray));
+            let distances = crossings.filter(|c| c.is_inside() && c.distance >= 0.0).map(|c| c.distance);
+            let exact = distances.fold(f64::INFINITY, f64::min);
+            let found = triangles.nearest(&ray).map_or(f64::INFINITY, |(_, crossing)| crossing.distance);
+            assert_eq!(found, exact);
+            met += usize::from(exact.is_finite());
+        }
+        assert!(met > 100, "{met}");
+    }
+
+    #[test]
+    fn a_ray_through_an_edge_or_a_corner_meets_the_mesh() {
+        let plate = primitives::plate();
+        let triangles = Triangles::new(std::iter::once((&plate, true)));
+        for place in [DVec3::ZERO, DVec3::new(0.1, 0.1, 0.0), DVec3::new(-0.25, -0.25, 0.0)] {
+            let origin = DVec3::new(0.3, -0.7, 1.9);
+            let (_, crossing) = triangles.nearest(&Ray { origin, direction: place - origin }).unwrap();
+            assert!((crossing.distance - 1.0).abs() < 1e-12, "{place}");
+        }
+        let beside = Ray { origin: DVec3::Z, direction: DVec3::new(0.51, 0.0, -1.0) };
+        assert!(triangles.nearest(&beside).is_none());
+    }
+
+    #[test]
+    fn light_is_blocked_between_a_place_and_the_lamp_alone_and_by_what_casts_shadows() {
+        let plate = primitives::plate();
+        let above = plate.clone().moved(1.0, Vec3::Z).unwrap();
+        let blocked = |blocks: bool, end: f64| {
+            let triangles = Triangles::new([(&plate, true), (&above, blocks)].into_iter());
+            let down = Ray { origin: DVec3::new(0.2, 0.1, 0.5), direction: DVec3::NEG_Z };
+            let (from, _) = triangles.nearest(&down).unwrap();
+            let up = Ray { origin: DVec3::new(0.2, 0.1, 0.0), direction: DVec3::Z };
+            triangles.blocked(&up, end, from)
+        };
+        assert!(blocked(true, f64::MAX) && blocked(true, 1.5));
+        assert!(!blocked(true, 0.9) && !blocked(false, f64::MAX));
+    }
+}
