@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Takes view and light into the tangent frame of each vertex; the fragment stage interpolates and normalises them.
+// Takes the vectors to viewer and light into the tangent frame of each vertex. A vector from a place to a point is linear in the place, and only a
+// linear quantity may be interpolated: the fragment stage normalises. It gets the frame, too, because interpolated frames are not orthonormal.
 #include "frame.glsl"
 
 layout(location = 0) in vec3 position;
@@ -8,20 +9,24 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 tangent; // w: handedness, B = w N x T
 layout(location = 3) in vec2 uv;
 
-layout(location = 0) out vec3 view;
+layout(location = 0) out vec3 view; // as long as the viewer is away
 layout(location = 1) out vec2 pigment_uv;
-layout(location = 2) out vec3 light;
+layout(location = 2) out vec3 light; // of a lamp as long as it is away
 layout(location = 3) out vec3 world;
 layout(location = 4) out vec3 world_normal;
+layout(location = 5) out vec3 world_tangent;
+layout(location = 6) out vec3 world_bitangent;
 
 void main() {
-    mat3 tangent_from_world = transpose(mat3(tangent.xyz, tangent.w * cross(normal, tangent.xyz), normal));
-    view = tangent_from_world * normalize(frame.eye.xyz - position);
+    world_normal = normal;
+    world_tangent = tangent.xyz;
+    world_bitangent = tangent.w * cross(normal, tangent.xyz);
+    mat3 tangent_from_world = transpose(mat3(world_tangent, world_bitangent, world_normal));
+    view = tangent_from_world * (frame.eye.xyz - position);
     // 0 of a light that is FAR_AWAY, else 1. Where this branches, lavapipe compiles the stage anew for every frame, with what is in `frame`.
     float near = min(frame.emitter.w, 1.0);
     light = tangent_from_world * (frame.light.xyz - near * position);
     pigment_uv = vec2(uv.x, 1.0 - uv.y); // v grows upward in meshes, rows of a texture downward
     world = position;
-    world_normal = normal;
     gl_Position = frame.clip_from_world * vec4(position, 1.0);
 }

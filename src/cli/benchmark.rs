@@ -1,4 +1,4 @@
-//! The benchmark scene that `profile` and `trade` measure: a frame on a device, and the f64 reference of the same directions.
+//! The benchmark scene that `profile` and `trade` measure: a frame on a device, and its f64 references.
 
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, light_by, real,
@@ -14,9 +14,11 @@ use crate::render::directions::Directions;
 use crate::render::footprints;
 use crate::render::frame::{Shown, View};
 use crate::render::grooves::GrooveDirections;
+use crate::render::light_passes::LightPass;
 use crate::render::object::{ObjectData, ObjectSources};
 use crate::render::picture::{Painter, Picture};
 use crate::render::pigment::Pigment;
+use crate::render::rays::{RayObject, RayScene, RaySettings};
 use crate::render::reference_picture::{covered, displayed, reference_pixels};
 use crate::render::sampling::Sampling;
 use crate::render::shading::Shading;
@@ -29,6 +31,7 @@ use crate::units;
 use crate::vk::device::Device;
 use clap::Args;
 use glam::DVec3;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::sync::Arc;
 
@@ -100,8 +103,12 @@ pub struct Benchmark {
 /// Errors of a picture.
 #[derive(Default)]
 pub struct PictureErrors {
-    /// Errors of the pixels compared.
+    /// Errors of shading: against f64 for the directions that the device shaded.
     pub pixels: Option<PixelErrors>,
+    /// Errors of the whole: against f64 for the directions of rays that are cast in f64.
+    pub whole: Option<PixelErrors>,
+    /// Errors of geometry: between these two references.
+    pub geometry: Option<PixelErrors>,
     /// Mean FLIP, if every covered pixel was compared.
     pub flip: Option<f64>,
     /// Relative L2 between one sample a pixel and [`MORE_SAMPLES`], over the same pixels: what more samples would change.
@@ -252,24 +259,44 @@ impl BenchmarkScene {
         self.paint_samples(painter, Sampling::ONE)
     }
 
-    /// Errors of the picture at `count` random covered pixels.
+    /// Measures the errors of the picture at `count` random pixels that the device or the reference covers.
     ///
     /// # Errors
     /// When the device is lost or the reference does not fit into memory.
     pub fn compare(&self, benchmark: &mut Benchmark, count: usize) -> Result<PictureErrors> {
         let picture = self.paint(&mut benchmark.painter)?;
-        let covered = covered(&benchmark.directions);
+        let cast = self.cast(&benchmark.shading)?;
+        let covered: BTreeSet<usize> =
+            [&benchmark.directions, &cast].into_iter().flat_map(|seen| covered(seen)).collect();
+        let covered: Vec<usize> = covered.into_iter().collect();
         let pixels = error::sample(&covered, count);
         let colors = self.reference(&benchmark.shading, &benchmark.directions, &pixels)?;
+        let of_rays = self.reference(&benchmark.shading, &cast, &pixels)?;
         let one = shown(&picture, &pixels);
-        let errors = PixelErrors::of(&one, &colors, self.scene.exposure);
+        let errors = |found: &[DVec3], exact: &[DVec3]| PixelErrors::of(found, exact, self.scene.exposure);
         let sampling = Sampling { count: MORE_SAMPLES, seed: 0 };
         let more = shown(&self.paint_samples(&mut benchmark.painter, sampling)?, &pixels);
-        let sampling = PixelErrors::of(&one, &more, self.scene.exposure).relative_l2;
-        let whole = pixels.len() == covered.len();
-        let exact = ReferencePixels { pixels, colors };
-        let flip = whole.then(|| self.flip(&picture, &exact));
-        Ok(PictureErrors { pixels: Some(errors), flip, sampling: Some(sampling) })
+        let mut all = PictureErrors {
+            pixels: Some(errors(&one, &colors)),
+            whole: Some(errors(&one, &of_rays)),
+            geometry: Some(errors(&colors, &of_rays)),
+            flip: None,
+            sampling: Some(errors(&one, &more).relative_l2),
+        };
+        if pixels.len() == covered.len() {
+            all.flip = Some(self.flip(&picture, &ReferencePixels { pixels, colors }));
+        }
+        Ok(all)
+    }
+
+    /// Casts the rays of each light in f64.
+    fn cast(&self, shading: &Shading) -> Result<Vec<Directions>> {
+        let grooves = &GrooveDirections::of(&self.scene.grooves)?;
+        let rays = RayScene::new(vec![RayObject { mesh: &self.scene.mesh, grooves, casts_shadows: true }]);
+        let settings = RaySettings::new(self.size, self.scene.shadows, shading);
+        let pass = |light| LightPass::of_all(light, Sampling::ONE.sample(0));
+        let lights = 0..self.view.light_count();
+        Ok(lights.map(|light| rays.directions(&self.view, &pass(light), &settings)).collect())
     }
 
     /// Draws the picture of `painter` from all samples of `sampling`, displayed as the scene says.
@@ -302,7 +329,7 @@ impl BenchmarkScene {
         })
     }
 
-    /// The f64 reference of `pixels`, linear sRGB.
+    /// Computes the f64 reference of `pixels`, linear sRGB; black where nothing is covered.
     fn reference(
         &self,
         shading: &Shading,
@@ -315,9 +342,12 @@ impl BenchmarkScene {
             bar.set_position(done as u64);
             Ok(())
         };
-        let colors = reference_pixels(&self.field, shading, &self.view, directions, pixels, &progress);
+        let is_covered = |pixel: &&usize| directions.iter().any(|seen| seen.view[**pixel][3] != 0.0);
+        let seen: Vec<usize> = pixels.iter().filter(is_covered).copied().collect();
+        let colors = reference_pixels(&self.field, shading, &self.view, directions, &seen, &progress);
         bar.finish_and_clear();
-        colors
+        let colors: BTreeMap<usize, DVec3> = seen.into_iter().zip(colors?).collect();
+        Ok(pixels.iter().map(|pixel| colors.get(pixel).copied().unwrap_or(DVec3::ZERO)).collect())
     }
 
     /// Mean FLIP between `picture` and the reference, both as displayed.

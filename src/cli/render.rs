@@ -11,14 +11,15 @@ use super::{captions, prepare, scale};
 use crate::error::{Error, Result};
 use crate::files::Files;
 use crate::measure::error;
-use crate::optics::coherence::Windows;
 use crate::optics::nufft;
 use crate::optics::spectrum::SHORTEST;
 use crate::picture_file::{self, Notes, PictureFormat};
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::light_passes::LightPass;
+use crate::render::object::ObjectTextures;
 use crate::render::picture::Picture;
+use crate::render::rays::{self, RayScene, RaySettings};
 use crate::render::reference_picture::{
     self, ReferenceObject, ReferenceSamples, displayed_of, reference_mean,
 };
@@ -209,34 +210,38 @@ fn draw(
     let device = prepare::device(&arguments.device.wish())?;
     let mut in_use = InUse::default();
     let make = |surface: &ObjectSurface| match (&surface.field, surface.optics.method) {
-        // The frame's directions are all that the reference needs, and this source has no data.
+        // The reference casts rays of its own; this source has no data.
         (_, Method::Reference) => Ok(Source::ClassicalGrating(ClassicalGrating::default())),
         (None, _) => Ok(setup::pigment_alone()),
         (Some(field), _) => prepare::source(field, &surface.optics, &device, &mut in_use),
     };
     let mut prepared = PreparedScene::new(&device, (scene, surfaces), settings, views, make)?;
     shots.iter().try_for_each(|shot| prepared.check(&shot.view))?;
-    if reference && shading.windows == Windows::All {
-        prepared.painter().ask_for_footprints()?;
-        shading.specular_spread().into_iter().for_each(|spread| prepared.painter().ask_for_mirrored(spread));
-    }
+    let textures = if reference { ObjectTextures::of(scene)? } else { Vec::new() };
+    let rays = reference.then(|| RayScene::new(rays::objects(scene, &textures)));
     let mut shown = Shown::of(scene);
     if let Some(first) = views.first().filter(|_| work.measured) {
-        shown.exposure = measured_exposure(&mut prepared, first, work)?;
+        prepared.check(first)?;
+        let measured = match &rays {
+            Some(rays) => reference_exposure(rays, first, work)?,
+            None => prepared.meter(first)?,
+        };
+        shown.exposure = told_exposure(measured, scene);
         prepared.show(shown);
     }
     scale::tell(prepared.painter(), &first.view, scene, shading.coherence)?;
     let progress = Progress::over(shots.len(), if reference { "pixels" } else { "samples" });
     for (number, shot) in shots.iter().enumerate() {
         let told = |done, of| progress.show(number, done, of);
-        let picture = if reference {
-            reference_picture(&mut prepared, &shot.view, work, shown, &told)?
-        } else {
-            let samples = settings.sampling.count as usize;
-            let picture = prepared.draw(&shot.view, &mut |done| told(done as usize, samples))?;
-            // A single sample tells nothing of itself.
-            told(samples, samples)?;
-            picture
+        let picture = match &rays {
+            Some(rays) => reference_picture(rays, &shot.view, work, shown, &told)?,
+            None => {
+                let samples = settings.sampling.count as usize;
+                let picture = prepared.draw(&shot.view, &mut |done| told(done as usize, samples))?;
+                // A single sample tells nothing of itself.
+                told(samples, samples)?;
+                picture
+            }
         };
         prepare::finish(&device)?;
         picture_file::write(&shot.output, format, &picture, &shot.notes)?;
@@ -274,29 +279,27 @@ impl Drop for Progress {
     }
 }
 
-/// The exposure that suits `view`, measured in one sample a pixel, and told. Where nothing is lit it is the scene's.
-fn measured_exposure(prepared: &mut PreparedScene<'_>, view: &View, work: &PictureWork<'_>) -> Result<f64> {
+/// Measures the exposure that suits `view` \[stops\] in one sample of random pixels of the reference; `None` where nothing is lit.
+fn reference_exposure(rays: &RayScene<'_>, view: &View, work: &PictureWork<'_>) -> Result<Option<f64>> {
     /// Pixels whose mean is certain to about a tenth of a stop; each of the reference takes long.
     const PIXELS: usize = 2000;
-    prepared.check(view)?;
-    let measured = if work.settings.optics.method == Method::Reference {
-        let settings = PictureSettings { sampling: Sampling::ONE, ..work.settings.clone() };
-        let one = PictureWork { settings: &settings, shaded: Some(PIXELS), ..*work };
-        let shown = Shown::of(work.scene);
-        let picture = reference_picture(prepared, view, &one, shown, &|_, _| Ok(()))?;
-        exposure::automatic(&picture.radiance)
-    } else {
-        prepared.meter(view)?
-    };
-    let stops = measured.unwrap_or(work.scene.exposure);
-    let unlit = if measured.is_none() { ", the scene's own: nothing is lit" } else { "" };
-    say(&format_args!("exposure {stops:.1} stops{unlit}"));
-    Ok(stops)
+    let settings = PictureSettings { sampling: Sampling::ONE, ..work.settings.clone() };
+    let one = PictureWork { settings: &settings, shaded: Some(PIXELS), ..*work };
+    let picture = reference_picture(rays, view, &one, Shown::of(work.scene), &|_, _| Ok(()))?;
+    Ok(exposure::automatic(&picture.radiance))
 }
 
-/// The f64 picture of `view`, of all pixels that a sample covers or of the wanted number of random ones of them.
+/// Tells the `measured` exposure \[stops\], or that of `scene` where nothing is lit, and returns it.
+fn told_exposure(measured: Option<f64>, scene: &Scene) -> f64 {
+    let stops = measured.unwrap_or(scene.exposure);
+    let unlit = if measured.is_none() { ", the scene's own: nothing is lit" } else { "" };
+    say(&format_args!("exposure {stops:.1} stops{unlit}"));
+    stops
+}
+
+/// Computes the f64 picture of `view`, of all pixels that a sample covers or of the wanted number of random ones of them.
 fn reference_picture(
-    prepared: &mut PreparedScene<'_>,
+    rays: &RayScene<'_>,
     view: &View,
     work: &PictureWork<'_>,
     shown: Shown,
@@ -305,7 +308,8 @@ fn reference_picture(
     let PictureWork { field, surfaces, settings, shaded, .. } = *work;
     prepare::warn_of_coarse_samples(field, SHORTEST);
     let sampling = &settings.sampling;
-    let mut directions = |pass: &LightPass| prepared.directions(view, pass);
+    let cast = RaySettings::new(settings.size, work.scene.shadows, &settings.optics.shading);
+    let mut directions = |pass: &LightPass| Ok(rays.directions(view, pass, &cast));
     let chosen = match shaded {
         Some(count) => {
             let mut covered = BTreeSet::new();

@@ -1,8 +1,10 @@
-//! How the patch of a height field lies on a mesh, for the geometry pass: its twin is `groove_turn` of `shaders/geometry.frag`.
+//! How the patch of a height field lies on a mesh, for the geometry pass: the twin of [`GrooveDirections::turn_at`] is `groove_turn` of
+//! `shaders/geometry.frag`.
 
 use crate::error::Result;
 use crate::input::PictureFile;
 use crate::scene::Grooves;
+use glam::DVec2;
 use half::f16;
 use image::ImageFormat;
 use std::f64::consts::TAU;
@@ -60,6 +62,32 @@ impl GrooveDirections {
         }
     }
 
+    /// Returns the unit vector along the patch's x in the tangent frame at the texture coordinates `uv`.
+    pub fn turn_at(&self, uv: DVec2) -> DVec2 {
+        let turn = match self.layout {
+            Layout::Along => DVec2::X,
+            Layout::Turned => DVec2::new(self.turn[0].into(), self.turn[1].into()),
+            Layout::Radial => uv - 0.5,
+            Layout::Mapped => self.between_texels(uv),
+        };
+        turn.try_normalize().unwrap_or(DVec2::X)
+    }
+
+    /// Interpolates the map linearly at `uv`, whose v grows upward. The map repeats.
+    fn between_texels(&self, uv: DVec2) -> DVec2 {
+        let size = DVec2::new(self.size[0].into(), self.size[1].into());
+        // From the middle of the first texel.
+        let place = DVec2::new(uv.x, 1.0 - uv.y) * size - 0.5;
+        let (corner, share) = (place.floor(), place - place.floor());
+        let texel = |right: f64, down: f64| {
+            let [column, row] = [(corner.x + right).rem_euclid(size.x), (corner.y + down).rem_euclid(size.y)];
+            let [cosine, sine] = self.texels[row as usize * self.size[0] as usize + column as usize];
+            DVec2::new(cosine.to_f64(), sine.to_f64())
+        };
+        let along = |down| texel(0.0, down).lerp(texel(1.0, down), share.x);
+        along(0.0).lerp(along(1.0), share.y)
+    }
+
     fn read(path: &Path) -> Result<Self> {
         let decoded = MAP.decode(&MAP.read(path)?).map_err(|e| e.at(path.display()))?;
         let picture = decoded.into_luma16();
@@ -83,3 +111,26 @@ const MAP: PictureFile = PictureFile {
     role: "a picture",
     side: MAX_MAP,
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_map_is_read_from_the_top_between_texels_and_repeats() {
+        let texels = [0.0, 90.0, 180.0, 270.0].map(|angle: f64| direction(angle.to_radians())).to_vec();
+        let map =
+            GrooveDirections { layout: Layout::Mapped, size: [2, 2], texels, ..GrooveDirections::along() };
+        let near = |uv: [f64; 2], angle: f64| {
+            let found = map.turn_at(uv.into());
+            assert!((found - DVec2::from_angle(angle.to_radians())).length() < 1e-3, "{uv:?}: {found}");
+        };
+        // v grows upward, rows downward.
+        near([0.25, 0.75], 0.0);
+        near([0.75, 0.75], 90.0);
+        near([0.25, 0.25], 180.0);
+        near([1.75, -0.75], 270.0);
+        near([0.5, 0.75], 45.0);
+        near([1.0, 1.75], 45.0);
+    }
+}

@@ -16,6 +16,7 @@ pub mod light_passes;
 pub mod object;
 pub mod picture;
 pub mod pigment;
+pub mod rays;
 pub mod reference_picture;
 pub mod sampling;
 pub mod sequence;

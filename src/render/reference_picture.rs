@@ -1,4 +1,5 @@
-//! The picture that f64 optics give for the very directions that a frame shaded: only shading differs.
+//! The picture that f64 optics give for directions: for those that a frame shaded, so that only shading differs, or for those of rays that are cast in
+//! f64 ([`super::rays`]), so that everything does.
 
 use super::directions::Directions;
 use super::frame::{Shown, View};

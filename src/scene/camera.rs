@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use glam::camera::rh::{proj::vulkan, view::look_at_mat4};
-use glam::{DVec2, Mat4, Vec3};
+use glam::{DVec2, DVec3, Mat4, Vec3};
 
 /// A perspective camera that orbits a target. The world's up is +z.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,6 +65,19 @@ impl Camera {
         let projection = vulkan::perspective(self.field_of_view, aspect, near, far * 1.01);
         projection * look_at_mat4(eye, self.target, Vec3::Z)
     }
+
+    /// Returns a vector from the eye to what a picture of `size` pixels shows at `place` \[pixels from its upper left corner\]: the f64 twin of
+    /// [`Self::clip_from_world`].
+    pub fn ray(&self, place: DVec2, size: [u32; 2]) -> DVec3 {
+        let forward = (self.target.as_dvec3() - self.eye().as_dvec3()).normalize();
+        let right = forward.cross(DVec3::Z).normalize();
+        let up = right.cross(forward);
+        let size = DVec2::new(size[0].into(), size[1].into());
+        // Half the picture's height at distance 1 before the eye.
+        let half = (f64::from(self.field_of_view) / 2.0).tan();
+        let from_middle = (place * 2.0 - size) * (half / size.y);
+        forward + right * from_middle.x - up * from_middle.y
+    }
 }
 
 /// Where in clip space the centre of pixel number `pixel` of a picture of `size` pixels is, row by row from the top.
@@ -102,6 +115,21 @@ mod tests {
             assert_eq!(clip.project_point3(point).z, moved.project_point3(point).z);
         }
         assert_eq!(jittered(clip, size, [0.0; 2]), clip);
+    }
+
+    #[test]
+    fn a_ray_leads_to_what_is_seen_at_its_place() {
+        let camera = Camera::looking(Vec3::new(3.0, 1.0, 2.0), Vec3::new(0.5, 0.0, 0.1), 0.6).unwrap();
+        let size = [200, 100];
+        let clip = camera.clip_from_world(size, Vec3::ZERO, 1.0);
+        for place in [DVec2::new(100.0, 50.0), DVec2::new(0.5, 0.5), DVec2::new(150.0, 80.0)] {
+            let ray = camera.ray(place, size).as_vec3();
+            for along in [2.5, 4.0] {
+                let seen = clip.project_point3(camera.eye() + ray * along).truncate().as_dvec2();
+                let expected = place / DVec2::new(200.0, 100.0) * 2.0 - 1.0;
+                assert!((seen - expected).length() < 1e-5, "{place}: {seen}, {expected}");
+            }
+        }
     }
 
     #[test]

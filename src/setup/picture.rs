@@ -3,11 +3,9 @@
 use super::{InUse, Method, Settings, averages_footprints, beyond_of, pigment_alone, source};
 use crate::error::Result;
 use crate::optics::coherence::Beyond;
-use crate::render::directions::Directions;
 use crate::render::exposure;
 use crate::render::footprints;
 use crate::render::frame::{Shown, View};
-use crate::render::light_passes::LightPass;
 use crate::render::object::{ObjectSource, ObjectSources, ObjectTextures, objects};
 use crate::render::picture::{Painter, Picture};
 use crate::render::sampling::Sampling;
@@ -192,14 +190,6 @@ impl<'a> PreparedScene<'a> {
     pub fn meter(&mut self, view: &View) -> Result<Option<f64>> {
         self.painter.draw_sample(view, &Sampling::ONE.sample(0), self.shown)?;
         Ok(exposure::automatic(&self.painter.picture()?.radiance))
-    }
-
-    /// The directions of `pass` of `view`.
-    ///
-    /// # Errors
-    /// Where the device is lost.
-    pub fn directions(&mut self, view: &View, pass: &LightPass) -> Result<Directions> {
-        self.painter.directions_in(view, pass)
     }
 
     /// What draws.

@@ -76,6 +76,28 @@ fn a_profile_tells_the_error_beside_the_time_and_a_worse_setting_has_a_larger_on
 }
 
 #[test]
+fn errors_of_shading_of_geometry_and_of_the_whole_are_told_apart() {
+    let sandbox = Sandbox::new();
+    let relative = |json: &str, key: &str| {
+        let (_, section) =
+            json.split_once(&format!("\"{key}\": {{")).unwrap_or_else(|| panic!("{key}: {json}"));
+        number(section.split('}').next().unwrap(), "relative_l2")
+    };
+    let good = profile(&sandbox, &["--error", "all"]);
+    let few = profile(&sandbox, &["--error", "all", "--wavelengths", "6", "--terms", "4"]);
+    // Geometry is the same however it is shaded.
+    let [geometry, same] = [&good, &few].map(|json| relative(json, "geometry"));
+    assert!(geometry > 0.0 && (geometry - same).abs() < 1e-9, "{geometry}, {same}");
+    for json in [&good, &few] {
+        let [shading, whole] = ["error", "whole"].map(|key| relative(json, key));
+        assert!((whole - shading).abs() <= 1.5 * geometry, "{shading}, {geometry}, {whole}");
+    }
+    assert!(relative(&few, "whole") > 1.5 * relative(&good, "whole"), "{good}{few}");
+    let none = profile(&sandbox, &[]);
+    assert!(!none.contains("\"whole\"") && !none.contains("\"geometry\""), "{none}");
+}
+
+#[test]
 fn a_frame_rate_chooses_the_most_accurate_setting_that_keeps_it_and_says_where_none_does() {
     let sandbox = Sandbox::new();
     let asked = |options: &[&str]| {

@@ -323,7 +323,7 @@ fn a_pixel_of_the_plate_shows_as_much_of_it_as_it_covers() {
         let mut painter = painter(device, &scene);
         let area = median_pixel_area(&mut painter, &view).unwrap().unwrap();
         assert!((area / (side * side) - 1.0).abs() < 5e-3, "{area} for {}", side * side);
-        // From 60° the same pixel shows twice as much. From afar: directions are interpolated over the plate's two triangles.
+        // From 60° the same pixel shows twice as much. From afar, where all pixels of the plate are seen from 60°.
         let eye = Vec3::new(3f32.sqrt(), 0.0, 1.0) * 20.0;
         view.camera = Camera::looking(eye, Vec3::ZERO, 0.02).unwrap();
         let side = 2.0 * 40.0 * 0.01f64.tan() / f64::from(SIZE[1]);

@@ -26,6 +26,7 @@ mod objects;
 mod panel;
 mod picture;
 mod promise;
+mod rays;
 mod repeats;
 mod single_samples;
 mod thesis;

@@ -28,7 +28,7 @@ pub struct Arguments {
     /// Frames to measure
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(3..=100_000), allow_hyphen_values = true)]
     pub frames: u32,
-    /// Compare this many random pixels, or all, with the f64 reference
+    /// Compare this many random pixels, or all, with f64 references: of the same directions, and of rays cast in f64
     #[arg(long, value_name = "N|all", value_parser = compared_pixels, allow_hyphen_values = true)]
     pub error: Option<usize>,
     /// Choose the most accurate setting that keeps this frame rate; method, basis and tolerance that are given stay

@@ -42,6 +42,10 @@ pub struct ProfileReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<PixelErrors>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    geometry: Option<PixelErrors>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    whole: Option<PixelErrors>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     flip: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     sampling_error: Option<f64>,
@@ -87,6 +91,8 @@ impl ProfileReport {
             spread: times.spread,
             noisy: times.spread > NOISY,
             error: errors.pixels,
+            geometry: errors.geometry,
+            whole: errors.whole,
             flip: errors.flip,
             sampling_error: errors.sampling,
             budget,
@@ -104,12 +110,12 @@ impl ProfileReport {
         text += &line("samples", &format!("{:.0} a covered pixel", self.samples_per_covered_pixel));
         text += &line("sample rate", &self.sample_rates());
         text += &line("bound by", self.bound_by.description());
-        if let Some(e) = &self.error {
-            let error = format!(
-                "{:.1e} ± {:.0e} relative L2, 99 % of pixels within {:.1e} of their own value ({} pixels against f64)",
-                e.relative_l2, e.relative_l2_interval, e.p99, e.pixels
-            );
-            text += &line("error of shading", &error);
+        for (name, error, against) in [
+            ("error of shading", &self.error, "f64 for the same directions"),
+            ("error of geometry", &self.geometry, "rays cast in f64"),
+            ("error of the whole", &self.whole, "f64 for these rays"),
+        ] {
+            text += &error.as_ref().map_or_else(String::new, |error| line(name, &error_text(error, against)));
         }
         if let Some(sampling) = self.sampling_error {
             let change = format!("{sampling:.1e} relative L2 between one sample a pixel and {MORE_SAMPLES}");
@@ -182,6 +188,15 @@ impl ProfileReport {
             self.sample_rate_fraction * 100.0
         )
     }
+}
+
+/// Words for `errors` of a picture.
+fn error_text(errors: &PixelErrors, against: &str) -> String {
+    let PixelErrors { pixels, relative_l2, relative_l2_interval, p99, .. } = errors;
+    format!(
+        "{relative_l2:.1e} ± {relative_l2_interval:.0e} relative L2, 99 % of pixels within {p99:.1e} of their own value \
+         ({pixels} pixels against {against})"
+    )
 }
 
 /// A line of the report.

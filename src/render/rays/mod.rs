@@ -1,0 +1,117 @@
+//! Directions that pixels see, by rays in f64: the geometry of the reference, which shares no step with the passes that it judges.
+//!
+//! A ray leads through the place of a pixel at which a sample looks, and to the nearest triangle of all objects. Normal and tangent are interpolated there,
+//! as the mesh defines them, and the vectors to viewer and light are taken into that frame; `surface.vert` takes them at the vertices. A footprint is the
+//! difference across one pixel on the plane of the triangle.
+
+mod pixel;
+mod reflection;
+mod surface;
+mod triangles;
+
+use super::directions::Directions;
+use super::frame::View;
+use super::grooves::GrooveDirections;
+use super::light_passes::LightPass;
+use super::object::ObjectTextures;
+use super::shading::Shading;
+use crate::optics::coherence::Windows;
+use crate::scene::{Mesh, Scene};
+use glam::DVec3;
+use pixel::{RayFrame, SeenPixel};
+use rayon::prelude::*;
+use triangles::Triangles;
+
+/// Object that rays meet.
+#[derive(Clone, Copy)]
+pub struct RayObject<'a> {
+    /// Its mesh.
+    pub mesh: &'a Mesh,
+    /// How the patch lies on the mesh.
+    pub grooves: &'a GrooveDirections,
+    /// Whether it casts shadows, where lights do.
+    pub casts_shadows: bool,
+}
+
+/// Returns the objects of `scene`, the first object first, with what was read for them.
+pub fn objects<'a>(scene: &'a Scene, textures: &'a [ObjectTextures]) -> Vec<RayObject<'a>> {
+    let casts = std::iter::once(true).chain(scene.objects.iter().map(|object| !object.is_ground));
+    let object = |((mesh, textures), casts_shadows): ((_, &'a ObjectTextures), _)| RayObject {
+        mesh,
+        grooves: &textures.grooves,
+        casts_shadows,
+    };
+    scene.meshes().zip(textures).zip(casts).map(object).collect()
+}
+
+/// Data that the directions of a frame hold beside the directions.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RaySettings {
+    /// Width and height of the picture \[pixels\].
+    pub size: [u32; 2],
+    /// Whether footprints are computed.
+    pub footprints: bool,
+    /// Whether lights cast shadows.
+    pub shadows: bool,
+    /// Variance of (u, v) over which the specular order spreads, where surroundings are mirrored.
+    pub specular_spread: Option<f64>,
+}
+
+impl RaySettings {
+    /// Data that the reference of a picture of `size` pixels needs by `shading`: the mean over windows is averaged over footprints, and its specular
+    /// order mirrors the surroundings.
+    pub fn new(size: [u32; 2], shadows: bool, shading: &Shading) -> Self {
+        let footprints = shading.windows == Windows::All;
+        Self { size, footprints, shadows, specular_spread: shading.specular_spread().filter(|_| footprints) }
+    }
+}
+
+/// Objects of a scene as rays meet them.
+pub struct RayScene<'a> {
+    objects: Vec<RayObject<'a>>,
+    triangles: Triangles,
+}
+
+impl<'a> RayScene<'a> {
+    /// Prepares `objects` for rays.
+    pub fn new(objects: Vec<RayObject<'a>>) -> Self {
+        let meshes = objects.iter().map(|object| (object.mesh, object.casts_shadows));
+        Self { triangles: Triangles::new(meshes), objects }
+    }
+
+    /// Casts the rays of `pass` of `view`.
+    pub fn directions(&self, view: &View, pass: &LightPass, settings: &RaySettings) -> Directions {
+        let mirrors = settings.specular_spread.is_some() && view.is_surroundings(pass.light);
+        let frame = RayFrame {
+            scene: self,
+            view,
+            pass,
+            settings,
+            incident: view.incident(pass),
+            eye: view.camera.eye().as_dvec3(),
+            mirrored: view.environment.as_ref().filter(|_| mirrors),
+        };
+        let count = settings.size[0] as usize * settings.size[1] as usize;
+        let seen: Vec<Option<SeenPixel>> =
+            (0..count).into_par_iter().map(|pixel| frame.pixel(pixel)).collect();
+        let of_all = |wanted: bool| if wanted { seen.as_slice() } else { &[] };
+        let unit = |v: DVec3| v.as_vec3().extend(1.0).to_array();
+        let each = |of: fn(&SeenPixel) -> DVec3| {
+            seen.iter().map(|pixel| pixel.as_ref().map_or([0.0; 4], |pixel| unit(of(pixel)))).collect()
+        };
+        fn some<T: Default>(all: &[Option<SeenPixel>], of: impl Fn(&SeenPixel) -> T) -> Vec<T> {
+            all.iter().map(|pixel| pixel.as_ref().map_or(T::default(), &of)).collect()
+        }
+        Directions {
+            light_number: pass.light,
+            light: each(|pixel| pixel.light),
+            view: each(|pixel| pixel.view),
+            footprints: some(of_all(settings.footprints), |pixel| pixel.footprint),
+            filter: pass.sample.footprint,
+            irradiance: frame.incident.irradiance.as_dvec3(),
+            falloffs: some(of_all(view.has_lamps()), |pixel| pixel.falloff),
+            mirrored: some(of_all(mirrors), |pixel| pixel.mirrored),
+            objects: some(of_all(self.objects.len() > 1), |pixel| pixel.object),
+        }
+    }
+}
