@@ -28,7 +28,6 @@ use crate::error::Result;
 use crate::expansion::Basis;
 use crate::precompute::Layers;
 use crate::vk::device::Device;
-use crate::vk::pipeline::Constant;
 use cost::Cost;
 use std::sync::Arc;
 
