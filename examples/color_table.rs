@@ -11,12 +11,12 @@ fn main() -> Result<()> {
     // A sinusoidal grating, 2 µm from crest to crest and 0.2 µm high.
     let field = synth::generate(&Spec::new(SurfaceKind::Sinusoid))?;
     // Light of a coherence length of 20 µm; the window's standard deviation is a quarter of it.
-    // Spectra and table both err: half of the tolerance for the spectra leaves most of it to the table.
+    // Series and table both err: half of the tolerance for the series leaves most of it to the table.
     let settings = PowerSettings::new(20.0 / 4.0, Beyond::Copies, 0.5 * TOLERANCE);
     // Both steps tell how far they are. An error from there would end them.
     let progress = |_done: usize, _of: usize| Ok(());
-    let spectra = power_spectra(&field, &settings, &progress)?;
-    let table = bake(&spectra, &TableSettings::new(Illuminant::D65, TOLERANCE), &progress)?;
+    let series = OrderSeries::new(&field, &settings, &progress)?;
+    let table = bake(&series, &TableSettings::new(Illuminant::D65, TOLERANCE), &progress)?;
     println!("a table of {:.1} MiB", table.bytes() as f64 / f64::from(1 << 20));
 
     // X, Y, Z of BRDF times cosine, for light 30° from the normal and viewers on the other side.

@@ -4,8 +4,8 @@
 use super::mean::MeanBrdf;
 use super::spread::{CUT, NEAREST, Spread};
 use crate::error::Result;
-use crate::optics::brdf::cosine_weighted;
 use crate::filter::Covariance;
+use crate::optics::brdf::cosine_weighted;
 use crate::optics::geometry::Pair;
 use crate::optics::nufft::Progress;
 use crate::optics::quadrature::{Nodes, SPAN};
@@ -282,6 +282,7 @@ mod tests {
     use super::*;
     use crate::optics::geometry::direction;
     use crate::spectra::power::Beyond;
+    use crate::surface::HeightField;
     use crate::surface::synth::{self, Spec, SurfaceKind};
 
     fn rough() -> HeightField {

@@ -192,7 +192,6 @@ impl Words {
 mod tests {
     use super::*;
     use crate::optics::color::Tone;
-    use crate::setup::Method;
     use crate::viewer::OpticsSettings;
     use crate::viewer::settings_of_a_plate as settings;
 

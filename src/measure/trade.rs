@@ -59,9 +59,17 @@ impl Measurement {
         /// Range of all other numbers.
         const OTHERS: std::ops::RangeInclusive<f64> = 0.0..=1e15;
         [self.frame_ms, self.fastest_ms, self.gpu_ms].iter().all(|x| TIMES.contains(x))
-            && [self.wavelengths, self.samples, self.spread, self.relative_l2, self.p99, self.flip, self.promised]
-                .iter()
-                .all(|x| OTHERS.contains(x))
+            && [
+                self.wavelengths,
+                self.samples,
+                self.spread,
+                self.relative_l2,
+                self.p99,
+                self.flip,
+                self.promised,
+            ]
+            .iter()
+            .all(|x| OTHERS.contains(x))
     }
 }
 

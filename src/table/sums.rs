@@ -288,9 +288,8 @@ mod tests {
     #[test]
     fn products_in_registers_are_the_plain_sums() {
         let mut random = Random::new(4);
-        let mut numbers = |count: usize| -> Vec<f32> {
-            (0..count).map(|_| random.share() as f32 - 0.4).collect()
-        };
+        let mut numbers =
+            |count: usize| -> Vec<f32> { (0..count).map(|_| random.share() as f32 - 0.4).collect() };
         // One place less than fills the last block.
         let (terms, places, lanes) = (12, 7, 2);
         let series = numbers(places * terms);
@@ -301,8 +300,10 @@ mod tests {
             let products = || Products { series: &series, polynomials: &polynomials, terms, reflectances };
             let mut exact = vec![0f32; places * 3 * lanes * LANES];
             for (i, sum) in exact.iter_mut().enumerate() {
-                let (place, channel, w) = (i / (3 * lanes * LANES), i / (lanes * LANES) % 3, i % (lanes * LANES));
-                let term = |t: usize| series[place * terms + t] * polynomials[w / LANES * terms + t][w % LANES];
+                let (place, channel, w) =
+                    (i / (3 * lanes * LANES), i / (lanes * LANES) % 3, i % (lanes * LANES));
+                let term =
+                    |t: usize| series[place * terms + t] * polynomials[w / LANES * terms + t][w % LANES];
                 let value = (0..terms).map(term).sum::<f32>().max(0.0);
                 let r = reflectances.get(place * lanes + w / LANES).map_or(1.0, |r| r[w % LANES]);
                 *sum = value * r * weights[channel];

@@ -1,4 +1,4 @@
-//! Power spectra and colour tables against the f64 mean.
+//! Colour tables against the f64 mean.
 
 use super::basis::MOST_COMPONENTS;
 use super::projection::Projection;
@@ -12,8 +12,7 @@ use crate::optics::geometry::{Pair, direction};
 use crate::optics::quadrature::{SPAN, density_table};
 use crate::optics::spectrum::{Illuminant, LONGEST};
 use crate::random::Random;
-use crate::spectra::power::read::{SpectraReader, Square};
-use crate::spectra::power::{Beyond, PowerSettings, PowerSpectra, power_spectra};
+use crate::spectra::power::{Beyond, OrderReader, OrderSeries, PowerSettings, Square};
 use crate::surface::HeightField;
 use crate::surface::synth::{self, Spec, SurfaceKind};
 use glam::{DVec2, DVec3, Vec3, Vec4};
@@ -21,15 +20,13 @@ use std::f64::consts::PI;
 
 const IOR: f64 = 1.5;
 
-fn spectra(field: &HeightField, sigma: f64, tolerance: f64, finest: f64) -> PowerSpectra {
-    let settings =
-        PowerSettings { least_footprint: finest, ..PowerSettings::new(sigma, Beyond::Copies, tolerance) };
-    power_spectra(field, &settings, &|_, _| Ok(())).unwrap()
+fn series(field: &HeightField, sigma: f64, tolerance: f64) -> OrderSeries {
+    OrderSeries::new(field, &PowerSettings::new(sigma, Beyond::Copies, tolerance), &|_, _| Ok(())).unwrap()
 }
 
-fn table(spectra: &PowerSpectra, tolerance: f64, finest: f64) -> ColorTable {
+fn table(series: &OrderSeries, tolerance: f64, finest: f64) -> ColorTable {
     let settings = TableSettings { finest, ..TableSettings::new(Illuminant::D65, tolerance) };
-    bake(spectra, &settings, &|_, _| Ok(())).unwrap()
+    bake(series, &settings, &|_, _| Ok(())).unwrap()
 }
 
 fn pairs(count: usize, seed: u64) -> Vec<Pair> {
@@ -63,9 +60,9 @@ fn errors(colours: &[DVec3], exact: &[DVec3]) -> (f64, f64) {
 #[test]
 fn a_flat_surface_takes_one_texel_and_scatters_nothing() {
     let field = synth::generate(&Spec { patch: Some([13.0, 11.0]), ..Spec::new(SurfaceKind::Flat) }).unwrap();
-    let spectra = spectra(&field, 3.0, 2e-2, 1e-3);
-    assert!(spectra.header.specular[0] > 0.9, "what it reflects is the specular order");
-    let table = table(&spectra, 2e-2, 1e-2);
+    let series = series(&field, 3.0, 2e-2);
+    assert!(series.specular_power(0.0) > 0.9, "what it reflects is the specular order");
+    let table = table(&series, 2e-2, 1e-2);
     assert_eq!(table.header.basis.layers(), 1);
     assert!(table.levels.iter().flatten().all(|texel| texel.to_f32() == 0.0));
 }
@@ -76,7 +73,7 @@ fn the_bands_of_the_specular_order_hold_the_lobe_of_a_mirror() {
     const COUNT: usize = 401;
     let field = synth::generate(&Spec { patch: Some([13.0, 11.0]), ..Spec::new(SurfaceKind::Flat) }).unwrap();
     let sigma = 3.0;
-    let specular = table(&spectra(&field, sigma, 2e-2, 1e-3), 2e-2, 1e-2).header.specular;
+    let specular = table(&series(&field, sigma, 2e-2), 2e-2, 1e-2).header.specular;
     let lobe = |r: f64, variance: f64| (-0.5 * r * r / variance).exp() / (2.0 * PI * variance);
     let step = SPAN / (COUNT - 1) as f64;
     let density = density_table(&Illuminant::D65, COUNT);
@@ -109,8 +106,7 @@ fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
     let (sigma, tolerance) = (3.0, 2e-2);
     let mean = MeanBrdf { field: &field, sigma, beyond: Beyond::Copies, reflectance: IOR.into() };
     let exact = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
-    let spectra = spectra(&field, sigma, tolerance, 0.0);
-    let table = table(&spectra, tolerance, 0.0);
+    let table = table(&series(&field, sigma, tolerance), tolerance, 0.0);
     let reader = TableReader::new(&table);
     for around in [
         Covariance::default(),
@@ -131,7 +127,7 @@ fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
 /// Relative L2 error of the colours of `projection` at places and |w| that it has not seen, and the RMS of each colour's own, weighed by |w|.
 fn errors_elsewhere(
     projection: &Projection,
-    reader: &SpectraReader,
+    reader: &OrderReader<'_>,
     spectrum: &DirectionWavelengths,
 ) -> (f64, f64) {
     let basis = &projection.basis;
@@ -143,7 +139,8 @@ fn errors_elsewhere(
     for _ in 0..300 {
         let place = DVec2::from_angle(2.0 * PI * random.share()) * 1.9 * random.share();
         let mut numbers = Vec::new();
-        projection.project(at_nodes.at_nodes(&Square::point(place), &mut scratch), &mut numbers);
+        let mut values = at_nodes.at_nodes(&Square::point(place), &mut scratch);
+        projection.project(values.next().unwrap(), &mut numbers);
         for (w, exact) in w.iter().zip(exact.colours(place, &mut scratch)) {
             if w.hypot(place.length()) > 2.0 {
                 break;
@@ -165,12 +162,12 @@ fn errors_elsewhere(
 #[test]
 fn a_basis_errs_by_what_it_says_and_a_larger_one_by_less() {
     let field = synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(SurfaceKind::Elaphe) }).unwrap();
-    let spectra = spectra(&field, 3.0, 2e-2, 0.0);
-    let reader = SpectraReader::new(&spectra);
+    let series = series(&field, 3.0, 2e-2);
+    let reader = OrderReader::new(&series);
     let mut components = Vec::new();
     for error in [0.3, 5e-2, 1e-2] {
         let settings = TableSettings { basis_error: error, ..TableSettings::new(Illuminant::D65, 2e-2) };
-        let spectrum = DirectionWavelengths::new(&reader, &settings);
+        let spectrum = DirectionWavelengths::new(&series, &settings);
         let projection = Projection::choose(&reader, &spectrum, &settings).unwrap();
         let (l2, own) = errors_elsewhere(&projection, &reader, &spectrum);
         let ColorBasis { pieces, components: own_components, .. } = projection.basis;
@@ -188,10 +185,10 @@ fn a_basis_errs_by_what_it_says_and_a_larger_one_by_less() {
 #[test]
 fn all_components_hold_any_three_cubics() {
     let field = synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(SurfaceKind::Elaphe) }).unwrap();
-    let spectra = spectra(&field, 3.0, 2e-2, 0.0);
-    let reader = SpectraReader::new(&spectra);
+    let series = series(&field, 3.0, 2e-2);
+    let reader = OrderReader::new(&series);
     let settings = TableSettings { basis_error: 4e-3, ..TableSettings::new(Illuminant::D65, 2e-2) };
-    let spectrum = DirectionWavelengths::new(&reader, &settings);
+    let spectrum = DirectionWavelengths::new(&series, &settings);
     let Projection { basis, .. } = &Projection::choose(&reader, &spectrum, &settings).unwrap();
     assert_eq!(basis.components, MOST_COMPONENTS);
     let projection = Projection::choose(&reader, &spectrum, &settings).unwrap();
@@ -222,8 +219,8 @@ fn light_of_one_wavelength_takes_one_texel() {
     let file = folder.path().join("sodium.csv");
     std::fs::write(&file, "588,0\n589,1\n590,0\n").unwrap();
     let field = synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(SurfaceKind::Elaphe) }).unwrap();
-    let spectra = spectra(&field, 3.0, 2e-2, 0.0);
-    let table = |illuminant| bake(&spectra, &TableSettings::new(illuminant, 2e-2), &|_, _| Ok(())).unwrap();
+    let series = series(&field, 3.0, 2e-2);
+    let table = |illuminant| bake(&series, &TableSettings::new(illuminant, 2e-2), &|_, _| Ok(())).unwrap();
     let sodium = table(Illuminant::from_name_or_file(&file).unwrap()).header.basis;
     assert_eq!(sodium.texels(), 1, "{} pieces", sodium.pieces);
     assert!(table(Illuminant::D65).header.basis.texels() > 1);

@@ -58,7 +58,6 @@ fn handle(ui: &mut Ui, picture: Rect, model: &mut Model) {
 #[cfg(test)]
 mod tests {
     use crate::optics::coherence::{Coherence, Windows};
-    use crate::setup::Method;
     use crate::viewer::hand::Hand;
     use crate::viewer::input;
     use crate::viewer::panel::LEAST_WIDTH;

@@ -90,8 +90,7 @@ fn colours_by_a_table_meet_their_tolerance() {
             for tolerance in tolerances {
                 let shading = shading(length, tolerance);
                 let answers = |field: &HeightField| {
-                    let source =
-                        source(device, field, &shading, Method::Table, FootprintSizes::default());
+                    let source = source(device, field, &shading, Method::Table, FootprintSizes::default());
                     let mut evaluator = Evaluator::new(device, &source, &shading).unwrap();
                     evaluator.cosine_weighted(&queries).unwrap()
                 };
@@ -126,10 +125,9 @@ fn materials_and_films_keep_the_tolerance_by_every_source() {
             let one = Reference::new(&field, of(Windows::ONE).coherence, [1, 1], reflectance.clone());
             let of_window: Vec<DVec3> =
                 queries.iter().map(|q| one.cosine_weighted_xyz(&q.pair, &Illuminant::D65).unwrap()).collect();
-            for (windows, method, exact) in [
-                (Windows::All, Method::Table, &exact),
-                (Windows::ONE, Method::Spectral, &of_window),
-            ] {
+            for (windows, method, exact) in
+                [(Windows::All, Method::Table, &exact), (Windows::ONE, Method::Spectral, &of_window)]
+            {
                 let answers = |shading: &Shading| {
                     let source = source(device, &field, shading, method, FootprintSizes::default());
                     Evaluator::new(device, &source, shading).unwrap().cosine_weighted(&queries).unwrap()

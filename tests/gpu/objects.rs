@@ -1,7 +1,7 @@
 //! Scenes of several objects, and the directions of their grooves.
 
 use crate::device::with_device;
-use crate::evaluation::patch;
+use crate::evaluation::{layers, patch, window};
 use crate::mean::source;
 use diffract::filter::FootprintSizes;
 use diffract::optics::coherence::{Coherence, Windows};
