@@ -1,16 +1,11 @@
-//! Sizes at which Fourier transforms are fast: rustfft has vector code for the factors 2, 3, 5 and 7.
+//! Sizes at which Fourier transforms are fast: rustfft has vector code for the factors 2, 3 and 5.
 
-/// The smallest size from `n` up with no prime factor above 5.
+/// Returns the smallest size from `n` up with no prime factor above 5.
 pub fn fast_size(n: usize) -> usize {
     (n.max(1)..).find(|&m| is_fast(m)).unwrap_or(n)
 }
 
-/// The same where one factor of 7 may be among them, so that the size is closer to `n`.
-pub fn fast_size_with_seven(n: usize) -> usize {
-    fast_size(n).min(7 * fast_size(n.div_ceil(7)))
-}
-
-/// Whether `n` ≥ 1 has no prime factor above 5.
+/// True if `n` ≥ 1 has no prime factor above 5.
 pub fn is_fast(n: usize) -> bool {
     let divided = |mut rest: usize, prime: &usize| {
         while rest > 0 && rest.is_multiple_of(*prime) {
@@ -28,7 +23,6 @@ mod tests {
     #[test]
     fn fast_sizes_have_small_factors() {
         assert_eq!([0, 1, 7, 11, 121, 3999].map(fast_size), [1, 1, 8, 12, 125, 4000]);
-        assert_eq!([1, 7, 13, 29, 49].map(fast_size_with_seven), [1, 7, 14, 30, 50]);
         assert!(!is_fast(0) && !is_fast(29 * 128));
     }
 }

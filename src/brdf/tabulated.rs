@@ -135,10 +135,10 @@ impl<'a> TabulatedMean<'a> {
     fn blurred(&self, f: DVec2, spread: &Spread, t: &[f32]) -> f64 {
         let [width, height] = self.series.grid.patch;
         let beyond = |[x, y]: [f64; 2]| spread.beyond([x / (width * width), y / (height * height)]);
-        // Two orders: the blur of the first level.
-        const NARROWEST: [f64; 2] = [4.0; 2];
+        // Blur of the first level: its points are two orders apart.
+        let narrowest = (2.0 * Downsampling::EXACT.blur).powi(2);
         let orders = Pyramid::orders(&self.series);
-        if beyond(NARROWEST).is_none() {
+        if beyond([narrowest; 2]).is_none() {
             return self.sum(f, spread, t, &orders);
         }
         let pyramid = self.pyramid.get_or_init(|| Pyramid::new(&self.series, Downsampling::EXACT));

@@ -59,14 +59,6 @@ pub struct BenchmarkOptions {
     pub cache: CacheOptions,
 }
 
-impl BenchmarkOptions {
-    /// Returns the relative error that the setting promises; 0 where numbers of terms or wavelengths are set by hand.
-    pub fn promised(&self) -> f64 {
-        let by_hand = self.optics.terms.is_some() || self.colour.wavelengths.is_some();
-        if by_hand { 0.0 } else { self.optics.tolerance() }
-    }
-}
-
 /// Parses a frame rate \[1/s\].
 ///
 /// # Errors

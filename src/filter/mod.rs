@@ -4,4 +4,6 @@ mod ellipse;
 mod taps;
 
 pub use ellipse::{Covariance, FootprintSizes};
-pub use taps::{ERROR_ACROSS, ERROR_ALONG, Levels, MOST_OF_ROW, MOST_TAPS, Tap, Taps, least_own};
+pub use taps::{
+    ERROR_ACROSS, ERROR_ALONG, ERROR_OF_ONE_SAMPLE, Levels, MOST_OF_ROW, MOST_TAPS, Tap, Taps, least_own,
+};

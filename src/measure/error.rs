@@ -22,6 +22,11 @@ pub struct PixelErrors {
 }
 
 impl PixelErrors {
+    /// True if the error is larger than `promised` beyond what the choice of pixels may do.
+    pub fn exceeds(&self, promised: f64) -> bool {
+        self.relative_l2 - self.relative_l2_interval > promised
+    }
+
     /// Of `picture` against `exact`, linear sRGB pixel by pixel, shown at `exposure` stops: the floor is what a display
     /// shows as black there.
     pub fn of(picture: &[DVec3], exact: &[DVec3], exposure: f64) -> Self {

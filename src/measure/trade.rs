@@ -36,7 +36,7 @@ pub struct Measurement {
     pub p99: f64,
     /// Mean FLIP of the displayed picture.
     pub flip: f64,
-    /// Tolerance that the setting promises for `relative_l2`; 0 where it promises none: baselines, and numbers of terms or wavelengths set by hand.
+    /// Largest `relative_l2` that the setting promises; 0 where it promises none: baselines, and numbers of terms or wavelengths set by hand.
     #[serde(default)]
     pub promised: f64,
 }
@@ -214,7 +214,7 @@ pub fn markdown(rows: &[Measurement], heading: &str, impossible: &[(String, Stri
             row.flip,
             row.samples,
             match (front[i], row.is_own()) {
-                _ if row.breaks_promise() => "no: its error exceeds its tolerance",
+                _ if row.breaks_promise() => "no: its error exceeds what it promises",
                 (true, _) => "yes",
                 (false, true) => "",
                 (false, false) => "no: for comparison",
@@ -275,7 +275,7 @@ mod tests {
         assert!(wanted(&rows, Some(1e-1), None).contains("--kept"));
         let page = markdown(&rows, "A machine.", &[]);
         let line = |flags: &str| page.lines().find(|line| line.starts_with(&format!("| `{flags}`"))).unwrap();
-        assert!(line("--broken").contains("exceeds its tolerance") && line("--kept").ends_with("| yes |"));
+        assert!(line("--broken").contains("exceeds what it promises") && line("--kept").ends_with("| yes |"));
     }
 
     #[test]

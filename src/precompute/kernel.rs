@@ -55,22 +55,6 @@ impl Kernel {
         }
     }
 
-    /// Second derivatives of [`Kernel::weights`] by the place; of the linear kernel the mean of the second differences at both texels.
-    pub fn curvatures(self, t: f64) -> [f64; 4] {
-        match self {
-            Self::Linear => [0.5, -0.5, -0.5, 0.5],
-            Self::Cubic => [1.0 - t, 3.0 * t - 2.0, 1.0 - 3.0 * t, t],
-        }
-    }
-
-    /// Variance of the kernel \[texels²\]: a B-spline is a sum of uniform distributions of width 1, whose variances of 1/12 add.
-    pub fn variance(self) -> f64 {
-        match self {
-            Self::Linear => 1.0 / 6.0,
-            Self::Cubic => 1.0 / 3.0,
-        }
-    }
-
     /// The word for it in reports.
     pub fn name(self) -> &'static str {
         match self {

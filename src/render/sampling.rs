@@ -1,9 +1,9 @@
 //! Samples of a picture: where in the pixel each one looks, for which pixels it counts, and the low-discrepancy sequence that everything random
 //! about it comes from.
 //!
-//! A pixel shows the mean over a Gaussian filter of standard deviation ½ pixel. The filter is shared: shading averages over the
-//! pixel's footprint (standard deviation σ_f), and the samples around the pixel's centre count by a Gaussian of standard deviation σ_r, σ_f² + σ_r² = ¼ pixel². The
-//! variances of two Gaussian blurs add, so that both together are the whole filter.
+//! A pixel shows the mean over a filter of standard deviation ½ pixel, the quadratic B-spline in the limit of many samples. The filter is shared: shading
+//! averages over the pixel's footprint (a Gaussian of standard deviation σ_f), and the samples around the pixel's centre count by weights of variance
+//! σ_r², σ_f² + σ_r² = ¼ pixel². Variances of blurs add.
 //!
 //! A footprint is exact where (u, v) is linear in the pixel, and knows neither edges nor curvature; samples are exact, but noisy. So the part
 //! of the footprint falls as samples are added, and pictures converge to what samples alone give. A sample looks anywhere in its pixel, and counts for the
@@ -12,8 +12,10 @@
 use super::frame_set::SampleBlock;
 use crate::random::Random;
 
-/// Variance of the pixel filter along each axis \[pixel²\].
+/// Variance of the pixel filter along each axis \[pixel²\], that of the quadratic B-spline.
 const FILTER_VARIANCE: f64 = 0.25;
+/// Variance of an even weight over a pixel \[pixel²\].
+const BOX_VARIANCE: f64 = 1.0 / 12.0;
 /// K: of N samples each averages over K/(N + K − 1) of the filter's variance, a single one over all of it.
 ///
 /// Less makes noise, and more leaves an error of the footprint that no number of samples takes away: the best of those that were measured at 16 and at 64
@@ -123,18 +125,16 @@ impl Sample {
             .unwrap_or(0)
     }
 
-    /// What it counts for: a Gaussian of the part of the filter's variance that its footprint leaves. It ends 1½ pixels from the centre of a pixel, three standard
-    /// deviations, which takes away a fortieth of the variance. That the weights add up to 1 adds less than a hundredth from eight samples on, and 3 % of four. A footprint of the whole
-    /// filter leaves nothing, and the sample counts for its own pixel alone.
+    /// Returns the weights of the sample: a mixture of the quadratic B-spline and of the box over its own pixel, whose variance is the part of the
+    /// filter's that the footprint leaves. Both are partitions of unity, so that every place of the picture counts alike, and the weights of a sample add
+    /// up to 1 (Unser, "Splines: a perfect fit for signal and image processing", 1999). A footprint of two thirds of the filter or more leaves the box alone.
     pub fn weights(&self) -> PixelWeights {
-        let variance = FILTER_VARIANCE - self.footprint.powi(2);
-        if variance <= 0.0 {
-            return PixelWeights::OWN;
-        }
+        let left = FILTER_VARIANCE - self.footprint.powi(2);
+        let spline = ((left - BOX_VARIANCE) / (FILTER_VARIANCE - BOX_VARIANCE)).max(0.0);
         let along = |jitter: f64| {
-            let weights = [-1.0, 0.0, 1.0].map(|pixel| (-(pixel + jitter).powi(2) / (2.0 * variance)).exp());
-            let sum: f64 = weights.iter().sum();
-            weights.map(|weight| weight / sum)
+            let mut weights = [-1.0, 0.0, 1.0].map(|pixel| spline * quadratic_spline(pixel + jitter));
+            weights[1] += 1.0 - spline;
+            weights
         };
         PixelWeights { across: along(self.jitter[0]), down: along(self.jitter[1]) }
     }
@@ -149,6 +149,16 @@ impl Sample {
             seed: self.seed as u32,
             padding: [0; 2],
         }
+    }
+}
+
+/// Returns the quadratic B-spline at a distance of `x` pixels.
+fn quadratic_spline(x: f64) -> f64 {
+    let x = x.abs();
+    match x {
+        _ if x <= 0.5 => 0.75 - x * x,
+        _ if x < 1.5 => 0.5 * (1.5 - x).powi(2),
+        _ => 0.0,
     }
 }
 
@@ -240,7 +250,7 @@ mod tests {
     fn samples_count_by_the_rest_of_the_filter_along_each_axis() {
         for seed in 0..8 {
             // An integral over a scrambled (0, 2)-net converges faster than that over independent points, whose standard deviations
-            // these bounds are: √(s²/N) for the mean and s²·√(2/N) for the variance s². The end of the filter takes away about a fortieth of it.
+            // these bounds are: √(s²/N) for the mean and s²·√(2/N) for the variance s².
             for count in [4, 16, 64, 256, 4096] {
                 let sampling = Sampling { count, seed };
                 let rest = 0.25 - sampling.footprint().powi(2);
@@ -248,29 +258,42 @@ mod tests {
                 for [mean, variance] in moments(sampling) {
                     assert!(mean.abs() < (rest / n).sqrt(), "{seed}, {count}: mean {mean}");
                     let error = (variance - rest).abs();
-                    assert!(
-                        error < rest * ((2.0 / n).sqrt() + 0.025),
-                        "{seed}, {count}: variance {variance}"
-                    );
+                    assert!(error < rest * (2.0 / n).sqrt(), "{seed}, {count}: variance {variance}");
                 }
             }
         }
     }
 
+    /// What a pixel's filter is at the distance `x`: weights of evenly spread samples, as a density over places.
+    fn filter_at(x: f64, sampling: Sampling) -> f64 {
+        // The sample at x lies in the pixel `pixel` away, and jittered within it.
+        let pixel = x.round();
+        let sample = Sample { jitter: [x - pixel, 0.0], ..sampling.sample(0) };
+        let place = (pixel + 1.0) as usize;
+        if pixel.abs() > 1.0 { 0.0 } else { sample.weights().across[place] }
+    }
+
     #[test]
-    fn weights_are_the_gaussian_of_the_distance() {
-        let sample = Sample { jitter: [0.25, -0.5], ..Sampling { count: 64, seed: 0 }.sample(0) };
-        let variance = 0.25 * (1.0 - 2.0 / 65.0);
-        let gaussian = |distance: f64| (-distance * distance / (2.0 * variance)).exp();
-        let PixelWeights { across, down } = sample.weights();
-        // The pixel to the left looks a quarter of a pixel to the right of its centre, which is three quarters to the left of this one.
-        assert!((across[0] / across[1] - gaussian(0.75) / gaussian(0.25)).abs() < 1e-12);
-        assert!((across[2] / across[1] - gaussian(1.25) / gaussian(0.25)).abs() < 1e-12);
-        // It looks at the upper edge of its pixel: as near to the pixel above, whose own sample is farther.
-        assert!(
-            (down[2] - down[1]).abs() < 1e-12
-                && (down[0] / down[1] - gaussian(1.5) / gaussian(0.5)).abs() < 1e-12
-        );
+    fn the_filters_of_all_pixels_add_up_to_one_everywhere_and_have_the_variance_that_footprints_leave() {
+        for count in [1, 2, 3, 4, 16, 64, 1024] {
+            let sampling = Sampling { count, seed: 0 };
+            const STEPS: usize = 3000;
+            let places = || (0..STEPS).map(|i| 3.0 * (i as f64 + 0.5) / STEPS as f64 - 1.5);
+            for x in places().filter(|x| x.abs() < 0.5) {
+                let all: f64 = [-1.0, 0.0, 1.0].map(|pixel| filter_at(x - pixel, sampling)).iter().sum();
+                assert!((all - 1.0).abs() < 1e-12, "{count} samples at {x}: {all}");
+            }
+            let variance: f64 =
+                places().map(|x| x * x * filter_at(x, sampling)).sum::<f64>() * 3.0 / STEPS as f64;
+            let left = 0.25 - sampling.footprint().powi(2);
+            // Two samples and one count for their own pixel alone.
+            let expected = left.max(BOX_VARIANCE);
+            assert!((variance - expected).abs() < 1e-5, "{count}: {variance} instead of {expected}");
+        }
+        // The Gaussian of the same variance, cut at the same distance, is no partition of unity.
+        let gaussian = |x: f64| (-2.0 * x * x).exp() * (2.0 / std::f64::consts::PI).sqrt();
+        let sum = |x: f64| [-1.0, 0.0, 1.0].map(|pixel| gaussian(x - pixel)).iter().sum::<f64>();
+        assert!((sum(0.0) - sum(0.5)).abs() > 1e-3);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::error::{Error, Remedy, Result};
 use crate::expansion::taylor::{F32_ROUNDOFF, rounding_bound};
 use crate::expansion::{Basis, HeightScale};
+use crate::filter::ERROR_OF_ONE_SAMPLE;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::{Illuminant, MIDDLE, SHORTEST};
@@ -108,6 +109,17 @@ impl Shading {
         let x = largest_z(SHORTEST) * HeightScale::of(field).half_range;
         let holds = rounding_bound(x, F32_ROUNDOFF) <= FAR_BELOW * self.budget().expansion;
         if holds { Basis::Taylor } else { Basis::Optimal }
+    }
+
+    /// Returns the relative L2 error that one sample of a picture keeps: the tolerance, or what taps over footprints of the mean leave to further
+    /// samples. `None` where numbers of terms or wavelengths are set by hand.
+    pub fn promised_of_one_sample(&self) -> Option<f64> {
+        let by_hand = self.terms.is_some() || self.wavelengths.is_some();
+        let promised = match self.windows {
+            Windows::All => self.tolerance.max(ERROR_OF_ONE_SAMPLE),
+            Windows::Grid(_) => self.tolerance,
+        };
+        (!by_hand).then_some(promised)
     }
 
     /// What the sum over wavelengths may err by, relative to the colour.

@@ -19,20 +19,18 @@ const SIZE: [u32; 2] = [96, 54];
 const FINER: u32 = 32;
 const SHOWN: Shown = Shown::plain(0.0, DVec3::ZERO);
 
-/// `row` of the larger picture, as pixels of the smaller one see it: a Gaussian of half a pixel.
+/// `row` of the larger picture, as pixels of the smaller one see it: a quadratic B-spline, clamped at the edges.
 fn filtered(row: &[DVec4]) -> Vec<DVec4> {
-    let finer = FINER as usize;
-    let sigma = f64::from(FINER) / 2.0;
-    let reach = 4 * finer / 2; // four standard deviations
-    let seen = |pixel: usize| {
-        let middle = ((pixel * finer) as f64) + (f64::from(FINER) - 1.0) / 2.0;
-        let from = (pixel * finer + finer / 2).saturating_sub(reach);
-        let to = (pixel * finer + finer / 2 + reach).min(row.len());
-        let weight = |i: usize| (-0.5 * ((i as f64 - middle) / sigma).powi(2)).exp();
-        let sum = (from..to).map(|i| row[i] * weight(i)).sum::<DVec4>();
-        sum / (from..to).map(weight).sum::<f64>()
+    let finer = FINER as i64;
+    let spline = |x: f64| if x.abs() <= 0.5 { 0.75 - x * x } else { 0.5 * (1.5 - x.abs()).powi(2) };
+    let seen = |pixel: i64| -> DVec4 {
+        // From 1½ pixels before the middle of the pixel to 1½ behind it.
+        let places = (pixel - 1) * finer..(pixel + 2) * finer;
+        let weight =
+            |i: i64| spline((i as f64 + 0.5) / f64::from(FINER) - pixel as f64 - 0.5) / f64::from(FINER);
+        places.map(|i| row[i.clamp(0, row.len() as i64 - 1) as usize] * weight(i)).sum()
     };
-    (0..row.len() / finer).map(seen).collect()
+    (0..row.len() as i64 / finer).map(seen).collect()
 }
 
 /// The larger picture, as pixels of the smaller one see it.

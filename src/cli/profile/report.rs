@@ -49,6 +49,8 @@ pub struct ProfileReport {
     flip: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     sampling_error: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    promised: Option<f64>,
     budget: ErrorBudget,
 }
 
@@ -95,6 +97,7 @@ impl ProfileReport {
             whole: errors.whole,
             flip: errors.flip,
             sampling_error: errors.sampling,
+            promised: shading.promised_of_one_sample(),
             budget,
         }
     }
@@ -116,6 +119,10 @@ impl ProfileReport {
             ("error of the whole", &self.whole, "f64 for these rays"),
         ] {
             text += &error.as_ref().map_or_else(String::new, |error| line(name, &error_text(error, against)));
+        }
+        if let (Some(error), Some(promised)) = (&self.error, self.promised) {
+            let is_kept = if error.exceeds(promised) { "NOT kept" } else { "kept" };
+            text += &line("promise", &format!("{is_kept}: shading of one sample within {promised:.0e}"));
         }
         if let Some(sampling) = self.sampling_error {
             let change = format!("{sampling:.1e} relative L2 between one sample a pixel and {MORE_SAMPLES}");

@@ -179,7 +179,7 @@ impl<'a> TradeSweep<'a> {
             kernel: summary.kernel,
             wavelengths: cost.wavelengths_per_pixel(),
             samples: cost.samples_per_pixel(),
-            promised: options.promised(),
+            promised: benchmark.shading.promised_of_one_sample().unwrap_or(0.0),
             ..measured
         })
     }

@@ -76,7 +76,7 @@ impl Grating {
         let colours = self.colours(shading);
         let of = (&*self.layers, self.repeats.sigma());
         let most = self.repeats.most_wavelengths(colours.lag).min(self.repeats.limit());
-        bound.iterations = Iterations::new(most.ceil() as usize, self.layers.pairs(), 1);
+        bound.iterations = Iterations::new(most.ceil() as usize, self.layers.pairs());
         let nodes = Combs::densities(&colours).nodes;
         let (tables, mut buffers) = spectra::settings(device, of, shading, &nodes)?;
         let block = CopiesBlock::new(&self.repeats, &colours, shading.quadrature());

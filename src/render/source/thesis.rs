@@ -85,7 +85,7 @@ impl Thesis {
             band: pair(layers.band),
             padding: [0.0; 2],
         };
-        bound.iterations = Iterations::new(WAVELENGTHS, self.layers.pairs(), 1);
+        bound.iterations = Iterations::new(WAVELENGTHS, self.layers.pairs());
         let combs = Combs::even_wavelengths(&shading.illuminant, WAVELENGTHS);
         let nodes = numbers(device, "nodes", &combs.nodes)?;
         let block = uniform(device, "thesis block", &block)?;

@@ -40,7 +40,7 @@ impl Window {
     pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
         let layers = &self.layers;
         let combs = Combs::of(layers, shading);
-        bound.iterations = Iterations::new(combs.most(), layers.pairs(), 1);
+        bound.iterations = Iterations::new(combs.most(), layers.pairs());
         let of = (&**layers, layers.sigma);
         let (tables, mut buffers) = spectra::settings(device, of, shading, &combs.nodes)?;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;

@@ -9,17 +9,18 @@ use std::f64::consts::PI;
 /// Accuracy of a pyramid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Downsampling {
-    /// Standard deviation of a level's blur over the distance b of its points. Aliases are 2 exp(−2π²b²) of the sum.
+    /// Standard deviation b of a level's blur, and least one of the Gaussian that reads it, over the distance of its points. Aliases are
+    /// exp(−π²b²) of the sum at most: those of lags where both blurs together leave most.
     pub blur: f64,
     /// Standard deviations within which a Gaussian is summed.
     pub reach: f64,
 }
 
 impl Downsampling {
-    /// Downsampling for the f64 reference: aliases of 3e-9 and cuts of 1e-10.
-    pub const EXACT: Self = Self { blur: 1.0, reach: 6.8 };
-    /// Downsampling for colour tables: aliases of 3e-5, and 6e-5 of a Gaussian beyond its cut along each axis.
-    pub const FAST: Self = Self { blur: 0.75, reach: 4.0 };
+    /// Downsampling for the f64 reference: aliases of 2e-10 and cuts of 1e-10.
+    pub const EXACT: Self = Self { blur: 1.5, reach: 6.8 };
+    /// Downsampling for colour tables: aliases of 5e-5, and 6e-5 of a Gaussian beyond its cut along each axis.
+    pub const FAST: Self = Self { blur: 1.0, reach: 4.0 };
 }
 
 /// Points along an axis, by number.

@@ -66,6 +66,9 @@ const MOST_TERMS: usize = 128;
 const AUDITED: [f64; 4] = [0.03, 0.35, 0.7, 0.997];
 /// Share of the orders, the brightest ones, that the audit judges.
 const JUDGED_SHARE: f64 = 0.1;
+/// Power of an order over that of the brightest scattered one below which the audit does not judge it: 32-bit floats hold an order relative to its largest power
+/// over z, and faint orders of small z are far below that.
+const JUDGED_POWER: f64 = 1e-5;
 /// Standard deviations of the blur that are held beyond the visible frequencies: e^(−8) of an order reaches farther.
 const GUARD: f64 = 4.0;
 
@@ -222,7 +225,8 @@ impl OrderSeries {
         let rank = ((1.0 - JUDGED_SHARE) * sorted.len() as f64) as usize;
         let rank = rank.min(sorted.len().saturating_sub(1));
         let (_, faintest, _) = sorted.select_nth_unstable_by(rank, f64::total_cmp);
-        let floor = faintest.max(LEAST);
+        let brightest = exact.powers.iter().copied().fold(0.0, f64::max);
+        let floor = faintest.max(LEAST).max(JUDGED_POWER * brightest);
         let judged = self.coefficients.par_chunks_exact(self.terms).zip(&exact.powers);
         let square = |(order, power): (&[f32], &f64)| {
             let sum: f64 = order.iter().zip(&t).map(|(a, t)| f64::from(*a) * t).sum();

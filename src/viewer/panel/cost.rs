@@ -52,7 +52,16 @@ fn errors(ui: &mut Ui, model: &mut Model) {
     rows::show(ui, &rows::MEASURED, |ui| match model.probe {
         Some(ProbeStatus::Done(e)) => {
             let [error, interval] = [e.relative_l2, e.relative_l2_interval].map(|x| x * 1e2);
-            ui.label(format!("{error:.3} ± {interval:.3} % over {} pixels", e.pixels));
+            let text = format!("{error:.3} ± {interval:.3} % over {} pixels", e.pixels);
+            let promised = model.sources.own.as_ref().and_then(|own| own.shading().promised_of_one_sample());
+            match promised.filter(|promised| e.exceeds(*promised)) {
+                Some(promised) => {
+                    ui.label(format!("{text}: more than the {} that are promised", percent(promised)));
+                }
+                None => {
+                    ui.label(text);
+                }
+            }
         }
         Some(ProbeStatus::Running(part)) => {
             ui.label(format!("against the f64 reference, {:.0} %", part * 1e2));
