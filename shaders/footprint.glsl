@@ -23,12 +23,13 @@ Ellipse ellipse_of(vec3 c) {
 }
 
 // The constants of src/filter/taps.rs.
-const float SPACING = 2.25;
-const float REACH = 2.4;
-const float TAPS_PER_DEVIATION = 5.086;
+const float SPACING = 2.2;
+const float REACH = 2.8;
+const float TAPS_PER_DEVIATION = 5.729;
 const float MOST_OF_ROW = 201.0;
 const float MOST_ASIDE = 3.0;
 const float ROUND = 0.2;
+const float BEND = 0.6;
 
 // Variances of the mip level read and of the next coarser one, without coherence: `Levels` of src/filter/taps.rs.
 struct Levels {
@@ -71,7 +72,7 @@ Line line_of(float deviation, float tap, float most) {
     if (deviation <= ROUND * tap) {
         return Line(1.0, 0.0, 0.0, 1.0);
     }
-    float count = clamp(ceil(TAPS_PER_DEVIATION * deviation / (SPACING * tap)), 2.0, most);
+    float count = clamp(ceil(TAPS_PER_DEVIATION * deviation / (SPACING * tap) + 1.0), 2.0, most);
     float h = 2.0 * REACH / count;
     float fall = 0.5 * h * h, norm = 0.0, moment = 0.0;
     for (float n = -0.5 * (count - 1.0); n < 0.5 * count; n += 1.0) {
@@ -87,8 +88,15 @@ Taps taps_of(Ellipse ellipse, float own, Levels levels) {
     float rest = max(own - levels.read, 0.0);
     Taps taps = Taps(levels, ellipse.axis, ellipse.longer, 0.0, Line(1.0, 0.0, 0.0, 1.0), 1);
     if (levels.next > levels.read) {
-        taps.share = min(rest / (levels.next - levels.read), 1.0);
-        taps.rows = taps.share > 0.0 ? 2 : 1;
+        // `between_levels` of src/filter/taps.rs.
+        float s = min(rest / (levels.next - levels.read), 1.0);
+        float left = s * (1.0 - BEND * s) / (1.0 + s - BEND * s * s);
+        taps.share = s * s * (1.0 + BEND - BEND * s);
+        if (s > 0.0) {
+            // A row of the finer level on either side, and one of the coarser level in the middle.
+            taps.aside = Line(2.0, 2.0 * sqrt(left * (levels.next - levels.read)), 0.0, 2.0);
+            taps.rows = 3;
+        }
     } else {
         taps.aside = line_of(sqrt(rest), sqrt(levels.read + levels.blur), MOST_ASIDE);
         taps.rows = int(taps.aside.count);

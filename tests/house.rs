@@ -38,7 +38,7 @@ const FLOORS: [(&str, &[&str]); 26] = [
             "units",
         ],
     ),
-    ("spectra", &["precompute", "cache", "optics", "surface", "error", "fft_size", "memory"]),
+    ("spectra", &["optics", "surface", "error", "memory"]),
     ("brdf", &["spectra", "filter", "optics", "surface", "error", "memory"]),
     ("table", &["spectra", "brdf", "filter", "cache", "optics", "surface", "error", "memory"]),
     (

@@ -126,3 +126,78 @@ impl Brdf for MeanReference<'_> {
         if self.table.is_some() { AT_ONCE } else { WORTH_A_TABLE }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::geometry::direction;
+    use crate::random::Random;
+    use crate::spectra::power::Beyond;
+    use crate::surface::HeightField;
+
+    fn pairs(count: usize) -> Vec<Pair> {
+        let mut random = Random::new(11);
+        let mut any = || direction(80.0 * random.share(), 360.0 * random.share());
+        (0..count).map(|_| Pair::new(any(), any())).collect()
+    }
+
+    fn mean(field: &HeightField) -> MeanBrdf<'_> {
+        MeanBrdf { field, sigma: 1.25, beyond: Beyond::Copies, reflectance: 1.5.into() }
+    }
+
+    /// Patches of 8 × 8 samples, whose orders stand fourteen standard deviations of the blur apart: rough, and of two heights.
+    fn short_patches() -> [HeightField; 2] {
+        let rough = (0..64).map(|i| 0.2 * (f64::from(i) * 0.618_034).fract()).collect();
+        let stepped = (0..64).map(|i| if i % 8 < 3 || i > 40 { 0.12 } else { 0.0 }).collect();
+        [rough, stepped].map(|heights| HeightField::new(8, 8, [0.1; 2], heights).unwrap())
+    }
+
+    #[test]
+    fn faint_directions_between_the_orders_of_short_patches_keep_their_own_value() {
+        for field in short_patches() {
+            let mut answers = MeanFromOrders::new(mean(&field), &Illuminant::D65, 1e-3);
+            let (mut squares, mut faintest, mut brightest) = (0.0, f64::INFINITY, 0.0f64);
+            let pairs = pairs(100);
+            for wavelength in [0.3, 0.45, 0.7] {
+                let found = answers.spectral(&pairs, wavelength).unwrap();
+                for (pair, found) in pairs.iter().zip(found) {
+                    let exact = mean(&field).brdf(pair, wavelength);
+                    squares += (found / exact - 1.0).powi(2) / 300.0;
+                    (faintest, brightest) = (faintest.min(exact), brightest.max(exact));
+                }
+            }
+            eprintln!("{faintest:.1e} to {brightest:.1e}: {:.1e} of their own value", squares.sqrt());
+            assert!(faintest < 1e-9 * brightest, "no direction is faint");
+            assert!(squares.sqrt() < 1e-3, "{}", squares.sqrt());
+        }
+    }
+
+    #[test]
+    fn an_answer_depends_on_its_own_question_alone() {
+        let [field, _] = short_patches();
+        let pairs = pairs(20);
+        let mut alone = MeanFromOrders::new(mean(&field), &Illuminant::D65, 1e-2);
+        let one = (alone.spectral(&pairs[..1], 0.55).unwrap()[0], alone.xyz(&pairs[..1]).unwrap()[0]);
+        let mut together = MeanFromOrders::new(mean(&field), &Illuminant::D65, 1e-2);
+        let _ = together.spectral(&pairs, 0.2).unwrap();
+        assert_eq!(together.spectral(&pairs, 0.55).unwrap()[0], one.0);
+        assert_eq!(together.xyz(&pairs).unwrap()[0], one.1);
+    }
+
+    #[test]
+    fn colours_keep_the_tolerance_each_by_itself() {
+        for field in short_patches() {
+            let pairs = pairs(100);
+            let mut exact = MeanReference::new(mean(&field), &Illuminant::D65, SHORTEST);
+            let exact = exact.xyz(&pairs).unwrap();
+            for tolerance in [1e-1, 1e-2, 1e-3] {
+                let mut answers = MeanFromOrders::new(mean(&field), &Illuminant::D65, tolerance);
+                let found = answers.xyz(&pairs).unwrap();
+                let square = |(a, b): (&DVec3, &DVec3)| (*a - *b).length_squared() / b.length_squared();
+                let own = (found.iter().zip(&exact).map(square).sum::<f64>() / 100.0).sqrt();
+                eprintln!("{tolerance:e}: {own:.1e}");
+                assert!(own <= tolerance, "{tolerance}: {own}");
+            }
+        }
+    }
+}

@@ -35,7 +35,7 @@ impl<'a> OrderReader<'a> {
         }
         find_runs(&level, &taps[0], runs);
         let (begin, end) = taps[0].range();
-        row.resize((end - begin) as usize * level.terms, 0.0);
+        row.resize((end - begin) as usize * level.terms + MOST_LANES, 0.0);
         self.arch.dispatch(Gather { level: &level, taps, runs, row, out });
     }
 
@@ -78,6 +78,9 @@ impl<'a> OrderReader<'a> {
     }
 }
 
+/// Numbers of the widest vector register.
+const MOST_LANES: usize = 16;
+
 /// Working arrays of [`OrderReader::read`].
 #[derive(Default)]
 pub struct ReadScratch {
@@ -85,7 +88,7 @@ pub struct ReadScratch {
     taps: [AxisTaps; 2],
     /// Columns that any place of a square reads.
     runs: Vec<Run>,
-    /// Sums along y of the columns that any point of a square reads: `[column][term]`.
+    /// Sums along y of the columns that any point of a square reads, `[column][term]`, and [`MOST_LANES`] more.
     row: Vec<f32>,
 }
 
@@ -174,11 +177,17 @@ impl WithSimd for Gather<'_> {
             }
             for (i, out) in out.chunks_exact_mut(terms).enumerate() {
                 let (first, weights) = along_x.of(i);
-                out.fill(0.0);
-                for (series, &weight) in
-                    row[(first - begin) as usize * terms..].chunks_exact(terms).zip(weights)
-                {
-                    add_scaled(simd, out, series, weight);
+                let read = &row[(first - begin) as usize * terms..];
+                for (register, out) in out.chunks_mut(S::F32_LANES).enumerate() {
+                    let mut sum = simd.splat_f32s(0.0);
+                    // The last register of a series reaches into the next one, and its end is not stored.
+                    let mut at = register * S::F32_LANES;
+                    for &weight in weights {
+                        let (values, _) = S::as_simd_f32s(&read[at..at + S::F32_LANES]);
+                        sum = simd.mul_add_e_f32s(values[0], simd.splat_f32s(weight), sum);
+                        at += terms;
+                    }
+                    simd.partial_store_f32s(out, sum);
                 }
             }
         }

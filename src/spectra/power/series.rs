@@ -87,7 +87,7 @@ impl OrderSeries {
     /// Computes the series of `field` with as many terms as the error of `settings` asks for.
     ///
     /// # Errors
-    /// Too little memory; a surface so high that [`MOST_TERMS`] do not suffice; errors of `progress`.
+    /// Too little memory; a surface too high for any number of terms; errors of `progress`.
     pub fn new(
         field: &HeightField,
         settings: &PowerSettings,
