@@ -26,6 +26,21 @@ struct Footprint {
 
 const Footprint POINT = Footprint(vec2(0.0), vec2(0.0));
 
+// The law by which the factor of a pair holds R. The Rust side is src/render/source/reflectance.rs.
+const int SPECTRAL = 0; // the factor holds 1, and sums over wavelengths hold R
+const int FRESNEL = 1;  // Fresnel's equations for a refractive index that no wavelength changes
+const int SCHLICK = 2;  // Schlick's approximation for one, as in the thesis
+layout(constant_id = 31) const int REFLECTANCE_LAW = FRESNEL;
+
+// Fresnel's equations for unpolarised light from air onto a dielectric [Walter et al. 2007, eq. 22], with g - c = (n^2 - 1) / (g + c).
+float fresnel(float index, float c) {
+    float contrast = (index - 1.0) * (index + 1.0);
+    float sum = sqrt(contrast + c * c) + c;
+    float s = contrast / (sum * sum);
+    float p = (c * sum - 1.0) / (c * contrast / sum + 1.0);
+    return 0.5 * s * s * (1.0 + p * p);
+}
+
 // Schlick's approximation from the reflectance at normal incidence.
 float schlick(float normal_reflectance, float cosine) {
     float grazing = 1.0 - cosine;
@@ -33,7 +48,16 @@ float schlick(float normal_reflectance, float cosine) {
     return normal_reflectance + (1.0 - normal_reflectance) * grazing2 * grazing2 * grazing;
 }
 
-Pair pair_of(vec3 light, vec3 view, float normal_reflectance) {
+// R of a dielectric by the law.
+float dielectric(float index, float cosine) {
+    if (REFLECTANCE_LAW == SPECTRAL) {
+        return 1.0;
+    }
+    float root = (index - 1.0) / (index + 1.0);
+    return REFLECTANCE_LAW == FRESNEL ? fresnel(index, cosine) : schlick(root * root, cosine);
+}
+
+Pair pair_of(vec3 light, vec3 view, float index) {
     Pair pair;
     vec3 uvw = -light - view;
     pair.toward = -uvw.xy;
@@ -42,7 +66,7 @@ Pair pair_of(vec3 light, vec3 view, float normal_reflectance) {
     // 1 + light . view = |(u,v,w)|^2 / 2, which does not cancel near opposite grazing directions.
     float one_plus_dot = 0.5 * dot(uvw, uvw);
     pair.cos_half = min(0.5 * length(uvw), 1.0);
-    pair.reflectance = schlick(normal_reflectance, pair.cos_half);
+    pair.reflectance = dielectric(index, pair.cos_half);
     bool above = light.z > HORIZON && view.z > HORIZON;
     pair.factor = above ? 4.0 * PI * pair.reflectance * one_plus_dot * one_plus_dot / (view.z * pair.w * pair.w) : 0.0;
     return pair;

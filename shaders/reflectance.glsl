@@ -1,8 +1,6 @@
 // What the surface reflects where that depends on the wavelength: R over the cosine at the half vector and the wavenumber. Else the factor of a
 // pair holds it. The Rust side is src/render/source/reflectance.rs.
 
-layout(constant_id = 31) const bool SPECTRAL_REFLECTANCE = false;
-
 const float SHORTEST = 0.380; // of the visible range [um]
 const float LONGEST = 0.780;
 
@@ -10,7 +8,7 @@ layout(set = 1, binding = REFLECTANCE_BINDING) uniform sampler2D reflectances; /
 
 float reflectance_at(Pair pair, float wavenumber) {
     const float FIRST = 1.0 / LONGEST, LAST = 1.0 / SHORTEST;
-    if (!SPECTRAL_REFLECTANCE) {
+    if (REFLECTANCE_LAW != SPECTRAL) {
         return 1.0;
     }
     vec2 size = vec2(textureSize(reflectances, 0));

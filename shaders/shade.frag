@@ -27,7 +27,7 @@ layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
 
 // What comes from the light.
 vec3 of_light(ivec2 pixel, vec3 to_light, vec3 to_view) {
-    Pair pair = pair_of(to_light, to_view, source.normal_reflectance);
+    Pair pair = pair_of(to_light, to_view, source.index);
     Footprint footprint = POINT;
     if (SOURCE_READS_FOOTPRINT) {
         footprint = footprint_of(pixel);
@@ -49,7 +49,7 @@ vec3 of_surroundings(ivec2 pixel, vec3 to_view) {
     if (!MIRRORED || to_view.z <= HORIZON) {
         return vec3(0.0);
     }
-    Pair pair = pair_of(vec3(-to_view.xy, to_view.z), to_view, source.normal_reflectance);
+    Pair pair = pair_of(vec3(-to_view.xy, to_view.z), to_view, source.index);
     return LINEAR_SRGB_FROM_XYZ * source_mirrored(pair) * texelFetch(mirrored, pixel, 0).rgb / to_view.z;
 }
 

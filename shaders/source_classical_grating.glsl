@@ -3,7 +3,7 @@
 // with. Its twin is src/render/source/classical_grating.rs.
 
 layout(set = 1, binding = 0, std140) uniform ClassicalGrating {
-    float normal_reflectance; // R0 of Schlick
+    float index;              // refractive index
     float period;             // [um]
     float strength;           // radiance of the first order under a light of irradiance 1
     vec2 axis;                // along which the heights repeat, in the tangent plane

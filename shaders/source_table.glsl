@@ -20,7 +20,7 @@ const int BANDS = 16;       // of wavelengths of the specular order
 const float LARGEST_W = 2.0;
 
 layout(set = 1, binding = 0, std140) uniform Table {
-    float normal_reflectance; // R0 of Schlick, or 1
+    float index;              // refractive index
     float texture_per_uv;     // texture coordinate per unit of u
     float coherence;          // variance of u that coherence averages over
     float unit;               // what a stored 1 stands for [1/sr]

@@ -8,7 +8,7 @@
 layout(constant_id = 10) const int PAIRS = 1; // pairs of terms
 
 layout(set = 1, binding = 0, std140) uniform Thesis {
-    float normal_reflectance;  // R0 of Schlick
+    float index;               // refractive index
     float sigma;               // standard deviation of the Gaussian window [um]
     float half_range;          // a: the heights are in -a ... a [um]
     int wavelengths;           // texels of `nodes`

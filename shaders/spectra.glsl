@@ -12,7 +12,7 @@ layout(set = 1, binding = 0, std140) uniform Spectra {
     vec2 texels_per_frequency;      // L_x, L_y [um]
     vec2 band;                      // largest |f_x|, |f_y| that holds anything [1/um]
     float sigma;                    // standard deviation of the Gaussian window [um]
-    float normal_reflectance;       // R0 of Schlick
+    float index;                    // refractive index
     vec2 column;                    // texture coordinate of `coefficients` at z = k|w| = 0, and per unit of z [um]
     float pairs_per_z;              // pairs of terms that k|w| needs: pairs_per_z k|w| + fewest_pairs, rounded up
     float fewest_pairs;

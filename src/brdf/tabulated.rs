@@ -51,8 +51,9 @@ impl ColourSampling {
         const BELOW: f64 = 1e-3;
         /// Wavelengths of the colour functions alone for a relative error of 1e-3.
         const NODES: usize = 64;
-        let alias_level = (BELOW * tolerance).clamp(Self::EXACT.alias_level, 1e-4);
-        Self { alias_level, nodes: if tolerance < 1e-3 { Self::EXACT.nodes } else { NODES } }
+        /// Tolerance from which on the sampling of the reference is asked for.
+        const SMALL: f64 = 1e-3;
+        if tolerance <= SMALL { Self::EXACT } else { Self { alias_level: BELOW * tolerance, nodes: NODES } }
     }
 }
 

@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::expansion::Basis;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::material::Material;
-use crate::optics::reflectance::{Film, Reflectance};
+use crate::optics::reflectance::{DielectricLaw, Film, Reflectance};
 use crate::optics::spectrum::Illuminant;
 use crate::render::shading::Shading;
 use crate::scene::Scene;
@@ -92,13 +92,17 @@ pub struct OpticsOptions {
     /// same statistics) [default: copies where the field tiles, else alike]
     #[arg(long, value_name = "copies|alike", value_parser = beyond)]
     pub beyond: Option<Beyond>,
-    /// Refractive index of a surface that reflects by Schlick's approximation, as in the thesis [default: 1.5]
+    /// Refractive index of the surface, at every wavelength [default: 1.5]
     #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true)]
     pub ior: Option<f64>,
     /// What the surface is made of, for Fresnel's equations at every wavelength: glass, keratin, aluminium, silver, gold, copper, nickel,
     /// silicon, or a CSV file of wavelength in nm, n and k
     #[arg(long, value_name = "NAME|FILE", value_parser = OsStringValueParser::new().try_map(Material::from_name_or_file), conflicts_with = "ior")]
     pub material: Option<Material>,
+    /// Equations for the share of light that an index reflects: fresnel (exact), or schlick (the approximation of the thesis, 20 % off at 60
+    /// degrees) [default: fresnel]
+    #[arg(long, value_name = "fresnel|schlick", value_parser = law, conflicts_with_all = ["material", "film"])]
+    pub reflectance: Option<DielectricLaw>,
     /// A thin transparent film on the surface, of this thickness and refractive index, as in 120nm:1.7
     #[arg(long, value_name = "LENGTH:N", value_parser = Film::parse, allow_hyphen_values = true)]
     pub film: Option<Film>,
@@ -152,7 +156,9 @@ impl OpticsOptions {
     /// What the surface reflects, where the options name it.
     pub fn reflectance(&self) -> Option<Reflectance> {
         if self.material.is_none() && self.film.is_none() {
-            return self.ior.map(Reflectance::Schlick);
+            let named = self.ior.is_some() || self.reflectance.is_some();
+            let law = self.reflectance.unwrap_or(DielectricLaw::Fresnel);
+            return named.then(|| law.of_index(self.ior.unwrap_or(DEFAULT_IOR)));
         }
         let plain = || Material::constant(self.ior.unwrap_or(DEFAULT_IOR));
         let material = self.material.clone().unwrap_or_else(plain);
@@ -367,6 +373,11 @@ fn windows(text: &str) -> Result<Windows> {
         return Ok(Windows::All);
     }
     units::counts(text).and_then(|n| bounded(text, n, MAX_WINDOWS, "windows")).map(Windows::Grid)
+}
+
+fn law(text: &str) -> Result<DielectricLaw> {
+    let named = DielectricLaw::ALL.into_iter().find(|law| law.name() == text);
+    named.ok_or_else(|| Error::usage(format!("there is no reflectance `{text}`"), "give fresnel or schlick"))
 }
 
 fn beyond(text: &str) -> Result<Beyond> {

@@ -58,7 +58,7 @@ pub fn of(scene: &OsStr, command: &str) -> Result<Option<Vec<OsString>>> {
 }
 
 /// Options that a scene file may hold: what the surface is and how its optics is computed.
-pub const OF_SCENES: [&str; 14] = [
+pub const OF_SCENES: [&str; 15] = [
     "method",
     "windows",
     "beyond",
@@ -68,6 +68,7 @@ pub const OF_SCENES: [&str; 14] = [
     "wavelengths",
     "coherence",
     "ior",
+    "reflectance",
     "film",
     "illuminant",
     "samples",

@@ -4,7 +4,7 @@ use super::options::as_options;
 use super::scene_options;
 use crate::error::Result;
 use crate::optics::coherence::{Coherence, Windows};
-use crate::optics::reflectance::Reflectance;
+use crate::optics::reflectance::{DielectricLaw, Reflectance};
 use crate::output;
 use crate::picture_file::quoted;
 use crate::scene::Scene;
@@ -173,7 +173,10 @@ impl Words {
         };
         self.option("coherence", coherence);
         match &settings.reflectance {
-            Reflectance::Schlick(ior) => self.option("ior", ior.to_string()),
+            Reflectance::Schlick(ior) => {
+                self.option("ior", ior.to_string());
+                self.option("reflectance", DielectricLaw::Schlick.name());
+            }
             Reflectance::Fresnel { material, film } => {
                 match material.constant_index() {
                     Some(index) => self.option("ior", index.to_string()),

@@ -6,13 +6,13 @@ use std::f64::consts::PI;
 /// Refractive index outside the surface.
 const IOR_AIR: f64 = 1.0;
 
-/// Schlick's approximation of the INTENSITY reflectance (\[Schlick 1994\]; \[Single 2014\] D.2) of a dielectric of
-/// refractive index `ior` in air, at the half vector. It stands for F² of B.12, so it is applied once.
+/// Returns Schlick's approximation of the intensity reflectance (\[Schlick 1994\]; \[Single 2014\] D.2) of a dielectric of refractive index
+/// `ior` in air, at the half vector. It stands for F² of B.12, so it is applied once.
 pub fn schlick(ior: f64, cos_half_angle: f64) -> f64 {
     schlick_from(((IOR_AIR - ior) / (IOR_AIR + ior)).powi(2), cos_half_angle)
 }
 
-/// Schlick's approximation from the reflectance at normal incidence.
+/// Returns Schlick's approximation from the reflectance at normal incidence.
 pub fn schlick_from(at_normal: f64, cos_half_angle: f64) -> f64 {
     at_normal + (1.0 - at_normal) * (1.0 - cos_half_angle.min(1.0)).powi(5)
 }

@@ -1,8 +1,8 @@
 //! How much of the light a surface reflects: the factor R of the BRDF, at the half vector of the two directions.
 //!
-//! The thesis takes Schlick's approximation for one refractive index, which no wavelength changes. Materials have Fresnel's equations for
-//! unpolarised light and a complex index n + ik, with fields that go as e^(−iωt), so that k ≥ 0 absorbs (Born & Wolf, *Principles of Optics*,
-//! 1.5 and 14.2). A thin film on top adds up its echoes (Airy's sum; 1.6 there).
+//! Materials have Fresnel's equations for unpolarised light and a complex index n + ik, with fields that go as e^(−iωt), so that k ≥ 0 absorbs
+//! (Born & Wolf, *Principles of Optics*, 1.5 and 14.2). A thin film on top adds up its echoes (Airy's sum; 1.6 there). The thesis takes
+//! Schlick's approximation for one refractive index, which at 60° is a fifth below Fresnel's equations.
 
 use super::brdf::{schlick, schlick_from};
 use super::material::Material;
@@ -18,7 +18,7 @@ use std::path::PathBuf;
 /// The factor R of a surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum Reflectance {
-    /// Schlick's approximation for a dielectric of this refractive index, for all wavelengths alike: the thesis' own.
+    /// Schlick's approximation for a dielectric of this refractive index at all wavelengths, as in the thesis.
     Schlick(f64),
     /// Fresnel's equations for a material, below a thin film where there is one.
     Fresnel {
@@ -27,6 +27,36 @@ pub enum Reflectance {
         /// What lies on it, following the profile.
         film: Option<Film>,
     },
+}
+
+/// Equations for the reflectance of a dielectric that has one refractive index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DielectricLaw {
+    /// Fresnel's equations.
+    Fresnel,
+    /// Schlick's approximation to them.
+    Schlick,
+}
+
+impl DielectricLaw {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Fresnel, Self::Schlick];
+
+    /// Returns the name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fresnel => "fresnel",
+            Self::Schlick => "schlick",
+        }
+    }
+
+    /// Returns the reflectance of a dielectric of refractive index `ior`.
+    pub fn of_index(self, ior: f64) -> Reflectance {
+        match self {
+            Self::Fresnel => Reflectance::dielectric(ior),
+            Self::Schlick => Reflectance::Schlick(ior),
+        }
+    }
 }
 
 /// Steps of the cosine and of the wavenumber in [`Reflectance::table`]. Read between them, R errs by less than 5e-3 (RMS) below the thickest film,
@@ -82,10 +112,13 @@ impl fmt::Display for Film {
 impl fmt::Display for Reflectance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Schlick(ior) => write!(f, "refractive index {ior}"),
-            Self::Fresnel { material, film: None } => write!(f, "{}", material.name),
-            Self::Fresnel { material, film: Some(film) } => {
-                write!(f, "{} below a film of {film}", material.name)
+            Self::Schlick(ior) => write!(f, "refractive index {ior} by Schlick's approximation"),
+            Self::Fresnel { material, film } => {
+                match material.constant_index() {
+                    Some(ior) => write!(f, "refractive index {ior}")?,
+                    None => write!(f, "{}", material.name)?,
+                }
+                film.map_or(Ok(()), |film| write!(f, " below a film of {film}"))
             }
         }
     }
@@ -93,17 +126,30 @@ impl fmt::Display for Reflectance {
 
 impl Default for Reflectance {
     fn default() -> Self {
-        Self::Schlick(1.5)
+        Self::dielectric(1.5)
     }
 }
 
 impl From<f64> for Reflectance {
     fn from(ior: f64) -> Self {
-        Self::Schlick(ior)
+        Self::dielectric(ior)
     }
 }
 
 impl Reflectance {
+    /// Returns Fresnel's equations for a transparent material of refractive index `ior` at all wavelengths.
+    pub fn dielectric(ior: f64) -> Self {
+        Self::Fresnel { material: Material::constant(ior), film: None }
+    }
+
+    /// Returns the refractive index on which alone R depends: not that of a film, or of a material whose index changes with the wavelength.
+    pub fn index(&self) -> Option<f64> {
+        match self {
+            Self::Schlick(ior) => Some(*ior),
+            Self::Fresnel { material, film } => material.constant_index().filter(|_| film.is_none()),
+        }
+    }
+
     /// The file that the material is from, where it is from one.
     pub fn file(&self) -> Option<PathBuf> {
         match self {
@@ -124,28 +170,32 @@ impl Reflectance {
         }
     }
 
-    /// Whether R depends on the wavelength, so that it belongs inside sums over wavelengths.
+    /// Returns true if R depends on the wavelength, so that it belongs inside sums over wavelengths.
     pub fn is_spectral(&self) -> bool {
-        matches!(self, Self::Fresnel { .. })
+        self.index().is_none()
     }
 
-    /// Whether shaders that are compiled for one serve the other.
-    pub fn shares_stages_with(&self, other: &Self) -> bool {
-        !self.is_spectral() && !other.is_spectral() || self == other
-    }
-
-    /// R₀ of the factor in front of sums over wavelengths, by Schlick: 1 where R stands inside them.
-    pub fn normal_factor(&self) -> f64 {
+    /// Returns the law of a dielectric; Fresnel's for every material.
+    pub fn law(&self) -> DielectricLaw {
         match self {
-            Self::Schlick(ior) => schlick(*ior, 1.0),
-            Self::Fresnel { .. } => 1.0,
+            Self::Schlick(_) => DielectricLaw::Schlick,
+            Self::Fresnel { .. } => DielectricLaw::Fresnel,
         }
     }
 
-    /// What the surface keeps from the pigment below it, by Schlick's form from the mean R at normal incidence that the eye sees: nothing
-    /// shines through a material that absorbs light within a few micrometres.
+    /// Returns true if shaders that are compiled for one serve the other.
+    pub fn shares_stages_with(&self, other: &Self) -> bool {
+        let indices = self.index().is_some() && other.index().is_some();
+        indices && self.law() == other.law() || self == other
+    }
+
+    /// Returns the share of light that the surface keeps from the pigment below it. For spectral R it is Schlick's form from the mean R at
+    /// normal incidence that the eye sees. Nothing shines through a material that absorbs light within a few micrometres.
     pub fn kept_from_pigment(&self, cos_half_angle: f64) -> f64 {
-        schlick_from(self.normal_of_pigment(), cos_half_angle)
+        match self.index() {
+            Some(_) => self.at(MIDDLE, cos_half_angle),
+            None => schlick_from(self.normal_of_pigment(), cos_half_angle),
+        }
     }
 
     /// [`Self::kept_from_pigment`] at normal incidence.
@@ -164,6 +214,12 @@ impl Reflectance {
     /// Mean of R at normal incidence over the visible range, weighted by the eye's sensitivity.
     pub fn luminous_normal(&self) -> f64 {
         self.luminous(1.0)
+    }
+
+    /// Returns the refractive index of a dielectric that reflects [`Self::luminous_normal`] at normal incidence.
+    pub fn luminous_index(&self) -> f64 {
+        let root = self.luminous_normal().sqrt();
+        self.index().unwrap_or((1.0 + root) / (1.0 - root))
     }
 
     /// The same at the cosine of a half angle.
@@ -423,5 +479,18 @@ mod tests {
         assert!((of("glass").normal_of_pigment() - 0.0423).abs() < 1e-3);
         assert!((of("gold").normal_of_pigment() - 1.0).abs() < 1e-15);
         assert!((Reflectance::Schlick(1.5).kept_from_pigment(0.5) - 0.07).abs() < 1e-15);
+        assert!((Reflectance::dielectric(1.5).kept_from_pigment(0.5) - 0.089_18).abs() < 1e-5);
+    }
+
+    #[test]
+    fn only_an_index_without_a_film_stands_outside_of_sums_over_wavelengths() {
+        let film = Some(Film { thickness: 0.1, index: 1.4 });
+        assert_eq!(Reflectance::Schlick(1.4).index(), Some(1.4));
+        assert_eq!(Reflectance::dielectric(1.6).index(), Some(1.6));
+        assert!(constant(1.6, film).is_spectral() && of("glass").is_spectral());
+        assert!(Reflectance::dielectric(1.6).shares_stages_with(&Reflectance::dielectric(1.5)));
+        assert!(!Reflectance::dielectric(1.5).shares_stages_with(&Reflectance::Schlick(1.5)));
+        assert!(!of("glass").shares_stages_with(&Reflectance::dielectric(1.5)));
+        assert!(of("glass").shares_stages_with(&of("glass")) && !of("glass").shares_stages_with(&of("gold")));
     }
 }

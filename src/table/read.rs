@@ -3,8 +3,9 @@
 use super::basis::PER_TEXEL;
 use super::{ColorBasis, ColorTable, LARGEST_W, SPECULAR_SAMPLES};
 use crate::filter::{self, Covariance, Levels, Tap, Taps};
-use crate::optics::brdf::schlick;
 use crate::optics::geometry::Pair;
+use crate::optics::reflectance::Reflectance;
+use crate::optics::spectrum::MIDDLE;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -32,9 +33,9 @@ impl<'a> TableReader<'a> {
         (level, Taps::new(around, own, levels))
     }
 
-    /// XYZ of f cos θ_i \[sr⁻¹\] of one pair, averaged over `around`, on a surface whose R is Schlick's for the index `ior`; a table that was
-    /// baked for a material asks for none: what it leaves of R to the pair follows from its header.
-    pub fn xyz(&self, pair: &Pair, ior: f64, around: &Covariance) -> DVec3 {
+    /// Returns XYZ of f cos θ_i \[sr⁻¹\] of one pair, averaged over `around`, on a surface that reflects by `reflectance`. A table that was
+    /// baked for a spectral reflectance holds it, but for the mean in its header.
+    pub fn xyz(&self, pair: &Pair, reflectance: &Reflectance, around: &Covariance) -> DVec3 {
         if !pair.above_horizon() {
             return DVec3::ZERO;
         }
@@ -46,7 +47,7 @@ impl<'a> TableReader<'a> {
         let colour = sum * (w * w) + self.specular(toward, w, around);
         let cosine = pair.cos_half_angle();
         let mean = self.table.header.mean_reflectance.as_ref();
-        let reflectance = mean.map_or_else(|| schlick(ior, cosine), |mean| mean.at(cosine));
+        let reflectance = mean.map_or_else(|| reflectance.at(MIDDLE, cosine), |mean| mean.at(cosine));
         colour * (reflectance * pair.geometric_factor_times_cos_light() / (w * w))
     }
 

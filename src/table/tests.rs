@@ -117,7 +117,7 @@ fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
         let pairs = pairs(300, 3);
         let asked: Vec<_> = pairs.iter().map(|pair| (*pair, around)).collect();
         let exact = exact.xyz(&Illuminant::D65, &asked, SummedOrders::All, &|_, _| Ok(())).unwrap();
-        let colours: Vec<DVec3> = pairs.iter().map(|pair| reader.xyz(pair, IOR, &around)).collect();
+        let colours: Vec<DVec3> = pairs.iter().map(|pair| reader.xyz(pair, &IOR.into(), &around)).collect();
         let (l2, own) = errors(&colours, &exact);
         eprintln!("{around:?}: L2 {l2:.1e}, own {own:.1e}");
         assert!(l2 <= tolerance, "{around:?}: {l2}");

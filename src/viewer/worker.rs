@@ -305,6 +305,7 @@ impl Preparer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::optics::coherence::{Coherence, Windows};
     use crate::render::shading::Shading;
     use crate::surface::synth::SurfaceKind;
     use crate::vk::instance::API_VERSION;
@@ -329,7 +330,8 @@ mod tests {
 
     fn request(role: Role, number: u64, name: &str, tolerance: f64) -> Request {
         let surface = SurfaceSource { name: name.into(), ..SurfaceSource::built_in(SurfaceKind::Blaze) };
-        let shading = Shading { tolerance, ..Shading::default() };
+        let coherence = Coherence::Gaussian { length: 8.0 };
+        let shading = Shading { tolerance, coherence, windows: Windows::ONE, ..Shading::default() };
         Request {
             role,
             number,

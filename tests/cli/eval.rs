@@ -11,7 +11,7 @@ below,95,0,10,0,500
 
 /// Runs eval on the small surface with `more` options.
 fn eval(sandbox: &Sandbox, more: &[&str]) -> String {
-    sandbox.run2(&["eval"], &[&SMALL, more].concat()).done()
+    sandbox.run2(&["eval"], &[&SMALL[..], &more].concat()).done()
 }
 
 /// The last `columns` cells of each row.
@@ -32,13 +32,16 @@ fn deviation(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
 }
 
 #[test]
-fn the_reference_needs_no_vulkan_and_spectral_says_what_to_install() {
+fn the_mean_needs_no_vulkan_and_one_window_says_what_to_install() {
     let sandbox = Sandbox::with_small_surface().without_vulkan();
     sandbox.write("q.csv", QUERIES);
-    let csv = eval(&sandbox, &["--queries", "q.csv", "--method", "reference"]);
-    assert!(answers(&csv, 1)[0][0] > 0.0);
-    for more in [&["--queries", "q.csv"][..], &["--queries", "q.csv", "--method", "spectral"]] {
-        let line = sandbox.run2(&["eval"], &[&SMALL, more].concat()).refused(1);
+    for method in ["reference", "spectral"] {
+        let csv = eval(&sandbox, &["--queries", "q.csv", "--method", method]);
+        assert!(answers(&csv, 1)[0][0] > 0.0);
+    }
+    for windows in ["1x1", "2x1"] {
+        let more = ["--queries", "q.csv", "--windows", windows];
+        let line = sandbox.run2(&["eval"], &[&SMALL[..], &more].concat()).refused(1);
         assert!(line.contains("mesa-vulkan-drivers"), "{line}");
     }
 }

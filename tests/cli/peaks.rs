@@ -86,7 +86,8 @@ fn the_reference_finds_the_same_angles_without_vulkan() {
         assert!((a[1] - b[1]).abs() < 0.1001 && (a[3] / b[3] - 1.0).abs() < 2e-2, "{a:?} {b:?}");
         assert!((b[2] / PERIOD - 1.0).abs() < 5e-3, "{b:?}");
     }
-    let line = peaks(&no_vulkan, "blaze", "-75", "40:54:0.1", &more).refused(1);
+    let of_window = [&more[..], &["--windows", "1x1"]].concat();
+    let line = peaks(&no_vulkan, "blaze", "-75", "40:54:0.1", &of_window).refused(1);
     assert!(line.contains("mesa-vulkan-drivers"), "{line}");
 }
 

@@ -56,7 +56,7 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             texels_per_frequency: [105.0, 106.0],
             band: [107.0, 108.0],
             sigma: 109.0,
-            normal_reflectance: 110.0,
+            index: 110.0,
             column: [111.0, 112.0],
             pairs_per_z: 113.0,
             fewest_pairs: 114.0,

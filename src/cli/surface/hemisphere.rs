@@ -120,7 +120,7 @@ fn map(table: &ColorTable, light: DVec3) -> HemisphereMap {
     let around = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
     let views: Vec<(usize, DVec3)> = views(SIDE, 0..SIDE).collect();
     let color = |&(place, view): &(usize, DVec3)| {
-        let f = reader.xyz(&Pair::new(light, view), IOR, &around) / light.z;
+        let f = reader.xyz(&Pair::new(light, view), &IOR.into(), &around) / light.z;
         (place, xyz_to_linear_srgb(f).as_vec3().extend(1.0).to_array())
     };
     let mut pixels = vec![[0.0; 4]; (SIDE * SIDE) as usize];

@@ -1,7 +1,7 @@
 //! The classical shader of a grating of one period, to compare with. Its twin is `shaders/source_classical_grating.glsl`.
 
 use super::bound::{BoundSource, Kind, uniform};
-use super::{SourceSummary, stages};
+use super::{SourceSummary, reflectance, stages};
 use crate::error::Result;
 use crate::render::shading::Shading;
 use crate::vk::device::Device;
@@ -23,7 +23,7 @@ pub struct ClassicalGrating {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 struct ClassicalGratingBlock {
-    normal_reflectance: f32,
+    index: f32,
     period: f32,
     strength: f32,
     gap: f32,
@@ -36,7 +36,8 @@ impl ClassicalGrating {
         let stages = stages!("classical_grating");
         let kinds = [Kind::UNIFORM_BUFFER];
         let of = &shading.reflectance;
-        let mut bound = BoundSource::new(device, "classical grating set", &kinds, stages, Vec::new(), of)?;
+        let constants = vec![reflectance::without_spectrum(shading)];
+        let mut bound = BoundSource::new(device, "classical grating set", &kinds, stages, constants, of)?;
         bound.spectral = false;
         self.set(device, &mut bound, shading)?;
         Ok(bound)
@@ -44,7 +45,7 @@ impl ClassicalGrating {
 
     pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
         let block = ClassicalGratingBlock {
-            normal_reflectance: shading.reflectance.luminous_normal() as f32,
+            index: shading.reflectance.luminous_index() as f32,
             period: self.period as f32,
             strength: self.strength as f32,
             axis: self.axis.map(|x| x as f32),

@@ -1,7 +1,8 @@
-//! What the surface reflects where that depends on the wavelength. Its twin is `shaders/reflectance.glsl`.
+//! The law by which the surface reflects, and the reflectances of a law that depends on the wavelength. Its twins are `shaders/brdf.glsl` and
+//! `shaders/reflectance.glsl`.
 
 use crate::error::Result;
-use crate::optics::reflectance::{COLUMNS, ROWS};
+use crate::optics::reflectance::{COLUMNS, ROWS, Reflectance};
 use crate::render::shading::Shading;
 use crate::render::upload;
 use crate::vk::device::Device;
@@ -10,10 +11,32 @@ use crate::vk::pipeline::Constant;
 use ash::vk;
 use std::sync::Arc;
 
-/// The specialisation constant of sources that sum over wavelengths.
+/// Values of the specialisation constant.
+#[derive(Clone, Copy)]
+enum Law {
+    Spectral = 0,
+    Fresnel = 1,
+    Schlick = 2,
+}
+
+impl Law {
+    fn constant(self) -> Constant {
+        const REFLECTANCE_LAW: u32 = 31;
+        Constant::new(REFLECTANCE_LAW, self as u32)
+    }
+}
+
+/// Returns the specialisation constant of the law.
 pub(super) fn constant(shading: &Shading) -> Constant {
-    const SPECTRAL_REFLECTANCE: u32 = 31;
-    Constant::new(SPECTRAL_REFLECTANCE, shading.reflectance.is_spectral())
+    if shading.reflectance.is_spectral() { Law::Spectral.constant() } else { without_spectrum(shading) }
+}
+
+/// Returns the same for a source that knows no law inside of sums over wavelengths.
+pub(super) fn without_spectrum(shading: &Shading) -> Constant {
+    match shading.reflectance {
+        Reflectance::Schlick(_) => Law::Schlick.constant(),
+        Reflectance::Fresnel { .. } => Law::Fresnel.constant(),
+    }
 }
 
 /// R of `shading`, or a single 1 where the factor of a pair holds it.

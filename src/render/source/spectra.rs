@@ -54,8 +54,8 @@ pub struct SpectraBlock {
     pub band: [f32; 2],
     /// σ of the window \[µm\].
     pub sigma: f32,
-    /// R₀ of Schlick.
-    pub normal_reflectance: f32,
+    /// Refractive index, unless R depends on the wavelength.
+    pub index: f32,
     /// Texture coordinate of the coefficients at k|w| = 0, and per unit of it \[µm\].
     pub column: [f32; 2],
     /// Pairs of terms that k|w| needs: ⌈`pairs_per_z`·k|w| + `fewest_pairs`⌉.
@@ -79,7 +79,7 @@ pub fn spectra_block(layers: &Layers, sigma: f64, reflectance: &Reflectance) -> 
         band: pair(layers.band),
         // The shaders square what they read, and multiply by σ².
         sigma: sigma as f32 * layers.texels.unit(),
-        normal_reflectance: reflectance.normal_factor() as f32,
+        index: reflectance.index().unwrap_or_default() as f32,
         column: pair([0.5 / columns, (columns - 1.0) / columns / layers.z_max]),
         pairs_per_z: layers.pairs_needed.slope as f32,
         fewest_pairs: layers.pairs_needed.fewest as f32,

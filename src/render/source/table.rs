@@ -3,7 +3,7 @@
 
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
-use super::{Extent, SourceSummary, stages};
+use super::{Extent, SourceSummary, reflectance, stages};
 use crate::error::Result;
 use crate::render::directions::Directions;
 use crate::render::shading::Shading;
@@ -44,8 +44,8 @@ const KINDS: [Kind; 4] = [
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct TableBlock {
-    /// R₀ of Schlick; 1 where the mean R of a material stands in its place.
-    pub normal_reflectance: f32,
+    /// Refractive index, unless R depends on the wavelength.
+    pub index: f32,
     /// Texture coordinate per unit of u.
     pub texture_per_uv: f32,
     /// Variance of u that coherence averages over.
@@ -69,7 +69,7 @@ impl Table {
         /// Texels that a direction reads at each place.
         const TEXELS: u32 = 11;
         let basis = &self.table.header.basis;
-        let constants = vec![Constant::new(TEXELS, basis.texels() as u32)];
+        let constants = vec![Constant::new(TEXELS, basis.texels() as u32), reflectance::constant(shading)];
         let of = &shading.reflectance;
         let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), constants, of)?;
         bound.spectral = false;
@@ -110,7 +110,7 @@ impl Table {
         let header = &self.table.header;
         let grid = &header.grid;
         let block = TableBlock {
-            normal_reflectance: shading.reflectance.normal_factor() as f32,
+            index: shading.reflectance.index().unwrap_or_default() as f32,
             texture_per_uv: (0.5 / grid.extent) as f32,
             coherence: header.coherence_blur as f32,
             unit: header.unit as f32,

@@ -46,7 +46,7 @@ const KINDS: [Kind; 4] = [
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 struct ThesisBlock {
-    normal_reflectance: f32,
+    index: f32,
     sigma: f32,
     half_range: f32,
     wavelengths: i32,
@@ -75,7 +75,7 @@ impl Thesis {
         let pair = |v: [f64; 2]| v.map(|x| x as f32);
         let layers = &self.layers;
         let block = ThesisBlock {
-            normal_reflectance: shading.reflectance.normal_factor() as f32,
+            index: shading.reflectance.index().unwrap_or_default() as f32,
             sigma: layers.sigma as f32 * layers.texels.unit(),
             half_range: self.half_range as f32,
             wavelengths: WAVELENGTHS as i32,

@@ -26,17 +26,21 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         }
         rows::show(ui, &rows::LEVEL, |ui| level(ui, source));
         coherence(ui, &mut model.settings, &mut model.last_coherence);
-        rows::show(ui, &rows::INDEX, |ui| match &mut model.settings.reflectance {
-            Reflectance::Schlick(ior) => {
-                ui.add(number(ior).speed(0.01).range(1.0..=4.0).fixed_decimals(2));
-            }
-            material => {
-                ui.label(material.to_string());
-            }
-        });
+        rows::show(ui, &rows::INDEX, |ui| index(ui, &mut model.settings.reflectance));
         let hint = "Drop a height image, a scene or an OBJ mesh on the window.";
         ui.label(RichText::new(hint).small().color(style::FAINT));
     });
+}
+
+/// Shows the refractive index, which the user may change, or the name of a material that has a spectrum.
+fn index(ui: &mut Ui, reflectance: &mut Reflectance) {
+    let Some(mut ior) = reflectance.index() else {
+        ui.label(reflectance.to_string());
+        return;
+    };
+    if ui.add(number(&mut ior).speed(0.01).range(1.0..=4.0).fixed_decimals(2)).changed() {
+        *reflectance = reflectance.law().of_index(ior);
+    }
 }
 
 /// Shows the list of surfaces: those of the files that were opened, then the generated ones.
