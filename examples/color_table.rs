@@ -24,7 +24,7 @@ fn main() -> Result<()> {
     for angle in [5.0, 10.0, 15.0, 50.0, 60.0] {
         let pair = Pair::new(direction(30.0, 0.0), direction(angle, 180.0));
         // One direction; a pixel would average over the covariance of (u, v) in its footprint.
-        let xyz = reader.xyz(&pair, 1.5, &Covariance::default());
+        let xyz = reader.xyz(&pair, &1.5.into(), &Covariance::default());
         println!("{angle} degrees: {:.5} {:.5} {:.5}", xyz.x, xyz.y, xyz.z);
     }
     Ok(())

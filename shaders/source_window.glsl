@@ -2,21 +2,21 @@
 // src/render/source/window.rs.
 #include "spectra.glsl"
 
-const int UV_BINS = 256; // entries of `combs` over |(u, v)| in 0 ... 2
+const int UV_BINS = 256; // entries of `bins` over |(u, v)| in 0 ... 2
 
-// Wavelength combs: row of `nodes` and number of nodes for each bin of |(u, v)|.
-layout(set = 1, binding = 4, std430) readonly buffer Combs { ivec2 combs[]; };
+// Row of `nodes` and number of wavelengths for each bin of |(u, v)|.
+layout(set = 1, binding = 4, std430) readonly buffer Bins { ivec2 bins[]; };
 
 const bool SOURCE_READS_FOOTPRINT = false;
 
-// XYZ of f cos(theta_i) [1/sr], over the wavelengths that are in the band, by the comb that |(u, v)| needs.
+// XYZ of f cos(theta_i) [1/sr], over the wavelengths that are in the band, as many as |(u, v)| needs.
 vec3 source_xyz(Pair pair, Footprint footprint) {
     Ray ray = ray_of(pair);
     float largest = largest_wavenumber(pair);
     vec3 xyz = vec3(0.0);
-    ivec2 comb = combs[min(int(pair.uv * (0.5 * float(UV_BINS))), UV_BINS - 1)];
-    for (int node = part.first; node < comb.y; node += part.step) {
-        vec4 weight_and_wavenumber = texelFetch(nodes, ivec2(node, comb.x), 0);
+    ivec2 set = bins[min(int(pair.uv * (0.5 * float(UV_BINS))), UV_BINS - 1)];
+    for (int node = part.first; node < set.y; node += part.step) {
+        vec4 weight_and_wavenumber = texelFetch(nodes, ivec2(node, set.x), 0);
         float wavenumber = weight_and_wavenumber.w;
         if (wavenumber > largest) {
             break; // wavenumbers grow

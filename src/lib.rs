@@ -3,17 +3,17 @@
 //! Start with the [`prelude`] and the programs in `examples/`. The feature `vulkan` (on by default) has the renderer, `viewer` (on by
 //! default) the window; without them the library has height fields, optics, spectra, colour tables and 64-bit references.
 //!
-//! Data flows one way: `surface` → `expansion` → `precompute` → `render` (with `scene` and `vk`) → picture, and
+//! Data flows one way: `surface` → `spectra` → `table` → `render` (with `scene` and `vk`) → picture, and
 //! `optics::reference` judges it. `docs/ARCHITECTURE.md` has the floors.
 
 #![deny(unsafe_code)]
 
 pub mod brdf;
+pub mod budget;
 pub mod cache;
 #[cfg(feature = "vulkan")]
 pub mod cli;
 pub mod error;
-pub mod expansion;
 pub mod fft_size;
 pub mod figure;
 pub mod files;
@@ -26,7 +26,6 @@ pub mod optics;
 pub mod output;
 #[cfg(feature = "vulkan")]
 pub mod picture_file;
-pub mod precompute;
 pub mod prelude;
 pub mod random;
 #[cfg(feature = "vulkan")]

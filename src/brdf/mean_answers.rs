@@ -131,7 +131,7 @@ impl Brdf for MeanReference<'_> {
 mod tests {
     use super::*;
     use crate::optics::geometry::direction;
-    use crate::optics::quadrature::Nodes;
+    use crate::optics::quadrature::Wavelengths;
     use crate::random::Random;
     use crate::spectra::power::Beyond;
     use crate::surface::HeightField;
@@ -195,11 +195,11 @@ mod tests {
         for field in short_patches() {
             let pairs = pairs(50);
             // The trapezoid rule over many wavelengths.
-            let nodes = Nodes::trapezoid(&Illuminant::D65, 4001);
+            let nodes = Wavelengths::trapezoid(&Illuminant::D65, 4001);
             let mut single = MeanFromOrders::new(mean(&field), &Illuminant::D65, 1e-3);
             let mut exact = vec![DVec3::ZERO; pairs.len()];
-            for (j, weight) in nodes.weights.iter().enumerate() {
-                let wavelength = 1.0 / (nodes.first + j as f64 * nodes.step);
+            for (weight, q) in nodes.weights.iter().zip(&nodes.wavenumbers) {
+                let wavelength = 1.0 / q;
                 let values = single.spectral(&pairs, wavelength.max(SHORTEST)).unwrap();
                 exact.iter_mut().zip(values).for_each(|(sum, value)| *sum += *weight * value);
             }

@@ -3,12 +3,13 @@
 
 use super::mean::MeanBrdf;
 use super::spread::{CUT, NEAREST, Spread};
+use crate::budget::ErrorBudget;
 use crate::error::Result;
 use crate::filter::Covariance;
 use crate::optics::brdf::cosine_weighted;
 use crate::optics::geometry::Pair;
 use crate::optics::nufft::Progress;
-use crate::optics::quadrature::{Nodes, SPAN};
+use crate::optics::quadrature::{SPAN, Wavelengths};
 use crate::optics::spectrum::{Illuminant, LONGEST};
 use crate::spectra::power::{
     Blur, Downsampling, OrderGrid, OrderSeries, PowerSettings, Pyramid, PyramidLevel, TERMS_AT_ONCE,
@@ -47,13 +48,15 @@ impl ColourSampling {
 
     /// Returns the sampling that keeps the relative error of each colour well below `tolerance`, dark ones included.
     pub fn within(tolerance: f64) -> Self {
-        /// Relative level of aliases, so that a colour a thousand times as dark as its neighbours keeps the tolerance.
-        const BELOW: f64 = 1e-3;
         /// Wavelengths of the colour functions alone for a relative error of 1e-3.
         const NODES: usize = 64;
         /// Tolerance from which on the sampling of the reference is asked for.
         const SMALL: f64 = 1e-3;
-        if tolerance <= SMALL { Self::EXACT } else { Self { alias_level: BELOW * tolerance, nodes: NODES } }
+        if tolerance <= SMALL {
+            Self::EXACT
+        } else {
+            Self { alias_level: ErrorBudget::of_directions(tolerance).mean.aliases, nodes: NODES }
+        }
     }
 }
 
@@ -202,14 +205,14 @@ impl<'a> TabulatedMean<'a> {
         const AT_ONCE: usize = 1024;
         let counts: Vec<usize> = pairs.iter().map(|(pair, around)| self.colour_nodes(pair, around)).collect();
         let distinct: std::collections::BTreeSet<usize> = counts.iter().copied().collect();
-        let combs: BTreeMap<usize, Nodes> =
-            distinct.into_par_iter().map(|n| (n, Nodes::catmull_rom(illuminant, n))).collect();
+        let sets: BTreeMap<usize, Wavelengths> =
+            distinct.into_par_iter().map(|n| (n, Wavelengths::catmull_rom(illuminant, n))).collect();
         let mut colours = Vec::with_capacity(pairs.len());
         for (pairs_now, counts_now) in pairs.chunks(AT_ONCE).zip(counts.chunks(AT_ONCE)) {
             progress(colours.len(), pairs.len())?;
             colours.par_extend(pairs_now.par_iter().zip(counts_now).map(|((pair, around), count)| {
-                combs.get(count).map_or(DVec3::ZERO, |nodes| {
-                    integral(nodes, |wavelength| match orders {
+                sets.get(count).map_or(DVec3::ZERO, |wavelengths| {
+                    wavelengths.integral(|wavelength| match orders {
                         SummedOrders::All => self.cosine_weighted(pair, wavelength, around),
                         SummedOrders::Scattered => {
                             self.weighted(pair, wavelength, |uvw, q| self.scattered_power(uvw, q, around))
@@ -224,12 +227,12 @@ impl<'a> TabulatedMean<'a> {
 
     /// Returns XYZ of the light that the surface sends toward `view` of surroundings of radiance 1, by the specular order alone.
     pub fn mirrored(&self, illuminant: &Illuminant, views: &[DVec3]) -> Vec<DVec3> {
-        let nodes = Nodes::catmull_rom(illuminant, self.sampling.nodes);
+        let wavelengths = Wavelengths::catmull_rom(illuminant, self.sampling.nodes);
         let of = |view: &DVec3| {
             let pair = Pair::new(DVec3::new(-view.x, -view.y, view.z), *view);
             // The density of the lobe over (u, v) has the integral 1/q², and du dv = cos θ_i dω_i.
             let power = |uvw: DVec3, q: f64| self.specular_order(uvw, q) / (q * q);
-            integral(&nodes, |wavelength| self.weighted(&pair, wavelength, power))
+            wavelengths.integral(|wavelength| self.weighted(&pair, wavelength, power))
                 / view.z.max(f64::MIN_POSITIVE)
         };
         views.par_iter().map(of).collect()
@@ -257,12 +260,6 @@ impl<'a> TabulatedMean<'a> {
     pub fn shortest(&self) -> f64 {
         4.0 * PI / self.series.z_max
     }
-}
-
-/// Returns Σ of `of` over the wavelengths of `nodes`.
-fn integral(nodes: &Nodes, of: impl Fn(f64) -> f64) -> DVec3 {
-    let wavelength = |j: usize| 1.0 / (nodes.first + j as f64 * nodes.step);
-    nodes.weights.iter().enumerate().map(|(j, weight)| *weight * of(wavelength(j))).sum()
 }
 
 /// Returns Σ a b by eight partial sums, so that the loop runs on vector registers.

@@ -4,10 +4,10 @@ use super::benchmark::{BenchmarkOptions, BenchmarkScene};
 use super::remedies::in_options;
 use super::say;
 use crate::error::{Error, Result};
-use crate::expansion::Basis;
 use crate::measure::profile::measure;
 use crate::optics::coherence::Windows;
 use crate::setup::Method;
+use crate::spectra::amplitude::expansion::Basis;
 
 /// Candidates without --tolerance, of each method the most accurate first. Tables of smaller tolerances do not fit usual devices.
 const CANDIDATES: [(Method, f64); 7] = [

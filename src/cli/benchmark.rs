@@ -5,7 +5,7 @@ use super::options::{
 };
 use super::{prepare, say};
 use crate::error::{Error, Result};
-use crate::measure::budget::ErrorBudget;
+use crate::measure::budget::MeasuredBudget;
 use crate::measure::error::{self, PixelErrors};
 use crate::measure::profile::measure;
 use crate::measure::trade::Measurement;
@@ -87,7 +87,7 @@ pub struct Benchmark {
     /// Samples and wavelengths of the frame.
     pub cost: Cost,
     /// Where its error comes from.
-    pub budget: ErrorBudget,
+    pub budget: MeasuredBudget,
     /// The directions of each pixel, one entry per light.
     pub directions: Vec<Directions>,
 }
@@ -217,7 +217,7 @@ impl BenchmarkScene {
             painter,
             summary: source.summary(&shading),
             cost: source.cost(&shading, &directions),
-            budget: ErrorBudget::of(&source, &shading),
+            budget: MeasuredBudget::of(&source, &shading),
             shading,
             directions,
         })

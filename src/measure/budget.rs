@@ -1,87 +1,56 @@
-//! The error budget of a setting: where its error comes from.
+//! The error budget of a setting with the errors that were measured on the surface.
 
-use crate::precompute::Layers;
+use crate::budget::{ErrorBudget, Share};
 use crate::render::shading::Shading;
 use crate::render::source::{Grating, Source, Table, Window};
-use crate::setup::READING_SHARE;
+use crate::spectra::amplitude::Layers;
+use crate::table::TableHeader;
 use serde::Serialize;
 
 /// One contribution to the error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BudgetPart {
-    /// Its source.
+    /// Part that errs.
     pub what: &'static str,
-    /// Its size, relative to what the tolerance is defined for: single directions, or the colours of a picture. NaN if unknown.
+    /// Share of the tolerance.
+    pub allowed: f64,
+    /// Error of the data that were made for the share, relative to the answer that the tolerance is defined for. NaN if unknown.
     pub error: f64,
-    /// How the size is known.
+    /// Source of the error's size.
     pub known: String,
 }
 
 /// All contributions; their squares add up.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct ErrorBudget {
+pub struct MeasuredBudget {
     /// The contributions.
     pub parts: Vec<BudgetPart>,
     /// The tolerance for their sum.
     pub tolerance: f64,
 }
 
-impl ErrorBudget {
-    /// The budget of what is shaded from `source` with `shading`; empty for a baseline.
+impl MeasuredBudget {
+    /// Returns the budget of what is shaded from `source` with `shading`; an empty one for a baseline.
     pub fn of(source: &Source, shading: &Shading) -> Self {
-        match source {
+        let parts = match source {
             Source::Window(Window { layers }) | Source::Grating(Grating { layers, .. }) => {
-                Self::of_layers(layers, shading)
+                of_layers(layers, &shading.budget())
             }
-            Source::Table(Table { table }) => Self::of_table(table.header.basis_error, shading),
-            Source::Thesis(_) | Source::ClassicalGrating(_) => Self::default(),
-        }
-    }
-
-    /// The budget of `layers` for `shading`.
-    pub fn of_layers(layers: &Layers, shading: &Shading) -> Self {
-        let known_by_rule = "from the quadrature rule";
-        let (quadrature, known) = match shading.wavelengths {
-            None => (shading.quadrature(), known_by_rule),
-            Some(_) => (
-                f64::NAN,
-                "unknown: the number of wavelengths is given; a comparison with the reference measures the total",
-            ),
+            Source::Table(Table { table }) => of_table(&table.header),
+            Source::Thesis(_) | Source::ClassicalGrating(_) => return Self::default(),
         };
-        let part = |what, error, known: &str| BudgetPart { what, error, known: known.to_owned() };
-        let bounds = format!(
-            "measured against the transform of the exact phase; bounds of the amplitude, relative to the specular peak: truncation \
-             {:.0e}, rounding of 32-bit floats {:.0e}",
-            layers.errors.truncation_bound, layers.errors.rounding_bound
-        );
-        Self {
-            parts: vec![
-                part("truncation and rounding", layers.errors.expansion / shading.gain(), &bounds),
-                part(
-                    "reading between texels",
-                    layers.errors.interpolation / shading.gain(),
-                    "from the transform of the kernel",
-                ),
-                part("wavelengths of a colour", quadrature, known),
-            ],
-            tolerance: shading.tolerance,
+        let mut budget = Self { parts, tolerance: shading.tolerance };
+        if shading.wavelengths.is_some() {
+            budget.forget_wavelengths();
         }
+        budget
     }
 
-    /// The parts of a colour table under `shading` whose basis errs by `basis`.
-    fn of_table(basis: f64, shading: &Shading) -> Self {
-        let part = |what, error, known: &str| BudgetPart { what, error, known: known.to_owned() };
-        Self {
-            parts: vec![
-                part(
-                    "reading between texels",
-                    READING_SHARE * shading.tolerance,
-                    "by the blur of the finest level",
-                ),
-                part("colours over w", basis, "measured at places that the basis was not made for"),
-                part("wavelengths of a colour", shading.quadrature(), "by the rule for the nodes"),
-            ],
-            tolerance: shading.tolerance,
+    /// Marks the error of the sum over wavelengths as unknown.
+    fn forget_wavelengths(&mut self) {
+        if let Some(part) = self.parts.last_mut() {
+            part.error = f64::NAN;
+            part.known = "unknown: the number of wavelengths is given; a comparison with the reference measures the total".into();
         }
     }
 
@@ -100,7 +69,12 @@ impl ErrorBudget {
         let mut text = String::new();
         for part in &self.parts {
             let numbers = if part.error.is_finite() {
-                format!("{:.1e}, {:.0} %, ", part.error, 100.0 * part.error * part.error / squares)
+                format!(
+                    "{:.1e} of {:.1e}, {:.0} %, ",
+                    part.error,
+                    part.allowed,
+                    100.0 * part.error * part.error / squares
+                )
             } else {
                 String::new()
             };
@@ -110,14 +84,48 @@ impl ErrorBudget {
     }
 }
 
+/// Returns the parts of a sum over the spectra in `layers`.
+fn of_layers(layers: &Layers, budget: &ErrorBudget) -> Vec<BudgetPart> {
+    let errors = &layers.errors;
+    let bounds = format!(
+        "bounds of the amplitude, relative to the specular peak: truncation {:.0e}, rounding of 32-bit floats {:.0e}",
+        errors.truncation_bound, errors.rounding_bound
+    );
+    let window = &budget.window;
+    let [expansion, interpolation, wavelengths] = window.shares();
+    vec![
+        part(expansion, errors.expansion / window.gain, &bounds),
+        part(interpolation, errors.interpolation / window.gain, ""),
+        part(wavelengths, wavelengths.allowed, ""),
+    ]
+}
+
+/// Returns the parts of a colour table.
+fn of_table(header: &TableHeader) -> Vec<BudgetPart> {
+    let [series, reading, basis, wavelengths] = header.budget.shares();
+    vec![
+        part(series, header.series_error, ""),
+        part(reading, reading.allowed, ""),
+        part(basis, header.basis_error, ""),
+        part(wavelengths, wavelengths.allowed, ""),
+    ]
+}
+
+/// Returns a part that errs by `error`, with `more` about that beside the reason for its share.
+fn part(share: Share, error: f64, more: &str) -> BudgetPart {
+    let Share { part, allowed, reason } = share;
+    let known = if more.is_empty() { reason.to_owned() } else { format!("{reason}; {more}") };
+    BudgetPart { what: part, allowed, error, known }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn parts_add_up_as_squares_and_what_is_not_known_is_said() {
-        let part = |what, error| BudgetPart { what, error, known: "so".to_owned() };
-        let mut budget = ErrorBudget { parts: vec![part("a", 3e-3), part("b", 4e-3)], tolerance: 1e-2 };
+        let part = |what, error| BudgetPart { what, allowed: 1e-2, error, known: "so".to_owned() };
+        let mut budget = MeasuredBudget { parts: vec![part("a", 3e-3), part("b", 4e-3)], tolerance: 1e-2 };
         assert!((budget.total() - 5e-3).abs() < 1e-12);
         let text = budget.to_text();
         assert!(

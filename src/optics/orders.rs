@@ -17,7 +17,7 @@
 
 use super::coherence::periodic_factor;
 use super::color::xyz_to_linear_srgb;
-use super::quadrature::{SPAN, density_table};
+use super::quadrature::{SPAN, Wavelengths, density_table};
 use super::spectrum::{Illuminant, LONGEST, SHORTEST};
 use crate::error::{Error, Remedy, Result};
 use glam::{DVec2, DVec3};
@@ -25,7 +25,7 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Entries of [`Colours`]: ten to each of the CIE tables', and as many as every device holds in a row.
+/// Entries of [`ColourFunctions`]: ten to each of the CIE tables', and as many as every device holds in a row.
 const COLOUR_ENTRIES: usize = 4096;
 /// The largest error that the colour functions are taken for.
 const COLOUR_TOLERANCE: f64 = 1e-2;
@@ -34,15 +34,15 @@ const LEAST_LAG: f64 = 1e-3;
 
 /// The colour functions as a density over wavenumbers, and how fast they vary.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Colours {
+pub struct ColourFunctions {
     /// XYZ per unit of wavenumber \[µm\] at equal steps from 1/780 nm to 1/380 nm, ends included.
     pub densities: Vec<DVec3>,
     /// Lag beyond which they have little \[µm\].
     pub lag: f64,
 }
 
-impl Colours {
-    /// Those of `illuminant`, for a relative error of the colour of `tolerance`.
+impl ColourFunctions {
+    /// Returns those of `illuminant`, for a relative error of the colour of `tolerance`.
     pub fn new(illuminant: &Illuminant, tolerance: f64) -> Self {
         let densities = density_table(illuminant, COLOUR_ENTRIES);
         // A dark direction is made of the faint lags as much as of the strong ones.
@@ -50,7 +50,7 @@ impl Colours {
         Self { densities, lag }
     }
 
-    /// The density at `q` \[µm⁻¹\] \[µm\]; 0 outside the visible range.
+    /// Returns the density at `q` \[µm⁻¹\] \[µm\]; 0 outside the visible range.
     pub fn at(&self, q: f64) -> DVec3 {
         let last = self.densities.len() - 1;
         let place = (q - 1.0 / LONGEST) / SPAN * last as f64;
@@ -108,7 +108,7 @@ pub struct Repeats {
 
 /// Where within each period along a ray to ask for the response of one patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pattern {
+enum Pattern {
     /// At the order alone.
     Orders,
     /// At the order and at odd parts of an even number of them, at most 2n.
@@ -118,8 +118,8 @@ pub enum Pattern {
 }
 
 impl Pattern {
-    /// Wavelengths of a period.
-    pub fn per_period(self) -> u64 {
+    /// Returns the number of wavelengths of a period.
+    fn per_period(self) -> u64 {
         match self {
             Self::Orders => 1,
             Self::Tails(parts) => 1 + parts / 2,
@@ -150,29 +150,24 @@ impl Pattern {
     }
 }
 
-/// How to integrate over the wavelengths along a ray.
+/// Wavelengths along a ray, by their places in each period.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OrderSampling {
+struct PeriodSampling {
     /// The axis whose periods are counted.
-    pub axis: usize,
+    axis: usize,
     /// Periods that the ray crosses per wavenumber: |u| T_x or |v| T_y \[µm\].
-    pub periods: f64,
+    periods: f64,
     /// What to take of each.
-    pub pattern: Pattern,
+    pattern: Pattern,
 }
 
-impl OrderSampling {
-    /// Wavelengths over the visible range, on average.
-    pub fn wavelengths(&self) -> f64 {
+impl PeriodSampling {
+    /// Returns the number of wavelengths over the visible range, on average.
+    fn count(&self) -> f64 {
         SPAN * self.periods * self.pattern.per_period() as f64
     }
 
-    /// Their wavenumbers \[µm⁻¹\], growing.
-    pub fn wavenumbers(&self) -> impl Iterator<Item = f64> {
-        self.places().map(|(q, _)| q)
-    }
-
-    /// Wavenumber of each and its number within its period.
+    /// Returns the wavenumber of each and its number within its period.
     fn places(&self) -> impl Iterator<Item = (f64, u64)> {
         let Self { periods, pattern, .. } = *self;
         let per_period = pattern.per_period();
@@ -202,9 +197,8 @@ impl Repeats {
         periodic_factor(n, 2.0 * PI * (cycles - cycles.round())).norm_sqr() / f64::from(n).powi(2)
     }
 
-    /// How to integrate over the wavelengths along (u, v) against colour functions of lag `colour_lag` \[µm\], for a relative
-    /// error of about `tolerance`. Its twin is `sampling` of `shaders/repeats.glsl`.
-    pub fn sampling(&self, uv: DVec2, colour_lag: f64, tolerance: f64) -> OrderSampling {
+    /// Returns the sampling along (u, v) against colour functions of lag `colour_lag` \[µm\], for a relative error of about `tolerance`. Its twin is `sampling` of `shaders/repeats.glsl`.
+    fn sampling(&self, uv: DVec2, colour_lag: f64, tolerance: f64) -> PeriodSampling {
         let n = self.copies.map(f64::from);
         let lag = [0, 1].map(|axis| n[axis] * uv[axis].abs() * self.period[axis]);
         let axis = usize::from(lag[1] > lag[0]); // the sharper one
@@ -218,10 +212,10 @@ impl Repeats {
         } else {
             Pattern::Every((others + n[axis]).ceil() as u64)
         };
-        OrderSampling { axis, periods, pattern }
+        PeriodSampling { axis, periods, pattern }
     }
 
-    /// More wavelengths than [`Repeats::sampling`] takes of any direction, against colour functions of lag `colour_lag` \[µm\].
+    /// Returns more wavelengths than any direction takes against colour functions of lag `colour_lag` \[µm\].
     pub fn most_wavelengths(&self, colour_lag: f64) -> f64 {
         // A period takes at most three wavelengths beside those that the other axis and the colours ask for, or `n` more where
         // every part of it is taken; |(u, v)| ≤ 2.
@@ -234,12 +228,16 @@ impl Repeats {
         MAX_WAVELENGTHS
     }
 
-    /// Fails where `sampling` is of more wavelengths than a colour may take.
+    /// Returns the number of wavelengths of a colour along (u, v), for a relative error of about `tolerance`.
+    pub fn count(&self, uv: DVec2, colours: &ColourFunctions, tolerance: f64) -> f64 {
+        self.sampling(uv, colours.lag, tolerance).count()
+    }
+
+    /// Fails for more wavelengths than a colour may take.
     ///
     /// # Errors
     /// With both numbers.
-    pub fn check(&self, sampling: &OrderSampling) -> Result<()> {
-        let count = sampling.wavelengths();
+    pub fn check(&self, count: f64) -> Result<()> {
         if count <= MAX_WAVELENGTHS {
             return Ok(());
         }
@@ -253,18 +251,22 @@ impl Repeats {
         ))
     }
 
-    /// Wavenumbers \[µm⁻¹\] of `sampling` along (u, v), and the XYZ weight of the response of one period there, both factors
-    /// included.
-    pub fn terms(&self, sampling: &OrderSampling, uv: DVec2, colours: &Colours) -> Vec<(f64, DVec3)> {
-        let term = |(q, index)| {
-            let weight = self.weight(sampling.axis, sampling.pattern, index) / sampling.periods;
-            let other = 1 - sampling.axis;
-            (q, colours.at(q) * (weight * self.factor_along(other, uv[other] * q)))
-        };
-        sampling.places().map(term).collect()
+    /// Returns the wavelengths of a colour along (u, v), for a relative error of about `tolerance`: with the response of one period they
+    /// give that of all, for both factors are in the weights.
+    pub fn wavelengths(&self, uv: DVec2, colours: &ColourFunctions, tolerance: f64) -> Wavelengths {
+        let sampling = self.sampling(uv, colours.lag, tolerance);
+        let other = 1 - sampling.axis;
+        let (wavenumbers, weights) = sampling
+            .places()
+            .map(|(q, index)| {
+                let weight = self.weight(sampling.axis, sampling.pattern, index) / sampling.periods;
+                (q, colours.at(q) * (weight * self.factor_along(other, uv[other] * q)))
+            })
+            .unzip();
+        Wavelengths { wavenumbers, weights }
     }
 
-    /// What number `index` of `pattern` weighs along `axis`, in periods.
+    /// Returns the weight of number `index` of `pattern` along `axis`, in periods.
     fn weight(&self, axis: usize, pattern: Pattern, index: u64) -> f64 {
         let n = f64::from(self.copies[axis]);
         let share = pattern.share(index);
@@ -319,16 +321,14 @@ mod tests {
         let exact = Reference::new(&field, Coherence::Repeats(copies), [1, 1], 1.5);
         let truth = exact.cosine_weighted_xyz(&pair, &Illuminant::D65).unwrap();
         let one = Reference::new(&field, Coherence::Repeats([1, 1]), [1, 1], 1.5);
-        let colours = Colours::new(&Illuminant::D65, tolerance);
-        let sampling = repeats.sampling(uv, colours.lag, tolerance);
-        let terms = repeats.terms(&sampling, uv, &colours);
+        let colours = ColourFunctions::new(&Illuminant::D65, tolerance);
+        let wavelengths = repeats.wavelengths(uv, &colours, tolerance);
         // A of n copies is n times that of one, and |S|² is n² D².
-        let sum: DVec3 = terms
-            .iter()
-            .map(|(q, w)| *w * one.cosine_weighted_spectrum(&pair, q * spoil, 0.0, 1)[0])
-            .sum::<DVec3>()
+        let sum = wavelengths
+            .integral(|wavelength| one.cosine_weighted_spectrum(&pair, spoil / wavelength, 0.0, 1)[0])
             * f64::from(copies[0] * copies[1]);
-        ((sum - truth).length() / truth.length(), terms.len(), sampling.pattern)
+        let pattern = repeats.sampling(uv, colours.lag, tolerance).pattern;
+        ((sum - truth).length() / truth.length(), wavelengths.len(), pattern)
     }
 
     #[test]
@@ -356,7 +356,7 @@ mod tests {
     #[test]
     fn wavelengths_follow_the_blunter_axis_and_the_lamp_and_not_the_number_of_copies() {
         let needed = |copies, uv: [f64; 2], lag| {
-            Repeats { copies, period: [20.0, 20.0] }.sampling(DVec2::from_array(uv), lag, 1e-4).wavelengths()
+            Repeats { copies, period: [20.0, 20.0] }.sampling(DVec2::from_array(uv), lag, 1e-4).count()
         };
         assert_eq!(needed([100, 1], [0.8, 0.1], 15.0), needed([9000, 1], [0.8, 0.1], 15.0));
         assert!(needed([100, 50], [0.8, 0.1], 15.0) > 2.0 * needed([100, 1], [0.8, 0.1], 15.0));
@@ -376,7 +376,7 @@ mod tests {
             for step in 0..4000 {
                 let (r, phi) = (2.0 * f64::from(step % 40) / 39.0, f64::from(step / 40) * PI / 50.0);
                 let uv = DVec2::from_angle(phi) * r;
-                largest = largest.max(repeats.sampling(uv, 15.0, 1e-2).wavelengths());
+                largest = largest.max(repeats.sampling(uv, 15.0, 1e-2).count());
             }
             assert!(largest <= most, "{copies:?}: {largest} {most}");
             // With one long row of copies, orders alone are summed, which the bound does not know; nor does it know that the
@@ -387,7 +387,7 @@ mod tests {
 
     #[test]
     fn a_lamp_of_spikes_asks_for_longer_lags_than_daylight() {
-        let lag = |illuminant: &Illuminant| Colours::new(illuminant, 5e-3).lag;
+        let lag = |illuminant: &Illuminant| ColourFunctions::new(illuminant, 5e-3).lag;
         let row = |nm: u32| {
             let spike = (f64::from(nm) - 546.0) / 2.0;
             format!("{nm},{}\n", 0.1 + 5.0 * (-0.5 * spike * spike).exp())

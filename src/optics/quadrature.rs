@@ -1,9 +1,8 @@
-//! Wavelengths to sum over: nodes uniform in the wavenumber q = 1/λ, because along a ray from the mirror direction the
-//! response varies with q at a rate that the window fixes, and weights that hold the colour functions.
+//! Wavelengths to sum over, with weights that hold the colour functions.
 //!
-//! In q the response |P(q·(u,v))|² has the spectrum of the window's autocorrelation, so a count of nodes is a formula:
-//! as many as the ray crosses correlation lengths (plus what the colour functions need), see [`Rule`]. Where the eye sees
-//! little, fewer do, see [`Comb`].
+//! Along a ray from the mirror direction the response varies with the wavenumber q = 1/λ at a rate that the window fixes: in q the response
+//! |P(q·(u,v))|² has the spectrum of the window's autocorrelation. So a count of wavelengths is a formula: as many as the ray crosses
+//! correlation lengths, plus what the colour functions need. Where the eye sees little, fewer do; see [`WavelengthSets`].
 
 use super::spectrum::{Illuminant, LONGEST, SHORTEST};
 use glam::DVec3;
@@ -11,65 +10,116 @@ use glam::DVec3;
 /// Span of wavenumbers of the colour integral, 1/λ_min − 1/λ_max \[µm⁻¹\].
 pub const SPAN: f64 = 1.0 / SHORTEST - 1.0 / LONGEST;
 
-/// Nodes q_j = `first` + j·`step` \[µm⁻¹\] with the XYZ weight of each: Σ f(q_j) weight_j ≈ ∫ f S (x̄,ȳ,z̄) dλ / ∫ S ȳ dλ.
+const NM_PER_UM: f64 = 1000.0;
+
+/// Wavenumbers q_j with the XYZ weight of each: Σ f(q_j) weight_j ≈ ∫ f S (x̄,ȳ,z̄) dλ / ∫ S ȳ dλ.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Nodes {
-    /// First wavenumber \[µm⁻¹\].
-    pub first: f64,
-    /// Distance between nodes \[µm⁻¹\].
-    pub step: f64,
+pub struct Wavelengths {
+    /// Wavenumbers, growing \[µm⁻¹\].
+    pub wavenumbers: Vec<f64>,
     /// XYZ weights.
     pub weights: Vec<DVec3>,
 }
 
-impl Nodes {
-    /// The trapezoid rule with `count` ≥ 2 nodes over 380–780 nm.
+impl Wavelengths {
+    /// Returns the trapezoid rule with `count` ≥ 2 equal steps of the wavenumber over 380–780 nm, ends included.
     pub fn trapezoid(illuminant: &Illuminant, count: usize) -> Self {
         let colour = ColourDensity::new(illuminant);
-        let (first, step) = comb(count);
-        let weights = (0..count)
-            .map(|j| {
+        let wavenumbers = even_wavenumbers(count);
+        let step = SPAN / (count as f64 - 1.0);
+        let weights = wavenumbers
+            .iter()
+            .enumerate()
+            .map(|(j, q)| {
                 let end = if j == 0 || j == count - 1 { 0.5 } else { 1.0 };
-                colour.at(first + j as f64 * step) * (step * end)
+                colour.at(*q) * (step * end)
             })
             .collect();
-        Self { first, step, weights }
+        Self { wavenumbers, weights }
     }
 
-    /// Product integration with `count` ≥ 4 nodes: each weight is the colour function's integral against a
-    /// Catmull–Rom kernel, so the jagged daylight spectrum costs no nodes and only the response has to be resolved.
+    /// Returns product integration with `count` ≥ 4 equal steps: each weight is the colour function's integral against a Catmull–Rom
+    /// kernel, so the jagged daylight spectrum costs no wavelengths and only the response has to be resolved.
     pub fn catmull_rom(illuminant: &Illuminant, count: usize) -> Self {
-        // 0.02 nm at the short end, 0.1 nm at the long one: the tables are linear over 1 nm.
-        const FINE: usize = 8192;
-        /// Steps per node, so that each sees its whole kernel.
+        /// Steps per wavelength, so that each sees its whole kernel.
         const PER_NODE: usize = 16;
         let fine = FINE.max(PER_NODE * count);
-        let colour = ColourDensity::new(illuminant);
-        let (first, step) = comb(count);
-        let fine_step = SPAN / fine as f64;
-        let mut weights = vec![DVec3::ZERO; count];
-        for i in 0..fine {
-            let q = first + (i as f64 + 0.5) * fine_step;
-            let density = colour.at(q) * fine_step;
-            let place = (q - first) / step;
-            let left = place.floor().min(count as f64 - 2.0);
-            for (offset, share) in (-1..=2).zip(catmull_rom(place - left)) {
-                // Beyond the ends the response is extended by its end value.
-                let j = (left as i64 + offset).clamp(0, count as i64 - 1) as usize;
-                weights[j] += density * share;
-            }
+        let colours = fine_colours(illuminant, fine);
+        let last = (count - 1) as f64;
+        let places = (0..fine).map(|i| (i as f64 + 0.5) / fine as f64 * last);
+        Self { wavenumbers: even_wavenumbers(count), weights: kernel_weights(places.zip(colours), count) }
+    }
+
+    /// Returns the trapezoid rule with `count` ≥ 2 equal steps of the wavelength over 380–780 nm, as renderers usually sum.
+    pub fn even(illuminant: &Illuminant, count: usize) -> Self {
+        let (luminance, last) = (illuminant.luminance(), count - 1);
+        let step = (LONGEST - SHORTEST) / last as f64;
+        let node = |j: usize| {
+            let wavelength = LONGEST - j as f64 * step;
+            let end = if j == 0 || j == last { 0.5 } else { 1.0 };
+            let weight = illuminant.weight(wavelength * NM_PER_UM, luminance) * (step * NM_PER_UM * end);
+            (1.0 / wavelength, weight)
+        };
+        let (wavenumbers, weights) = (0..count).map(node).unzip();
+        Self { wavenumbers, weights }
+    }
+
+    /// Returns the number of wavelengths.
+    pub fn len(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// Returns true if there are none.
+    pub fn is_empty(&self) -> bool {
+        self.weights.is_empty()
+    }
+
+    /// Returns the first wavenumber and the distance of the next \[µm⁻¹\]; all are as far apart for equal steps of the wavenumber.
+    pub fn first_and_step(&self) -> (f64, f64) {
+        match self.wavenumbers.as_slice() {
+            [] => (0.0, 0.0),
+            [only] => (*only, 0.0),
+            [first, .., last] => (*first, (last - first) / (self.len() - 1) as f64),
         }
-        Self { first, step, weights }
+    }
+
+    /// Returns Σ `of`(1/q) weight \[µm\].
+    pub fn integral(&self, of: impl Fn(f64) -> f64) -> DVec3 {
+        self.weights.iter().zip(&self.wavenumbers).map(|(weight, q)| *weight * of(1.0 / q)).sum()
     }
 }
 
-/// First node and distance of `count` nodes over the whole span, ends included.
-fn comb(count: usize) -> (f64, f64) {
-    (1.0 / LONGEST, SPAN / (count as f64 - 1.0))
+/// Returns `count` wavenumbers over the whole span, ends included \[µm⁻¹\].
+fn even_wavenumbers(count: usize) -> Vec<f64> {
+    (0..count).map(|j| 1.0 / LONGEST + j as f64 * (SPAN / (count as f64 - 1.0))).collect()
+}
+
+/// Steps of the colour functions: 0.02 nm at the short end, 0.1 nm at the long one. The tables are linear over 1 nm.
+const FINE: usize = 8192;
+
+/// Returns the colour functions times the step, in the middle of each of `count` steps of the wavenumber.
+fn fine_colours(illuminant: &Illuminant, count: usize) -> Vec<DVec3> {
+    let colour = ColourDensity::new(illuminant);
+    let step = SPAN / count as f64;
+    (0..count).map(|i| colour.at(1.0 / LONGEST + (i as f64 + 0.5) * step) * step).collect()
+}
+
+/// Returns the weights of `count` wavelengths at 0, 1, …: the integral of `colours`, each with its place, against Catmull–Rom kernels.
+/// Beyond the ends a response is extended by its end value.
+fn kernel_weights(colours: impl Iterator<Item = (f64, DVec3)>, count: usize) -> Vec<DVec3> {
+    let mut weights = vec![DVec3::ZERO; count];
+    for (place, colour) in colours {
+        let left = place.floor().min(count as f64 - 2.0);
+        for (offset, share) in (-1..=2).zip(catmull_rom(place - left)) {
+            let j = (left as i64 + offset).clamp(0, count as i64 - 1) as usize;
+            weights[j] += colour * share;
+        }
+    }
+    weights
 }
 
 /// Weights of the four neighbours at −1, 0, 1, 2 of a point at `t` ∈ \[0, 1\] (Catmull & Rom 1974).
-pub(super) fn catmull_rom(t: f64) -> [f64; 4] {
+fn catmull_rom(t: f64) -> [f64; 4] {
     let (t2, t3) = (t * t, t * t * t);
     [
         0.5 * (-t3 + 2.0 * t2 - t),
@@ -90,80 +140,97 @@ impl<'a> ColourDensity<'a> {
         Self { illuminant, luminance: illuminant.luminance() }
     }
 
-    /// S (x̄,ȳ,z̄)/∫Sȳdλ · |dλ/dq| at `q` \[µm⁻¹\].
+    /// Returns S (x̄,ȳ,z̄)/∫Sȳdλ · |dλ/dq| at `q` \[µm⁻¹\].
     fn at(&self, q: f64) -> DVec3 {
-        const NM_PER_UM: f64 = 1000.0;
-        // Held inside the tables against the rounding of the last node.
+        // Held inside the tables against the rounding of the last wavenumber.
         let wavelength = (1.0 / q).clamp(SHORTEST, LONGEST) * NM_PER_UM;
         self.illuminant.weight(wavelength, self.luminance) * (NM_PER_UM / (q * q))
     }
 }
 
-/// S (x̄,ȳ,z̄)/∫Sȳdλ · |dλ/dq| \[µm\] at `count` ≥ 2 equal steps of wavenumber over 380–780 nm, ends included: the XYZ per unit
+/// Returns S (x̄,ȳ,z̄)/∫Sȳdλ · |dλ/dq| \[µm\] at `count` ≥ 2 equal steps of wavenumber over 380–780 nm, ends included: the XYZ per unit
 /// of wavenumber of a response of 1.
 pub fn density_table(illuminant: &Illuminant, count: usize) -> Vec<DVec3> {
     let colour = ColourDensity::new(illuminant);
-    let (first, step) = comb(count);
-    (0..count).map(|i| colour.at(first + i as f64 * step)).collect()
+    even_wavenumbers(count).into_iter().map(|q| colour.at(q)).collect()
 }
 
-/// Nodes that stand closer where the eye sees more, with the XYZ weight of each.
+/// Wavelengths of growing counts, so that each direction takes the fewest that suffice. They stand closer where the eye sees more.
 ///
-/// A comb of local step δq along a ray at |(u,v)| aliases what the window's autocorrelation exp(−x²/4σ²) has beyond
-/// x = 1/(|(u,v)| δq). An alias of level ε/√s does where the colour functions are s times as large as at their peak, which
-/// gives the density of nodes √ln(√s/ε)·2σ|(u,v)|, and none where √s < ε: the ends of the visible range. The square root
-/// keeps directions right whose light lies at one end.
+/// Wavelengths of local step δq along a ray at |(u,v)| alias what the window's autocorrelation exp(−x²/4σ²) has beyond x = 1/(|(u,v)| δq).
+/// An alias of level ε/√s does where the colour functions are s times as large as at their peak, which gives the density of wavelengths
+/// √ln(√s/ε)·2σ|(u,v)|, and none where √s < ε: the ends of the visible range. The square root keeps directions right whose light lies at
+/// one end.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Comb {
-    /// Wavenumbers, growing \[µm⁻¹\].
-    pub wavenumbers: Vec<f64>,
-    /// XYZ weights.
-    pub weights: Vec<DVec3>,
+pub struct WavelengthSets {
+    /// Wavelengths, in order of their count.
+    pub sets: Vec<Wavelengths>,
+    // Wavelengths that a direction needs for the colour functions alone, and per unit of |(u, v)|.
+    base: f64,
+    per_uv: f64,
 }
 
-impl Comb {
-    /// The trapezoid rule with `count` ≥ 2 nodes at equal steps of the wavelength over 380–780 nm, as renderers usually sum.
-    pub fn even_wavelengths(illuminant: &Illuminant, count: usize) -> Self {
-        const NM_PER_UM: f64 = 1000.0;
-        let (luminance, last) = (illuminant.luminance(), count - 1);
-        let step = (LONGEST - SHORTEST) / last as f64;
-        let node = |j: usize| {
-            let wavelength = LONGEST - j as f64 * step;
-            let end = if j == 0 || j == last { 0.5 } else { 1.0 };
-            let weight = illuminant.weight(wavelength * NM_PER_UM, luminance) * (step * NM_PER_UM * end);
-            (1.0 / wavelength, weight)
-        };
-        let (wavenumbers, weights) = (0..count).map(node).unzip();
-        Self { wavenumbers, weights }
+impl WavelengthSets {
+    /// Ratio of neighbouring counts: a direction takes 2 % more wavelengths than it needs on average.
+    pub const RATIO: f64 = 1.04;
+
+    /// Returns sets for a relative colour error of `tolerance` under `illuminant` through a Gaussian window of standard deviation `sigma`
+    /// \[µm\].
+    ///
+    /// The many correlation lengths of a direction average an alias down by two, measured on speckle, the directions that speckle makes
+    /// darker than their surroundings included. The count for the colour functions alone is where Catmull–Rom weights reach the tolerance
+    /// on a smooth response.
+    pub fn gaussian(illuminant: &Illuminant, sigma: f64, tolerance: f64) -> Self {
+        /// Ratio of the level of aliases to the error of the colour.
+        const AVERAGED: f64 = 2.0;
+        // Above one half the logarithm would ask for no wavelengths at all.
+        let level = (AVERAGED * tolerance).clamp(1e-8, 0.5);
+        let spacing = Spacing::new(illuminant, level);
+        let base = 5.0 + 4.0 * (1.0 / level).log10();
+        let mut all = Self { sets: Vec::new(), base, per_uv: 2.0 * sigma * spacing.integral };
+        let most = all.needed(2.0);
+        let mut count = all.needed(0.0).max(4);
+        loop {
+            all.sets.push(spacing.wavelengths(count));
+            if count >= most {
+                return all;
+            }
+            count = ((count as f64 * Self::RATIO).ceil() as usize).min(most);
+        }
+    }
+
+    /// Returns the same `wavelengths` for all directions.
+    pub fn only(wavelengths: Wavelengths) -> Self {
+        Self { sets: vec![wavelengths], base: 0.0, per_uv: 0.0 }
+    }
+
+    /// Returns the number of wavelengths that a direction at |(u, v)| = `uv` needs.
+    fn needed(&self, uv: f64) -> usize {
+        (self.base + self.per_uv * uv).ceil() as usize
+    }
+
+    /// Returns the number of the set for a direction at |(u, v)| = `uv`.
+    pub fn number(&self, uv: f64) -> usize {
+        let needed = self.needed(uv.min(2.0));
+        self.sets.partition_point(|set| set.len() < needed).min(self.sets.len() - 1)
     }
 }
 
-impl From<Nodes> for Comb {
-    fn from(nodes: Nodes) -> Self {
-        let wavenumbers = (0..nodes.weights.len()).map(|j| nodes.first + j as f64 * nodes.step).collect();
-        Self { wavenumbers, weights: nodes.weights }
-    }
-}
-
-/// The density of a [`Comb`]'s nodes over the visible range, on fine steps.
-pub(super) struct Density {
+/// The density of wavelengths over the visible range, on fine steps.
+struct Spacing {
     /// Colour functions times the step, at each step's middle.
-    pub(super) colour: Vec<DVec3>,
-    /// Part of the nodes before the end of each step, growing from 0 to 1; one entry more than steps.
+    colour: Vec<DVec3>,
+    /// Part of the wavelengths before the end of each step, growing from 0 to 1; one entry more than steps.
     part: Vec<f64>,
     /// ∫ √ln(√s/ε) dq \[µm⁻¹\].
     integral: f64,
 }
 
-impl Density {
-    /// For aliases of level `level` at the peak of the colour functions.
-    pub(super) fn new(illuminant: &Illuminant, level: f64) -> Self {
-        /// 0.02 nm at the short end, 0.1 nm at the long one: the tables are linear over 1 nm.
-        const FINE: usize = 8192;
-        let functions = ColourDensity::new(illuminant);
+impl Spacing {
+    /// Returns the density for aliases of level `level` at the peak of the colour functions.
+    fn new(illuminant: &Illuminant, level: f64) -> Self {
+        let colour = fine_colours(illuminant, FINE);
         let step = SPAN / FINE as f64;
-        let colour: Vec<DVec3> =
-            (0..FINE).map(|i| functions.at(1.0 / LONGEST + (i as f64 + 0.5) * step) * step).collect();
         let peak = colour.iter().map(|c| c.length()).fold(f64::MIN_POSITIVE, f64::max);
         let mut integral = 0.0;
         let sums = colour.iter().map(|c| {
@@ -175,9 +242,8 @@ impl Density {
         Self { colour, part, integral }
     }
 
-    /// The comb of `count` ≥ 4 nodes: each weight is the colour functions' integral against a Catmull–Rom kernel in the
-    /// nodes' own coordinate.
-    fn comb(&self, count: usize) -> Comb {
+    /// Returns `count` ≥ 4 wavelengths: each weight is the colour functions' integral against a Catmull–Rom kernel in their own coordinate.
+    fn wavelengths(&self, count: usize) -> Wavelengths {
         let step = SPAN / self.colour.len() as f64;
         let last = (count - 1) as f64;
         let wavenumber = |j: usize| {
@@ -187,77 +253,9 @@ impl Density {
             let share = if after > before { (target - before) / (after - before) } else { 0.0 };
             1.0 / LONGEST + (right as f64 - 1.0 + share) * step
         };
-        let mut weights = vec![DVec3::ZERO; count];
-        for (colour, ends) in self.colour.iter().zip(self.part.windows(2)) {
-            let place = (ends[0] + ends[1]) / 2.0 * last;
-            let left = place.floor().min(last - 1.0);
-            for (offset, share) in (-1..=2).zip(catmull_rom(place - left)) {
-                // Beyond the ends the response is extended by its end value.
-                let j = (left as i64 + offset).clamp(0, count as i64 - 1) as usize;
-                weights[j] += *colour * share;
-            }
-        }
-        Comb { wavenumbers: (0..count).map(wavenumber).collect(), weights }
-    }
-}
-
-/// How many nodes of a [`Comb`] a direction needs for an error.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rule {
-    /// Level of aliases at the peak of the colour functions.
-    pub level: f64,
-    /// Nodes for the colour functions alone, in the mirror direction.
-    pub base: f64,
-    /// Nodes per unit of |(u, v)|.
-    pub per_uv: f64,
-}
-
-impl Rule {
-    /// The rule for a relative colour error `tolerance` under `illuminant` through a Gaussian window of standard deviation
-    /// `sigma` \[µm\].
-    ///
-    /// The many correlation lengths of a direction average an alias down by two, measured on speckle, the
-    /// directions that speckle makes darker than their surroundings included. The base count is where Catmull–Rom weights
-    /// reach the tolerance on a smooth response.
-    pub fn gaussian(illuminant: &Illuminant, sigma: f64, tolerance: f64) -> Self {
-        /// How many times larger than the error of the colour the level of its aliases may be.
-        const AVERAGED: f64 = 2.0;
-        // Above one half the logarithm would ask for no nodes at all.
-        let level = (AVERAGED * tolerance).clamp(1e-8, 0.5);
-        let per_uv = 2.0 * sigma * Density::new(illuminant, level).integral;
-        Self { level, base: 5.0 + 4.0 * (1.0 / level).log10(), per_uv }
-    }
-
-    /// Nodes for a direction at |(u, v)| = `uv`.
-    pub fn count(&self, uv: f64) -> usize {
-        (self.base + self.per_uv * uv).ceil() as usize
-    }
-}
-
-/// Combs of growing counts, so that each direction takes the smallest that suffices.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Ladder {
-    /// Combs in order of count.
-    pub levels: Vec<Comb>,
-}
-
-impl Ladder {
-    /// Ratio of the counts of neighbouring combs: a direction takes 2 % more nodes than it needs on average.
-    pub const RATIO: f64 = 1.04;
-
-    /// Combs from `rule`'s base to its count at |(u,v)| = 2.
-    pub fn new(illuminant: &Illuminant, rule: &Rule) -> Self {
-        let most = rule.count(2.0);
-        let density = Density::new(illuminant, rule.level);
-        let mut levels = Vec::new();
-        let mut count = rule.count(0.0).max(4);
-        loop {
-            levels.push(density.comb(count));
-            if count >= most {
-                return Self { levels };
-            }
-            count = ((count as f64 * Self::RATIO).ceil() as usize).min(most);
-        }
+        let places = self.part.windows(2).map(|ends| (ends[0] + ends[1]) / 2.0 * last);
+        let weights = kernel_weights(places.zip(self.colour.iter().copied()), count);
+        Wavelengths { wavenumbers: (0..count).map(wavenumber).collect(), weights }
     }
 }
 
@@ -289,15 +287,14 @@ pub(super) mod tests {
         }
     }
 
-    pub fn colour(nodes: impl Into<Comb>, f: &dyn Fn(f64) -> f64) -> DVec3 {
-        let comb: Comb = nodes.into();
-        comb.weights.iter().zip(&comb.wavenumbers).map(|(w, q)| *w * f(*q)).sum()
+    pub fn colour(wavelengths: &Wavelengths, f: &dyn Fn(f64) -> f64) -> DVec3 {
+        wavelengths.integral(|wavelength| f(1.0 / wavelength))
     }
 
     #[test]
     fn both_rules_give_a_flat_response_the_white_of_the_light() {
         let illuminant = Illuminant::D65;
-        for nodes in [Nodes::trapezoid(&illuminant, 801), Nodes::catmull_rom(&illuminant, 12)] {
+        for nodes in [Wavelengths::trapezoid(&illuminant, 801), Wavelengths::catmull_rom(&illuminant, 12)] {
             let white: DVec3 = nodes.weights.iter().sum();
             assert!((white - DVec3::new(0.9504, 1.0, 1.0889)).length() < 4e-4, "{white}");
         }
@@ -307,10 +304,10 @@ pub(super) mod tests {
     fn near_the_mirror_the_weights_stand_in_for_nodes() {
         // A response that varies with the wavelength as slowly as a mirror's: what is left is the jagged daylight.
         let smooth = |q: f64| (q / 2.0).powi(2) * (1.0 + 0.5 * (3.0 * q).sin());
-        let truth = colour(Nodes::trapezoid(&Illuminant::D65, 8001), &smooth);
-        let error = |nodes: Nodes| (colour(nodes, &smooth) - truth).length() / truth.length();
-        let weighted = error(Nodes::catmull_rom(&Illuminant::D65, 12));
-        let plain = error(Nodes::trapezoid(&Illuminant::D65, 12));
+        let truth = colour(&Wavelengths::trapezoid(&Illuminant::D65, 8001), &smooth);
+        let error = |nodes: Wavelengths| (colour(&nodes, &smooth) - truth).length() / truth.length();
+        let weighted = error(Wavelengths::catmull_rom(&Illuminant::D65, 12));
+        let plain = error(Wavelengths::trapezoid(&Illuminant::D65, 12));
         eprintln!("12 nodes: Catmull-Rom {weighted:.1e}, trapezoid {plain:.1e}");
         // A tenth of the finest tolerance that is common, and many times better than nodes alone.
         assert!(weighted < 5e-4 && plain > 5.0 * weighted, "{weighted:e} against {plain:e}");
@@ -318,8 +315,8 @@ pub(super) mod tests {
 
     #[test]
     fn a_comb_gives_a_flat_response_the_white_of_the_light_and_grows() {
-        let density = Density::new(&Illuminant::D65, 1e-2);
-        let comb = density.comb(20);
+        let density = Spacing::new(&Illuminant::D65, 1e-2);
+        let comb = density.wavelengths(20);
         let white: DVec3 = comb.weights.iter().sum();
         assert!((white - DVec3::new(0.9504, 1.0, 1.0889)).length() < 4e-4, "{white}");
         assert!(comb.wavenumbers.is_sorted() && comb.wavenumbers[0] >= 1.0 / LONGEST);
@@ -330,25 +327,27 @@ pub(super) mod tests {
     fn the_rule_s_nodes_reach_its_tolerance_and_half_of_them_do_not() {
         let sigma = 16.25;
         const SEEDS: u64 = 24;
-        let exact: Comb = Nodes::trapezoid(&Illuminant::D65, 4001).into();
+        let exact = Wavelengths::trapezoid(&Illuminant::D65, 4001);
         for tolerance in [1e-1, 1e-2, 1e-3] {
-            let rule = Rule::gaussian(&Illuminant::D65, sigma, tolerance);
-            let density = Density::new(&Illuminant::D65, rule.level);
+            let sets = WavelengthSets::gaussian(&Illuminant::D65, sigma, tolerance);
+            let density = Spacing::new(&Illuminant::D65, 2.0 * tolerance);
             for uv in [0.0, 0.05, 0.2, 0.4, 0.7, 1.0] {
-                let (full, half) = (density.comb(rule.count(uv)), density.comb(rule.count(uv) / 2));
+                let full = density.wavelengths(sets.needed(uv));
+                let half = density.wavelengths(sets.needed(uv) / 2);
+                assert!(sets.sets[sets.number(uv)].len() >= full.len());
                 let (mut squares, mut halved) = (0.0, 0.0);
                 for seed in 0..SEEDS {
                     let f = speckle(seed, sigma, uv);
-                    let truth = colour(exact.clone(), &f);
+                    let truth = colour(&exact, &f);
                     let square =
-                        |comb: &Comb| ((colour(comb.clone(), &f) - truth).length() / truth.length()).powi(2);
+                        |set: &Wavelengths| ((colour(set, &f) - truth).length() / truth.length()).powi(2);
                     squares += square(&full) / SEEDS as f64;
                     halved += square(&half) / SEEDS as f64;
                 }
                 let [rms, half] = [squares, halved].map(f64::sqrt);
                 eprintln!(
                     "{tolerance:e} at |(u,v)| = {uv}: {} nodes, {rms:.1e}; half, {half:.1e}",
-                    rule.count(uv)
+                    sets.needed(uv)
                 );
                 assert!(rms <= tolerance, "{tolerance} at {uv}: {rms}");
                 if uv > 0.3 {

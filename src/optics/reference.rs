@@ -7,7 +7,7 @@
 use super::brdf;
 use super::coherence::{Coherence, WindowedAxis};
 use super::geometry::Pair;
-use super::quadrature::{Nodes, SPAN};
+use super::quadrature::{SPAN, Wavelengths};
 use super::reflectance::Reflectance;
 use super::spectrum::Illuminant;
 use crate::error::{Error, Result};
@@ -93,8 +93,9 @@ impl<'a> Reference<'a> {
             return Ok(DVec3::ZERO);
         }
         let count = self.colour_nodes(pair, COLOUR_NODES)?;
-        let nodes = Nodes::catmull_rom(illuminant, count);
-        Ok(self.colour_of(pair, &nodes, &self.power(pair.uvw(), nodes.first, nodes.step, count)))
+        let wavelengths = Wavelengths::catmull_rom(illuminant, count);
+        let (first, step) = wavelengths.first_and_step();
+        Ok(self.colour_of(pair, &wavelengths, &self.power(pair.uvw(), first, step, count)))
     }
 
     /// The height field.
@@ -112,12 +113,13 @@ impl<'a> Reference<'a> {
         self.windows
     }
 
-    /// XYZ of f·cos θ_i from |P|² \[µm⁴\] at every one of `nodes`.
-    pub(super) fn colour_of(&self, pair: &Pair, nodes: &Nodes, power: &[f64]) -> DVec3 {
+    /// Returns XYZ of f·cos θ_i from |P|² \[µm⁴\] at each of `wavelengths`.
+    pub(super) fn colour_of(&self, pair: &Pair, wavelengths: &Wavelengths, power: &[f64]) -> DVec3 {
         let area = self.coherence.area(self.field.patch_size());
         let cos_half_angle = pair.cos_half_angle();
-        let terms = nodes.weights.iter().zip(power).enumerate().map(|(j, (weight, power))| {
-            let wavelength = 1.0 / (nodes.first + j as f64 * nodes.step);
+        let nodes = wavelengths.wavenumbers.iter().zip(&wavelengths.weights);
+        let terms = nodes.zip(power).map(|((q, weight), power)| {
+            let wavelength = 1.0 / q;
             let reflectance = self.reflectance.at(wavelength, cos_half_angle);
             *weight * (reflectance * brdf::cosine_weighted(pair, wavelength, area, *power))
         });

@@ -6,7 +6,8 @@ use super::source::Source;
 use crate::brdf::{Brdf, without_cosine};
 use crate::error::Result;
 use crate::optics::geometry::Pair;
-use crate::optics::orders::{Colours, Repeats};
+use crate::optics::orders::{ColourFunctions, Repeats};
+use crate::optics::quadrature::Wavelengths;
 use crate::vk::device::Device;
 use glam::DVec3;
 use std::sync::Arc;
@@ -29,8 +30,8 @@ impl DeviceBrdf {
         let grating = match source {
             Source::Grating(grating) => Some(PeriodicFactor {
                 repeats: grating.repeats,
-                colours: Colours::new(&shading.illuminant, shading.quadrature()),
-                tolerance: shading.quadrature(),
+                colours: ColourFunctions::new(&shading.illuminant, shading.budget().window.wavelengths),
+                tolerance: shading.budget().window.wavelengths,
             }),
             _ => None,
         };
@@ -67,7 +68,7 @@ impl Brdf for DeviceBrdf {
 /// The copies of a period, and the colours that are summed through them.
 struct PeriodicFactor {
     repeats: Repeats,
-    colours: Colours,
+    colours: ColourFunctions,
     tolerance: f64,
 }
 
@@ -83,9 +84,9 @@ impl PeriodicFactor {
         // Responses of one period, each with the pair that it belongs to and its weight there.
         let mut asked: Vec<(Query, usize, DVec3)> = Vec::new();
         for (place, &pair) in pairs.iter().enumerate() {
-            for (q, weight) in self.terms(&pair, wavelength)? {
-                asked.push((Query { pair, wavelength: Some(1.0 / q) }, place, weight));
-            }
+            let Wavelengths { wavenumbers, weights } = self.wavelengths(&pair, wavelength)?;
+            let single = |q: f64| Query { pair, wavelength: Some(1.0 / q) };
+            asked.extend(wavenumbers.into_iter().zip(weights).map(|(q, weight)| (single(q), place, weight)));
             if asked.len() >= AT_ONCE {
                 add(evaluator, &mut asked, &mut sums)?;
             }
@@ -94,19 +95,19 @@ impl PeriodicFactor {
         Ok(sums)
     }
 
-    /// Wavenumbers \[µm⁻¹\] and weights whose responses make up the answer for `pair`.
-    fn terms(&self, pair: &Pair, wavelength: Option<f64>) -> Result<Vec<(f64, DVec3)>> {
+    /// Returns the wavelengths whose responses make up the answer for `pair`.
+    fn wavelengths(&self, pair: &Pair, wavelength: Option<f64>) -> Result<Wavelengths> {
         if !pair.above_horizon() {
-            return Ok(Vec::new());
+            return Ok(Wavelengths { wavenumbers: Vec::new(), weights: Vec::new() });
         }
         let uv = pair.uvw().truncate();
         if let Some(wavelength) = wavelength {
             let q = 1.0 / wavelength;
-            return Ok(vec![(q, DVec3::splat(self.repeats.factor(uv * q)))]);
+            let weights = vec![DVec3::splat(self.repeats.factor(uv * q))];
+            return Ok(Wavelengths { wavenumbers: vec![q], weights });
         }
-        let sampling = self.repeats.sampling(uv, self.colours.lag, self.tolerance);
-        self.repeats.check(&sampling)?;
-        Ok(self.repeats.terms(&sampling, uv, &self.colours))
+        self.repeats.check(self.repeats.count(uv, &self.colours, self.tolerance))?;
+        Ok(self.repeats.wavelengths(uv, &self.colours, self.tolerance))
     }
 }
 

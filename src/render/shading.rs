@@ -1,45 +1,17 @@
 //! What is asked of the optics, whichever way it is computed.
 
+use crate::budget::{ErrorBudget, Purpose, Question};
 use crate::error::{Error, Remedy, Result};
-use crate::expansion::taylor::{F32_ROUNDOFF, rounding_bound};
-use crate::expansion::{Basis, HeightScale};
-use crate::filter::ERROR_OF_ONE_SAMPLE;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::{Illuminant, MIDDLE, SHORTEST};
-use crate::precompute::kernel::SPECKLE;
-use crate::precompute::layers::largest_z;
-use crate::precompute::{Budget, LayerSettings};
+use crate::spectra::amplitude::LayerSettings;
+use crate::spectra::amplitude::expansion::taylor::{F32_ROUNDOFF, rounding_bound};
+use crate::spectra::amplitude::expansion::{Basis, HeightScale};
+use crate::spectra::amplitude::layers::largest_z;
 use crate::spectra::power::Blur;
 use crate::surface::HeightField;
 use crate::vk::selection::Candidate;
-
-/// What a tolerance is promised for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Purpose {
-    /// Single directions, each relative to its own value, at single wavelengths too (RMS over directions).
-    #[default]
-    Directions,
-    /// The colours of a picture: relative L2 of linear RGB over the covered pixels, and RMS of each pixel's own error.
-    Picture,
-}
-
-/// A picture's colours average the errors of many wavelengths; what remains coherent in the brightest pixels, which decide
-/// the L2 error, is an intensity error of twice the amplitude error, where single dark directions err [`SPECKLE`] times as
-/// much as it.
-const PICTURE_GAIN: f64 = SPECKLE / 2.0;
-
-/// How much more linear interpolation errs midway between texels than on average (RMS): (1/8)/√(1/120). The one bright pixel
-/// of a picture may stand there.
-const MIDWAY: f64 = 1.369;
-
-/// Shares of a tolerance; their squares add up to 1 at the most, because the errors are independent. Reading between texels
-/// costs the most to lower and gets the largest, in pictures all the more: wavelengths cost the logarithm of their share.
-struct Shares {
-    interpolation: f64,
-    expansion: f64,
-    quadrature: f64,
-}
 
 /// Settings of the optics, validated.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,26 +51,19 @@ impl Shading {
         self.coherence.sigma().map(|sigma| Blur::of_coherence(sigma).variance[0] * MIDDLE.powi(2))
     }
 
-    /// How much more a single wavelength of a single direction may err than what the tolerance is promised for. Through repeats
-    /// a few orders may be all that a colour is made of.
-    pub fn gain(&self) -> f64 {
-        match (self.purpose, self.coherence) {
-            (Purpose::Picture, Coherence::Gaussian { .. }) => PICTURE_GAIN,
-            _ => 1.0,
-        }
+    /// Returns the shares of the tolerance, for pixels whose footprints are long beside what a table is blurred by, or not.
+    pub fn budget_of_footprints(&self, has_long_footprints: bool) -> ErrorBudget {
+        let is_grating = self.coherence.sigma().is_none();
+        let (purpose, looser_colours) = (self.purpose, self.looser_colours);
+        ErrorBudget::new(
+            self.tolerance,
+            Question { purpose, is_grating, has_long_footprints, looser_colours },
+        )
     }
 
-    /// What the layers may err by.
-    pub fn budget(&self) -> Budget {
-        let shares = self.shares();
-        let place = match self.purpose {
-            Purpose::Directions => 1.0,
-            Purpose::Picture => MIDWAY,
-        };
-        Budget {
-            interpolation: self.gain() * shares.interpolation * self.tolerance / place,
-            expansion: self.gain() * shares.expansion * self.tolerance,
-        }
+    /// Returns the shares of the tolerance that do not depend on footprints.
+    pub fn budget(&self) -> ErrorBudget {
+        self.budget_of_footprints(false)
     }
 
     /// The expansion for single directions of `field` where none is named: the thesis' own, which is exact at grazing angles, as long as
@@ -107,7 +72,7 @@ impl Shading {
         /// Rounding is bounded relative to the mirror's peak, while directions are judged relative to their own, fainter value.
         const FAR_BELOW: f64 = 0.02;
         let x = largest_z(SHORTEST) * HeightScale::of(field).half_range;
-        let holds = rounding_bound(x, F32_ROUNDOFF) <= FAR_BELOW * self.budget().expansion;
+        let holds = rounding_bound(x, F32_ROUNDOFF) <= FAR_BELOW * self.budget().window.expansion;
         if holds { Basis::Taylor } else { Basis::Optimal }
     }
 
@@ -116,23 +81,10 @@ impl Shading {
     pub fn promised_of_one_sample(&self) -> Option<f64> {
         let by_hand = self.terms.is_some() || self.wavelengths.is_some();
         let promised = match self.windows {
-            Windows::All => self.tolerance.max(ERROR_OF_ONE_SAMPLE),
+            Windows::All => self.budget().mean.one_sample,
             Windows::Grid(_) => self.tolerance,
         };
         (!by_hand).then_some(promised)
-    }
-
-    /// What the sum over wavelengths may err by, relative to the colour.
-    pub fn quadrature(&self) -> f64 {
-        self.shares().quadrature * self.tolerance * self.looser_colours
-    }
-
-    fn shares(&self) -> Shares {
-        match self.purpose {
-            Purpose::Directions => Shares { interpolation: 0.7, expansion: 0.35, quadrature: 0.6 },
-            // Near the specular direction the error of reading is common to all directions.
-            Purpose::Picture => Shares { interpolation: 0.5, expansion: 0.5, quadrature: 0.48 },
-        }
     }
 }
 
@@ -200,7 +152,7 @@ impl Shading {
         Ok(LayerSettings {
             sigma,
             shortest_wavelength: shortest,
-            budget: self.budget(),
+            budget: self.budget().window,
             basis: self.basis,
             terms: self.terms,
             memory_limit: (device.memory as f64 * DEVICE_SHARE) as usize,

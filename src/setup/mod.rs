@@ -6,15 +6,16 @@ mod picture;
 pub use brdf::for_each_window;
 pub use picture::{ObjectSurface, PictureSettings, PreparedScene, own_view, picture};
 
+use crate::budget::{ErrorBudget, Purpose};
 use crate::cache::{Kept, Key, Store};
 use crate::error::{Error, Remedy, Result};
 use crate::filter::FootprintSizes;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::orders::Repeats;
 use crate::optics::spectrum::{MIDDLE, SHORTEST};
-use crate::precompute::{self, Layers, compute_at};
-use crate::render::shading::{Purpose, Shading};
+use crate::render::shading::Shading;
 use crate::render::source::{Grating, Source, Table};
+use crate::spectra::amplitude::{self, Layers, compute_at};
 use crate::spectra::power::{Blur, OrderSeries, PowerSettings};
 use crate::surface::{HeightField, tiling};
 use crate::table::{ColorTable, TableSettings, bake};
@@ -144,11 +145,11 @@ fn layers(
     progress: &Progress<'_>,
 ) -> Result<(Arc<Layers>, Option<Error>)> {
     let own = settings.shading.windowed_settings(sigma, settings.shortest, limits)?;
-    let key = precompute::cache::key(field, &own, settings.shift)?;
+    let key = amplitude::cache::key(field, &own, settings.shift)?;
     let wanted = Wanted {
         key,
         name: "the spectra",
-        memory_limit: precompute::cache::memory_limit(&own),
+        memory_limit: amplitude::cache::memory_limit(&own),
         cached: settings.cached,
     };
     let make = || compute_at(field, &own, settings.shift, &|done, of| progress("spectra", done, of));
@@ -294,18 +295,14 @@ impl Settings {
         if octave >= 0.0 { coherence * octave.exp2() } else { 0.0 }
     }
 
-    /// What the pixels of a picture average over. A plate sees few orders of any surface.
-    fn pixel_average(&self) -> PixelAverage {
+    /// Returns the shares of the tolerance. A plate sees few orders of any surface: nothing averages what its pixels read.
+    fn budget(&self) -> ErrorBudget {
         /// Ratio of footprint and blur from which a row of taps stands for a footprint.
         const LONG: f64 = 2.0;
         let FootprintSizes { shorter, longer } = self.footprints;
         let is_long =
             self.coherence_spread().is_some_and(|coherence| longer > LONG * coherence.hypot(shorter));
-        match self.shading.purpose {
-            Purpose::Directions => PixelAverage { reading: 1.0, most_reading: 1.0, ..PixelAverage::OF_FEW },
-            Purpose::Picture if is_long => PixelAverage::OF_MANY,
-            Purpose::Picture => PixelAverage::OF_FEW,
-        }
+        self.shading.budget_of_footprints(is_long && self.shading.purpose == Purpose::Picture)
     }
 
     /// Returns the settings of the orders' series that a colour table is baked from.
@@ -314,56 +311,22 @@ impl Settings {
             sigma: self.power_sigma()?,
             beyond: self.shading.beyond,
             shortest: self.shortest,
-            error: SERIES_SHARE * self.shading.tolerance,
+            error: self.budget().mean.series,
         })
     }
 
     /// Returns the settings of the colour table.
     fn table_settings(&self, limits: &Candidate) -> TableSettings {
-        let tolerance = self.shading.tolerance;
-        let average = self.pixel_average();
         TableSettings {
             illuminant: self.shading.illuminant.clone(),
             reflectance: Some(&self.shading.reflectance).filter(|r| r.is_spectral()).cloned(),
             wavelengths: self.shading.wavelengths,
-            quadrature_error: self.shading.quadrature(),
-            reading_error: READING_SHARE * tolerance,
-            averaging: self.shading.gain() * average.reading,
-            most_averaging: self.shading.gain() * average.most_reading,
-            averaged_places: average.places,
-            basis_error: average.basis_share * tolerance,
+            budget: self.budget().mean,
             finest: self.finest(),
             side_limit: limits.max_side as usize,
             memory_limit: Self::memory_limit(limits),
         }
     }
-}
-
-/// Share of the tolerance for the series in z, as an RMS over orders. All pixels whose light is of one order share its error, which no average
-/// makes smaller: a plate of *Xenopeltis* under 0.023 erred by 0.043. Series converge fast, so that a small share costs four terms at most.
-const SERIES_SHARE: f64 = 0.25;
-
-/// Share of a table's tolerance for reading between texels.
-pub const READING_SHARE: f64 = 0.5;
-
-/// How far the errors of a colour table are averaged in a picture.
-struct PixelAverage {
-    /// How much more reading between texels may err than in single directions, relative L2: pixels average it along footprints that are long beside what a single
-    /// reading is blurred by, and over many orders. Where orders are few, the table takes less of it.
-    reading: f64,
-    /// The same where a table would take too much room.
-    most_reading: f64,
-    /// Places whose errors over |w| are independent.
-    places: usize,
-    /// Share of the tolerance for colours over |w|. The squares of this share, of that of reading and of that of the wavelengths add up to 1. A picture of few places may
-    /// show those that err more than most.
-    basis_share: f64,
-}
-
-impl PixelAverage {
-    /// On the snake, reading errs by 0.006 times the squared ratio of spacing and blur, by 0.046 at single points.
-    const OF_MANY: Self = Self { reading: 3.9, most_reading: 3.9, places: 16, basis_share: 0.72 };
-    const OF_FEW: Self = Self { reading: 1.5, most_reading: 2.5, places: 1, basis_share: 0.3 };
 }
 
 /// What is known by `key`; forgets what nobody uses any more.

@@ -60,6 +60,8 @@ pub fn bake(
     let mean_reflectance = settings.reflectance.as_ref().map(MeanReflectance::new);
     let header = TableHeader {
         grid,
+        budget: settings.budget,
+        series_error: series.error,
         basis_error: projection.error,
         basis: projection.basis,
         unit,
@@ -72,16 +74,16 @@ pub fn bake(
 }
 
 /// Texels for a table of `layers` whose finest level averages over `blur`. The errors of orders are independent, so that what is shown of many errs by less
-/// than a single point, up to [`TableSettings::averaging`] times less. What is shown of few gets more texels. Where they would take more than
-/// [`ROOM`], they stand farther apart, as far as [`TableSettings::most_averaging`] allows.
+/// than a single point, up to [`MeanBudget::averaging`](crate::budget::MeanBudget) times less. What is shown of few gets more texels. Where they would take more than
+/// [`ROOM`], they stand farther apart, as far as `most_averaging` allows.
 fn choose_grid(effective_orders: f64, settings: &TableSettings, blur: f64, layers: usize) -> TableGrid {
     let grid = |averaging: f64| {
-        let spacing = (settings.reading_error * averaging / LINEAR_ERROR).sqrt().min(MOST_SPACING);
+        let spacing = (settings.budget.reading * averaging / LINEAR_ERROR).sqrt().min(MOST_SPACING);
         TableGrid::new(spacing * blur.sqrt(), settings.finest, blur.sqrt())
     };
-    let own = (effective_orders / UNAVERAGED).sqrt().clamp(1.0, settings.averaging.max(1.0));
+    let own = (effective_orders / UNAVERAGED).sqrt().clamp(1.0, settings.budget.averaging.max(1.0));
     let over_room = grid(own).bytes(layers) as f64 / ROOM;
-    grid((own * over_room.max(1.0)).min(settings.most_averaging.max(own)))
+    grid((own * over_room.max(1.0)).min(settings.budget.most_averaging.max(own)))
 }
 
 /// Most standard deviations of the blur from one texel to the next. Errors grow as the squared spacing up to here, and much faster beyond: a sphere under 2e-1

@@ -11,7 +11,7 @@ const LARGEST_SIDE: usize = 1 << 16;
 
 impl Kept for ColorTable {
     /// The version changes whenever the table of the same key would change.
-    const FORMAT: EntryFormat = EntryFormat { name: "colours", version: 17 };
+    const FORMAT: EntryFormat = EntryFormat { name: "colours", version: 18 };
     type Header = TableHeader;
 
     fn header(&self) -> TableHeader {
@@ -44,6 +44,8 @@ fn is_sound(header: &TableHeader) -> bool {
         unit,
         specular,
         coherence_blur,
+        budget: _,
+        series_error,
         basis_error,
         effective_orders,
         mean_reflectance,
@@ -53,7 +55,7 @@ fn is_sound(header: &TableHeader) -> bool {
         && grid.side.is_multiple_of(1 << (grid.levels - 1))
         && positive(&[grid.extent, grid.growth, *unit, *coherence_blur, *effective_orders])
         && mean_reflectance.as_ref().is_none_or(MeanReflectance::is_sound)
-        && [grid.finest, *basis_error].into_iter().all(|x| x.is_finite() && x >= 0.0)
+        && [grid.finest, *series_error, *basis_error].into_iter().all(|x| x.is_finite() && x >= 0.0)
         && is_sound_basis(basis)
         && specular.variances.len() == BANDS
         && positive(&specular.variances)
@@ -75,6 +77,7 @@ fn is_sound_basis(basis: &ColorBasis) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::budget::{ErrorBudget, MeanBudget};
     use crate::cache::{Key, Store, read, seal};
     use crate::optics::material::Material;
     use crate::optics::reflectance::{Film, Reflectance};
@@ -96,6 +99,8 @@ mod tests {
             unit: 0.3,
             specular,
             coherence_blur: 1e-5,
+            budget: ErrorBudget::of_directions(1e-2).mean,
+            series_error: 1e-3,
             basis_error: 1e-3,
             effective_orders: 3.0,
             mean_reflectance: Some(MeanReflectance::new(&Reflectance::Schlick(1.5))),
@@ -177,28 +182,24 @@ mod tests {
             illuminant: Illuminant::D65,
             reflectance: None,
             wavelengths: None,
-            quadrature_error: 1e-3,
-            reading_error: 1e-2,
-            averaging: 1.0,
-            most_averaging: 1.0,
-            averaged_places: 1,
-            basis_error: 1e-2,
+            budget: ErrorBudget::of_directions(1e-2).mean,
             finest: 0.0,
             side_limit: 16_384,
             memory_limit: 1 << 28,
         };
+        let with = |budget| TableSettings { budget, ..all.clone() };
         let others = [
             TableSettings { illuminant: Illuminant::A, ..all.clone() },
             TableSettings { reflectance: Some(gold(None)), ..all.clone() },
             TableSettings { reflectance: Some(gold(Some(0.1))), ..all.clone() },
             TableSettings { reflectance: Some(gold(Some(0.2))), ..all.clone() },
             TableSettings { wavelengths: Some(20), ..all.clone() },
-            TableSettings { quadrature_error: 2e-3, ..all.clone() },
-            TableSettings { reading_error: 2e-2, ..all.clone() },
-            TableSettings { averaging: 2.0, ..all.clone() },
-            TableSettings { most_averaging: 2.0, ..all.clone() },
-            TableSettings { averaged_places: 16, ..all.clone() },
-            TableSettings { basis_error: 2e-2, ..all.clone() },
+            with(MeanBudget { wavelengths: 2e-3, ..all.budget }),
+            with(MeanBudget { reading: 2e-2, ..all.budget }),
+            with(MeanBudget { averaging: 2.0, ..all.budget }),
+            with(MeanBudget { most_averaging: 2.0, ..all.budget }),
+            with(MeanBudget { places: 16, ..all.budget }),
+            with(MeanBudget { basis: 2e-2, ..all.budget }),
             TableSettings { finest: 1e-3, ..all.clone() },
             TableSettings { side_limit: 8192, ..all.clone() },
             all.clone(),

@@ -25,6 +25,7 @@ pub use grid::TableGrid;
 pub use read::TableReader;
 pub use specular::{BANDS, SPECULAR_SAMPLES, Specular};
 
+use crate::budget::{ErrorBudget, MeanBudget};
 use crate::optics::reflectance::{MeanReflectance, Reflectance};
 use crate::optics::spectrum::Illuminant;
 use crate::spectra::power::EVEN;
@@ -41,18 +42,8 @@ pub struct TableSettings {
     pub reflectance: Option<Reflectance>,
     /// Number of wavelengths, where the user names it.
     pub wavelengths: Option<usize>,
-    /// Relative error of the sum over wavelengths.
-    pub quadrature_error: f64,
-    /// Relative error of reading between texels.
-    pub reading_error: f64,
-    /// How many times as much reading may err where what is shown averages over many orders; 1 for single directions.
-    pub averaging: f64,
-    /// The same where the table would take too much room.
-    pub most_averaging: f64,
-    /// How many places, a few standard deviations of the blur apart, pixels average over; 1 for single directions.
-    pub averaged_places: usize,
-    /// Relative error of the colours over |w| by a few numbers.
-    pub basis_error: f64,
+    /// Relative errors that the parts may bring.
+    pub budget: MeanBudget,
     /// Least standard deviation of u and of v that is averaged over.
     pub finest: f64,
     /// Most texels along a side.
@@ -68,17 +59,11 @@ impl TableSettings {
 
     /// A table of single directions under `illuminant` with a relative error of `tolerance` over directions.
     pub fn new(illuminant: Illuminant, tolerance: f64) -> Self {
-        // The squares of the shares add up to less than 1, for the errors are independent.
         Self {
             illuminant,
             reflectance: None,
             wavelengths: None,
-            quadrature_error: 0.4 * tolerance,
-            reading_error: 0.7 * tolerance,
-            averaging: 1.0,
-            most_averaging: 1.0,
-            averaged_places: 1,
-            basis_error: 0.3 * tolerance,
+            budget: ErrorBudget::of_directions(tolerance).mean,
             finest: 0.0,
             side_limit: MAX_SIDE,
             memory_limit: Self::USUAL_MEMORY,
@@ -110,6 +95,10 @@ pub struct TableHeader {
     pub specular: Specular,
     /// Least variance of u and of v that the coherence of the light averages over: of blue light.
     pub coherence_blur: f64,
+    /// Relative errors that its parts may bring.
+    pub budget: MeanBudget,
+    /// Relative error of the series of the orders, measured.
+    pub series_error: f64,
     /// Relative error of the basis, measured.
     pub basis_error: f64,
     /// Number of orders that share the light: [`crate::spectra::power::OrderSeries::effective_orders`].
@@ -134,6 +123,8 @@ impl ColorTable {
             unit: 1.0,
             specular,
             coherence_blur: 1.0,
+            budget: ErrorBudget::of_directions(1.0).mean,
+            series_error: 0.0,
             basis_error: 0.0,
             effective_orders: EVEN,
             mean_reflectance: None,

@@ -50,7 +50,7 @@ impl Projection {
         settings: &TableSettings,
     ) -> Result<Self> {
         let colours = ColourSamples::new(reader, spectrum, settings);
-        let allowed = |projection: &Self| projection.error <= settings.basis_error;
+        let allowed = |projection: &Self| projection.error <= settings.budget.basis;
         let whole = (1..=MOST_PIECES).map(|pieces| colours.projection(pieces, MOST_COMPONENTS)).find(allowed);
         let whole = whole.ok_or_else(|| {
             Error::failed(
@@ -252,7 +252,7 @@ fn polynomials_at(w: f64, count: usize) -> Vec<f64> {
 fn row(i: usize, place: DVec2, reader: &OrderReader<'_>, settings: &TableSettings) -> Vec<DVec2> {
     /// Standard deviations of the blur from one to the next, so that they are independent.
     const APART: f64 = 3.0;
-    let count = settings.averaged_places.max(1);
+    let count = settings.budget.places.max(1);
     let blur = MIDDLE * reader.series.blur.variance[0].sqrt();
     let step = DVec2::from_angle(GOLDEN_ANGLE * i as f64) * (APART * blur.hypot(settings.finest));
     (0..count).map(|k| place + step * (k as f64 - 0.5 * (count - 1) as f64)).collect()

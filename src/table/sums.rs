@@ -4,7 +4,7 @@
 //! polynomials at all |w|: a matrix product in which neighbouring texels share what they read.
 
 use super::{LARGEST_W, TableSettings};
-use crate::optics::quadrature::{Comb, Ladder, Nodes, Rule};
+use crate::optics::quadrature::{WavelengthSets, Wavelengths};
 use crate::optics::reflectance::{MeanReflectance, Reflectance};
 use crate::optics::spectrum::MIDDLE;
 use crate::spectra::power::chebyshev::nodes;
@@ -19,11 +19,9 @@ pub const NODES: usize = 4;
 
 /// The wavelengths of each direction.
 pub struct DirectionWavelengths {
-    combs: Vec<Comb>,
-    // For each comb, node by node, what the surface reflects over cos θ_h; nothing where that does not depend on the wavelength.
+    sets: WavelengthSets,
+    // For each set, wavelength by wavelength, what the surface reflects over cos θ_h; nothing where that does not depend on the wavelength.
     reflectances: Vec<Vec<ReflectanceRow>>,
-    rule: Rule,
-    named: bool,
     variance: f64,
 }
 
@@ -35,28 +33,18 @@ impl DirectionWavelengths {
         // The response along a ray varies as its blur allows: that of a window of this standard deviation.
         let blur = 0.5 * (orders[0] + orders[1]) + variance / MIDDLE.powi(2);
         let sigma = 1.0 / (PI * (8.0 * blur).sqrt());
-        let rule = Rule::gaussian(&settings.illuminant, sigma, settings.quadrature_error);
-        let combs = match settings.wavelengths {
-            Some(count) => vec![Nodes::catmull_rom(&settings.illuminant, count).into()],
-            None => Ladder::new(&settings.illuminant, &rule).levels,
+        let illuminant = &settings.illuminant;
+        let sets = match settings.wavelengths {
+            Some(count) => WavelengthSets::only(Wavelengths::catmull_rom(illuminant, count)),
+            None => WavelengthSets::gaussian(illuminant, sigma, settings.budget.wavelengths),
         };
         let rows = |r: &Reflectance| {
             let mean = MeanReflectance::new(r);
             let row = |q: &f64| ReflectanceRow::new(r, &mean, *q);
-            let of_comb = |comb: &Comb| comb.wavenumbers.iter().map(row).collect();
-            combs.par_iter().map(of_comb).collect()
+            sets.sets.par_iter().map(|set| set.wavenumbers.iter().map(row).collect()).collect()
         };
         let reflectances = settings.reflectance.as_ref().map_or_else(Vec::new, rows);
-        Self { combs, reflectances, rule, named: settings.wavelengths.is_some(), variance }
-    }
-
-    /// Number of the comb for |(u, v)| = `uv`.
-    fn comb(&self, uv: f64) -> usize {
-        if self.named {
-            return 0;
-        }
-        let needed = self.rule.count(uv.min(2.0));
-        self.combs.iter().position(|comb| comb.weights.len() >= needed).unwrap_or(self.combs.len() - 1)
+        Self { sets, reflectances, variance }
     }
 }
 
@@ -97,7 +85,7 @@ pub struct Sums<'a> {
     count: usize,
     /// Number of |w|, rounded up to [`LANES`].
     padded: usize,
-    /// For each comb, node by node: `[w / LANES][term][w % LANES]`, q² z²/w² times the Chebyshev polynomials at z = 2πq|w|.
+    /// For each set, wavelength by wavelength: `[w / LANES][term][w % LANES]`, q² z²/w² times the Chebyshev polynomials at z = 2πq|w|.
     polynomials: Vec<Vec<[f32; LANES]>>,
     /// |w|².
     w2: Vec<f32>,
@@ -127,10 +115,10 @@ impl<'a> Sums<'a> {
     pub fn at(reader: &'a OrderReader<'a>, spectrum: &'a DirectionWavelengths, w: Vec<f64>) -> Self {
         let terms = reader.series.terms;
         let (count, padded) = (w.len(), w.len().next_multiple_of(LANES));
-        let of_comb = |comb: &Comb| {
-            let mut values = vec![[0f32; LANES]; comb.weights.len() * terms * padded / LANES];
+        let of_set = |set: &Wavelengths| {
+            let mut values = vec![[0f32; LANES]; set.len() * terms * padded / LANES];
             let mut t = vec![0.0; terms];
-            for (q, node) in comb.wavenumbers.iter().zip(values.chunks_exact_mut(terms * padded / LANES)) {
+            for (q, node) in set.wavenumbers.iter().zip(values.chunks_exact_mut(terms * padded / LANES)) {
                 let factor = (2.0 * PI * q * q).powi(2);
                 for (i, w) in w.iter().enumerate() {
                     reader.series.polynomials_at(2.0 * PI * q * w, &mut t);
@@ -141,20 +129,20 @@ impl<'a> Sums<'a> {
             }
             values
         };
-        let polynomials = spectrum.combs.par_iter().map(of_comb).collect();
+        let polynomials = spectrum.sets.sets.par_iter().map(of_set).collect();
         let w2 = (0..padded).map(|i| w.get(i).map_or(0.0, |w| (w * w) as f32)).collect();
         Self { reader, spectrum, count, padded, polynomials, w2, arch: Arch::new() }
     }
 
     /// Writes XYZ at every w for every texel of `tile` into `scratch`.
     fn sum(&self, tile: &Square, scratch: &mut Scratch) {
-        let number = self.spectrum.comb(tile.farthest());
-        let comb = &self.spectrum.combs[number];
+        let number = self.spectrum.sets.number(tile.farthest());
+        let set = &self.spectrum.sets.sets[number];
         let (terms, places) = (self.reader.series.terms, tile.side * tile.side);
         scratch.sums.clear();
         scratch.sums.resize(places * 3 * self.padded / 4, Vec4::ZERO);
         scratch.terms.resize(places * terms, 0.0);
-        let nodes = comb.wavenumbers.iter().zip(&comb.weights);
+        let nodes = set.wavenumbers.iter().zip(&set.weights);
         let polynomials = self.polynomials[number].chunks_exact(terms * self.padded / LANES);
         for (j, ((q, weight), polynomials)) in nodes.zip(polynomials).enumerate() {
             let widened = q * q * self.spectrum.variance;

@@ -6,6 +6,7 @@ use super::sums::{DirectionWavelengths, Scratch, Sums};
 use super::*;
 use crate::brdf::mean::MeanBrdf;
 use crate::brdf::tabulated::{SummedOrders, TabulatedMean};
+use crate::budget::MeanBudget;
 use crate::filter::Covariance;
 use crate::optics::color::xyz_to_linear_srgb;
 use crate::optics::geometry::{Pair, direction};
@@ -55,6 +56,12 @@ fn errors(colours: &[DVec3], exact: &[DVec3]) -> (f64, f64) {
         own += (*a - *b).length_squared() / b.length_squared().max(1e-30);
     }
     ((error / energy).sqrt(), (own / exact.len() as f64).sqrt())
+}
+
+/// Settings whose basis may err by `basis`.
+fn with_basis(basis: f64) -> TableSettings {
+    let settings = TableSettings::new(Illuminant::D65, 2e-2);
+    TableSettings { budget: MeanBudget { basis, ..settings.budget }, ..settings }
 }
 
 #[test]
@@ -166,7 +173,7 @@ fn a_basis_errs_by_what_it_says_and_a_larger_one_by_less() {
     let reader = OrderReader::new(&series);
     let mut components = Vec::new();
     for error in [0.3, 5e-2, 1e-2] {
-        let settings = TableSettings { basis_error: error, ..TableSettings::new(Illuminant::D65, 2e-2) };
+        let settings = with_basis(error);
         let spectrum = DirectionWavelengths::new(&series, &settings);
         let projection = Projection::choose(&reader, &spectrum, &settings).unwrap();
         let (l2, own) = errors_elsewhere(&projection, &reader, &spectrum);
@@ -187,7 +194,7 @@ fn all_components_hold_any_three_cubics() {
     let field = synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(SurfaceKind::Elaphe) }).unwrap();
     let series = series(&field, 3.0, 2e-2);
     let reader = OrderReader::new(&series);
-    let settings = TableSettings { basis_error: 4e-3, ..TableSettings::new(Illuminant::D65, 2e-2) };
+    let settings = with_basis(4e-3);
     let spectrum = DirectionWavelengths::new(&series, &settings);
     let Projection { basis, .. } = &Projection::choose(&reader, &spectrum, &settings).unwrap();
     assert_eq!(basis.components, MOST_COMPONENTS);

@@ -1,8 +1,8 @@
 //! The comparison: what is shown right of the movable split.
 
 use super::settings::OpticsSettings;
-use crate::expansion::Basis;
 use crate::optics::coherence::Windows;
+use crate::spectra::amplitude::expansion::Basis;
 
 /// How the picture is compared with another setting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

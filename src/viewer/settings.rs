@@ -1,16 +1,17 @@
 //! The user's settings, and what a change of them requires.
 
+use crate::budget::Purpose;
 use crate::error::Result;
-use crate::expansion::Basis;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::color::Tone;
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
 use crate::render::sampling::Sampling;
-use crate::render::shading::{Purpose, Shading};
+use crate::render::shading::Shading;
 use crate::scene::environment::Placement;
 use crate::scene::{Camera, Light, Scene};
 use crate::setup::Method;
+use crate::spectra::amplitude::expansion::Basis;
 use crate::surface::SurfaceSource;
 use glam::Vec3;
 

@@ -2,10 +2,10 @@
 
 use super::settings::{OpticsSettings, ViewSettings, placement};
 use crate::error::Result;
-use crate::expansion::Basis;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::reflectance::Reflectance;
 use crate::scene::Scene;
+use crate::spectra::amplitude::expansion::Basis;
 use crate::surface::SurfaceSource;
 use crate::vk::selection::DeviceChoice;
 use ash::vk;

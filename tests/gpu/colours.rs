@@ -2,14 +2,14 @@
 
 use crate::device::with_device;
 use crate::evaluation::{FLOOR, colours, patch, shading, window};
-use diffract::expansion::Basis;
 use diffract::optics::geometry::Pair;
 use diffract::optics::nufft::cosine_weighted_xyz;
 use diffract::optics::reference::Reference;
-use diffract::precompute::{Layers, compute};
 use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::shading::Shading;
+use diffract::spectra::amplitude::expansion::Basis;
+use diffract::spectra::amplitude::{Layers, compute};
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;

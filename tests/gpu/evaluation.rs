@@ -2,16 +2,16 @@
 
 use crate::device::with_device;
 use crate::measure::per_direction;
-use diffract::expansion::Basis;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::orders::Repeats;
 use diffract::optics::reference::Reference;
-use diffract::precompute::{LayerSettings, Layers, compute};
 use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::shading::Shading;
 use diffract::render::source::{Grating, Source};
+use diffract::spectra::amplitude::expansion::Basis;
+use diffract::spectra::amplitude::{LayerSettings, Layers, compute};
 use diffract::surface::HeightField;
 use diffract::surface::synth::{Spec, SurfaceKind, generate};
 use diffract::vk::device::Device;
@@ -79,7 +79,7 @@ pub fn layers(field: &HeightField, shading: &Shading) -> Layers {
     let settings = LayerSettings {
         sigma: shading.coherence.sigma().unwrap(),
         shortest_wavelength: 0.38,
-        budget: shading.budget(),
+        budget: shading.budget().window,
         basis: shading.basis,
         terms: shading.terms,
         memory_limit: 1 << 30,
@@ -174,7 +174,7 @@ fn every_basis_meets_what_a_picture_asks_of_single_wavelengths_grazing_direction
         let shading = Shading { basis, ..shading(20.0, 1e-2) }.for_pictures();
         let exact = by_reference(&field, &shading, &queries);
         let layers = layers(&field, &shading);
-        let allowed = shading.gain() * shading.tolerance;
+        let allowed = shading.budget().window.gain * shading.tolerance;
         with_device(|device| {
             let found = on_device(device, &field, &shading, &queries);
             for (name, part) in [("all around", 0..600), ("grazing", 600..1200)] {

@@ -5,15 +5,11 @@ use crate::device::with_device;
 use crate::evaluation::{grating, patch, shading, window};
 use crate::measure::channel;
 use diffract::error::Result;
-use diffract::expansion::Basis;
 use diffract::optics::brdf::cosine_weighted;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::color::Tone;
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::reference::Reference;
-use diffract::precompute::audit::FAINT;
-use diffract::precompute::texels::{HALF_UNIT, Texels};
-use diffract::precompute::{LayerSettings, Layers, compute};
 use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::frame::{Shown, View};
@@ -22,6 +18,10 @@ use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{displayed, reference_picture};
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
+use diffract::spectra::amplitude::audit::FAINT;
+use diffract::spectra::amplitude::expansion::Basis;
+use diffract::spectra::amplitude::texels::{HALF_UNIT, Texels};
+use diffract::spectra::amplitude::{LayerSettings, Layers, compute};
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
@@ -50,7 +50,7 @@ fn layers_of(field: &HeightField, shading: &Shading) -> Result<Layers> {
     let settings = LayerSettings {
         sigma: shading.coherence.sigma().unwrap(),
         shortest_wavelength: 0.38,
-        budget: shading.budget(),
+        budget: shading.budget().window,
         basis: shading.basis,
         terms: shading.terms,
         memory_limit: 64 << 20,
@@ -309,7 +309,7 @@ fn repeats_from_one_to_a_thousand_give_the_reference_picture() {
             let settings = LayerSettings {
                 sigma: f64::INFINITY,
                 shortest_wavelength: 0.38,
-                budget: shading.budget(),
+                budget: shading.budget().window,
                 basis: shading.basis,
                 terms: None,
                 memory_limit: 1 << 30,

@@ -7,7 +7,6 @@ use diffract::error::{Remedy, Result};
 use diffract::filter::FootprintSizes;
 use diffract::measure::profile;
 use diffract::optics::coherence::{Coherence, Windows};
-use diffract::precompute::{LayerSettings, compute};
 use diffract::render::evaluator::Evaluator;
 use diffract::render::frame::{Shown, View};
 use diffract::render::picture::{Painter, Picture};
@@ -17,6 +16,7 @@ use diffract::render::source::Source;
 use diffract::render::{target, upload};
 use diffract::scene::{Light, Scene};
 use diffract::setup::Method;
+use diffract::spectra::amplitude::{LayerSettings, compute};
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
 use diffract::vk::instance::Instance;
@@ -96,7 +96,7 @@ fn a_picture_through_repeats_fails_cleanly_at_each_of_its_allocations_and_succee
     let settings = LayerSettings {
         sigma: f64::INFINITY,
         shortest_wavelength: 0.38,
-        budget: shading.budget(),
+        budget: shading.budget().window,
         basis: shading.basis,
         terms: None,
         memory_limit: 1 << 30,

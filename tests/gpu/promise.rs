@@ -6,13 +6,13 @@
 use crate::device::with_device;
 use crate::evaluation::{layers, queries, window};
 use crate::measure::per_direction;
-use diffract::expansion::Basis;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::color::DISPLAY_BLACK;
 use diffract::optics::reference::Reference;
 use diffract::random::Random;
 use diffract::render::evaluator::Evaluator;
 use diffract::render::shading::Shading;
+use diffract::spectra::amplitude::expansion::Basis;
 use diffract::surface::HeightField;
 
 /// Surfaces times settings.

@@ -8,7 +8,6 @@ use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::nufft::cosine_weighted_xyz;
 use diffract::optics::reference::Reference;
 use diffract::optics::spectrum::Illuminant;
-use diffract::precompute::{LayerSettings, Layers, compute};
 use diffract::render::directions::Directions;
 use diffract::render::evaluator::Query;
 use diffract::render::frame::View;
@@ -17,6 +16,7 @@ use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
+use diffract::spectra::amplitude::{LayerSettings, Layers, compute};
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
@@ -35,7 +35,7 @@ fn layers(field: &HeightField, shading: &Shading) -> Layers {
     let settings = LayerSettings {
         sigma: f64::INFINITY,
         shortest_wavelength: 0.38,
-        budget: shading.budget(),
+        budget: shading.budget().window,
         basis: shading.basis,
         terms: None,
         memory_limit: 1 << 30,

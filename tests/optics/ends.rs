@@ -1,18 +1,18 @@
 //! Properties of the optics over the whole range of each number, three draws in four from its ends.
 
-use diffract::expansion::optimal::Optimal;
-use diffract::expansion::taylor::Taylor;
-use diffract::expansion::{Expansion, HeightScale};
 use diffract::optics::coherence::{Coherence, WindowedAxis};
 use diffract::optics::color::{Tone, display};
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::orders::Repeats;
-use diffract::optics::quadrature::Nodes;
+use diffract::optics::quadrature::Wavelengths;
 use diffract::optics::reference::Reference;
 use diffract::optics::spectrum::Illuminant;
-use diffract::precompute::layers::largest_z;
-use diffract::precompute::texels::{HALF_UNIT, Texels};
 use diffract::random::Random;
+use diffract::spectra::amplitude::expansion::optimal::Optimal;
+use diffract::spectra::amplitude::expansion::taylor::Taylor;
+use diffract::spectra::amplitude::expansion::{Expansion, HeightScale};
+use diffract::spectra::amplitude::layers::largest_z;
+use diffract::spectra::amplitude::texels::{HALF_UNIT, Texels};
 use diffract::surface::HeightField;
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
@@ -231,7 +231,7 @@ proptest! {
         count in prop_oneof![prop::sample::select(&[4usize, 5, 81, 400, 401][..]), 4usize..4097],
     ) {
         for illuminant in [Illuminant::D65, Illuminant::A, Illuminant::E] {
-            let nodes = Nodes::catmull_rom(&illuminant, count);
+            let nodes = Wavelengths::catmull_rom(&illuminant, count);
             let white: DVec3 = nodes.weights.iter().sum();
             prop_assert!(nodes.weights.len() == count && nodes.weights.iter().all(|w| w.is_finite()));
             prop_assert!((white.y - 1.0).abs() < 1e-3, "{white}");

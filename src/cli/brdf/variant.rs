@@ -2,8 +2,8 @@
 
 use crate::cli::options::{self, OpticsOptions};
 use crate::error::{Error, Result};
-use crate::expansion::Basis;
 use crate::setup::Method;
+use crate::spectra::amplitude::expansion::Basis;
 use clap::ValueEnum;
 
 /// What of the optics differs from the other options.

@@ -1,7 +1,7 @@
 //! The report of `profile`, as text and as JSON.
 
 use crate::cli::benchmark::{Benchmark, BenchmarkScene, MORE_SAMPLES, PictureErrors};
-use crate::measure::budget::ErrorBudget;
+use crate::measure::budget::MeasuredBudget;
 use crate::measure::error::PixelErrors;
 use crate::measure::profile::{Bound, NOISY, Rates, TimeSummary, Times};
 use serde::Serialize;
@@ -51,7 +51,7 @@ pub struct ProfileReport {
     sampling_error: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     promised: Option<f64>,
-    budget: ErrorBudget,
+    budget: MeasuredBudget,
 }
 
 impl ProfileReport {
@@ -71,7 +71,7 @@ impl ProfileReport {
             driver: candidate.driver.clone(),
             size: scene.size,
             method: summary.method,
-            basis: summary.basis.map_or("none", crate::expansion::Basis::name),
+            basis: summary.basis.map_or("none", crate::spectra::amplitude::expansion::Basis::name),
             tolerance: shading.tolerance,
             terms: summary.terms,
             layers: summary.layers,

@@ -1,14 +1,14 @@
 //! The numbers of a height field, for reading by eye.
 
 use crate::error::Result;
-use crate::expansion::HeightScale;
-use crate::expansion::taylor::{F32_ROUNDOFF, terms_for, thesis_bound};
 use crate::optics::coherence::{Beyond, SUNLIGHT_LENGTH};
 use crate::optics::sampling;
 use crate::optics::spectrum::SHORTEST;
 use crate::optics::validity::Validity;
-use crate::precompute::layers::largest_z;
 use crate::setup;
+use crate::spectra::amplitude::expansion::HeightScale;
+use crate::spectra::amplitude::expansion::taylor::{F32_ROUNDOFF, terms_for, thesis_bound};
+use crate::spectra::amplitude::layers::largest_z;
 use crate::spectra::power::{Estimate, OrderSeries, PowerSettings};
 use crate::surface::prepare;
 use crate::surface::statistics::{Period, notes};

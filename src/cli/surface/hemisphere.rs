@@ -68,18 +68,10 @@ fn table(field: &HeightField) -> Result<ColorTable> {
         error: ERROR,
     };
     let colours = TableSettings {
-        illuminant: Illuminant::D65,
-        reflectance: None,
-        wavelengths: None,
-        quadrature_error: ERROR,
-        reading_error: ERROR,
-        averaging: 1.0,
-        most_averaging: 1.0,
-        averaged_places: 1,
-        basis_error: ERROR,
         finest: SPREAD,
         side_limit: MOST_TEXELS,
         memory_limit: MEMORY,
+        ..TableSettings::new(Illuminant::D65, ERROR)
     };
     bake(&OrderSeries::new(field, &powers, &|_, _| Ok(()))?, &colours, &|_, _| Ok(()))
 }

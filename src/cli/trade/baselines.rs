@@ -5,9 +5,9 @@ use crate::error::Result;
 use crate::measure::trade::{GRATING, Measurement, THESIS};
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::SHORTEST;
-use crate::precompute::thesis;
 use crate::render::picture::Painter;
 use crate::render::source::{ClassicalGrating, Source, Thesis};
+use crate::spectra::amplitude::thesis;
 use crate::surface::statistics::line_periods;
 use std::sync::Arc;
 

@@ -8,7 +8,7 @@ mod kernel;
 mod spectra;
 
 use super::geometry::Pair;
-use super::quadrature::{Ladder, Nodes};
+use super::quadrature::{WavelengthSets, Wavelengths};
 use super::reference::Reference;
 use super::spectrum::{Illuminant, SHORTEST};
 use crate::error::Result;
@@ -44,13 +44,13 @@ pub fn cosine_weighted_xyz(
         return one_by_one(reference, illuminant, pairs, progress);
     }
     let basis = HeightBasis::new(reference.field(), z_max);
-    let combs: BTreeMap<usize, Nodes> = counts
+    let sets: BTreeMap<usize, Wavelengths> = counts
         .iter()
         .copied()
         .collect::<std::collections::BTreeSet<_>>()
         .into_par_iter()
         .filter(|&count| count > 0)
-        .map(|count| (count, Nodes::catmull_rom(illuminant, count)))
+        .map(|count| (count, Wavelengths::catmull_rom(illuminant, count)))
         .collect();
     let mut colours = vec![DVec3::ZERO; pairs.len()];
     let [n, m] = reference.windows();
@@ -61,9 +61,10 @@ pub fn cosine_weighted_xyz(
             progress(window * pairs.len() + begin, (n * m) as usize * pairs.len())?;
             chunk.par_iter_mut().enumerate().for_each(|(i, colour)| {
                 let (pair, count) = (&pairs[begin + i], counts[begin + i]);
-                if let Some(nodes) = combs.get(&count) {
-                    let power = spectra.power(pair.uvw(), nodes.first, nodes.step, count);
-                    *colour += reference.colour_of(pair, nodes, &power) / f64::from(n * m);
+                if let Some(wavelengths) = sets.get(&count) {
+                    let (first, step) = wavelengths.first_and_step();
+                    let power = spectra.power(pair.uvw(), first, step, count);
+                    *colour += reference.colour_of(pair, wavelengths, &power) / f64::from(n * m);
                 }
             });
         }
@@ -116,8 +117,8 @@ fn node_count(reference: &Reference<'_>, pair: &Pair) -> Result<usize> {
         return Ok(0);
     }
     let needed = reference.colour_nodes(pair, COLOUR_NODES)? as f64;
-    let level = (needed.ln() / Ladder::RATIO.ln()).ceil();
-    Ok(Ladder::RATIO.powf(level).ceil() as usize)
+    let level = (needed.ln() / WavelengthSets::RATIO.ln()).ceil();
+    Ok(WavelengthSets::RATIO.powf(level).ceil() as usize)
 }
 
 /// Largest frequencies of `pairs` along x and y at wavelengths from `shortest` \[µm\] \[µm⁻¹\].

@@ -7,11 +7,11 @@ use super::part::Iterations;
 use super::{SourceSummary, spectra, stages};
 use crate::error::Result;
 use crate::optics::geometry::Pair;
-use crate::optics::orders::{Colours, Repeats};
-use crate::precompute::Layers;
+use crate::optics::orders::{ColourFunctions, Repeats};
 use crate::render::directions::Directions;
 use crate::render::shading::Shading;
-use crate::render::tables::Combs;
+use crate::render::tables::WavelengthTexture;
+use crate::spectra::amplitude::Layers;
 use crate::vk::device::Device;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -47,7 +47,7 @@ pub struct CopiesBlock {
 
 impl CopiesBlock {
     /// The block of `repeats` for colours of `shading`.
-    pub fn new(repeats: &Repeats, colours: &Colours, tolerance: f64) -> Self {
+    pub fn new(repeats: &Repeats, colours: &ColourFunctions, tolerance: f64) -> Self {
         Self {
             count: repeats.copies.map(|n| n as f32),
             period: repeats.period.map(|x| x as f32),
@@ -77,16 +77,16 @@ impl Grating {
         let of = (&*self.layers, self.repeats.sigma());
         let most = self.repeats.most_wavelengths(colours.lag).min(self.repeats.limit());
         bound.iterations = Iterations::new(most.ceil() as usize, self.layers.pairs());
-        let nodes = Combs::densities(&colours).nodes;
+        let nodes = WavelengthTexture::densities(&colours);
         let (tables, mut buffers) = spectra::settings(device, of, shading, &nodes)?;
-        let block = CopiesBlock::new(&self.repeats, &colours, shading.quadrature());
+        let block = CopiesBlock::new(&self.repeats, &colours, shading.budget().window.wavelengths);
         buffers.push((COPIES, uniform(device, "grating block", &block)?));
         bound.replace(device, tables, buffers)
     }
 
     /// The colour functions of `shading`.
-    fn colours(&self, shading: &Shading) -> Colours {
-        Colours::new(&shading.illuminant, shading.quadrature())
+    fn colours(&self, shading: &Shading) -> ColourFunctions {
+        ColourFunctions::new(&shading.illuminant, shading.budget().window.wavelengths)
     }
 
     pub(super) fn summary(&self, shading: &Shading) -> SourceSummary {
@@ -100,11 +100,11 @@ impl Grating {
     }
 
     pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
-        let (colours, tolerance) = (self.colours(shading), shading.quadrature());
+        let (colours, tolerance) = (self.colours(shading), shading.budget().window.wavelengths);
         let per_read = self.layers.interpolation.reads();
         Cost::counted(directions, |LitPixel { pair, .. }| {
-            let sampling = self.repeats.sampling(pair.uvw().truncate(), colours.lag, tolerance);
-            spectra::counted(&self.layers, pair, per_read, sampling.wavenumbers())
+            let wavelengths = self.repeats.wavelengths(pair.uvw().truncate(), &colours, tolerance);
+            spectra::counted(&self.layers, pair, per_read, wavelengths.wavenumbers.into_iter())
         })
     }
 
@@ -113,7 +113,7 @@ impl Grating {
     }
 
     pub(super) fn check(&self, shading: &Shading, directions: &[Directions]) -> Result<()> {
-        let (colours, tolerance) = (self.colours(shading), shading.quadrature());
+        let (colours, tolerance) = (self.colours(shading), shading.budget().window.wavelengths);
         let uvs = directions.iter().flat_map(|seen| {
             let covered = seen.light.iter().zip(&seen.view).filter(|(_, view)| view[3] != 0.0);
             covered.map(|(light, view)| {
@@ -121,8 +121,7 @@ impl Grating {
                 Pair::new(vector(light), vector(view)).uvw().truncate()
             })
         });
-        uvs.map(|uv| self.repeats.sampling(uv, colours.lag, tolerance))
-            .max_by(|a, b| a.wavelengths().total_cmp(&b.wavelengths()))
-            .map_or(Ok(()), |most| self.repeats.check(&most))
+        let most = uvs.map(|uv| self.repeats.count(uv, &colours, tolerance)).fold(0.0, f64::max);
+        self.repeats.check(most)
     }
 }

@@ -6,19 +6,19 @@ use super::part::Iterations;
 use super::spectra::{edge, format, numbers};
 use super::{SourceSummary, reflectance, stages};
 use crate::error::Result;
-use crate::expansion::Basis;
-use crate::precompute::Layers;
-use crate::precompute::thesis::{TAPS, WAVELENGTHS};
 use crate::render::directions::Directions;
 use crate::render::shading::Shading;
-use crate::render::tables::Combs;
+use crate::render::tables::WavelengthTexture;
 use crate::render::upload;
+use crate::spectra::amplitude::Layers;
+use crate::spectra::amplitude::expansion::Basis;
+use crate::spectra::amplitude::thesis::{TAPS, WAVELENGTHS};
 use crate::vk::device::Device;
 use crate::vk::pipeline::Constant;
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
-/// What [`crate::precompute::thesis`] makes.
+/// What [`crate::spectra::amplitude::thesis`] makes.
 #[derive(Clone, Debug)]
 pub struct Thesis {
     /// The Fourier series of the powers of the height.
@@ -86,8 +86,8 @@ impl Thesis {
             padding: [0.0; 2],
         };
         bound.iterations = Iterations::new(WAVELENGTHS, self.layers.pairs());
-        let combs = Combs::even_wavelengths(&shading.illuminant, WAVELENGTHS);
-        let nodes = numbers(device, "nodes", &combs.nodes)?;
+        let wavelengths = WavelengthTexture::even(&shading.illuminant, WAVELENGTHS);
+        let nodes = numbers(device, "nodes", &wavelengths.nodes)?;
         let block = uniform(device, "thesis block", &block)?;
         let tables =
             vec![(binding::NODES, nodes), (binding::REFLECTANCES, reflectance::texture(device, shading)?)];

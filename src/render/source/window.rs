@@ -5,10 +5,10 @@ use super::cost::{Cost, LitPixel};
 use super::part::Iterations;
 use super::{SourceSummary, spectra, stages};
 use crate::error::Result;
-use crate::precompute::Layers;
 use crate::render::directions::Directions;
 use crate::render::shading::Shading;
-use crate::render::tables::Combs;
+use crate::render::tables::WavelengthTexture;
+use crate::spectra::amplitude::Layers;
 use crate::vk::buffer::Buffer;
 use crate::vk::device::Device;
 use ash::vk;
@@ -22,7 +22,7 @@ pub struct Window {
 }
 
 /// Binding number of set 1 behind those of [`spectra::binding`].
-const COMBS: u32 = 4;
+const BINS: u32 = 4;
 
 impl Window {
     pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
@@ -39,13 +39,20 @@ impl Window {
 
     pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
         let layers = &self.layers;
-        let combs = Combs::of(layers, shading);
-        bound.iterations = Iterations::new(combs.most(), layers.pairs());
+        let wavelengths = WavelengthTexture::of(layers, shading);
+        bound.iterations = Iterations::new(wavelengths.most(), layers.pairs());
         let of = (&**layers, layers.sigma);
-        let (tables, mut buffers) = spectra::settings(device, of, shading, &combs.nodes)?;
+        let (tables, mut buffers) = spectra::settings(device, of, shading, &wavelengths.nodes)?;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
-        buffers
-            .push((COMBS, Buffer::with_data(device, "combs", storage, bytemuck::cast_slice(&combs.bins))?));
+        buffers.push((
+            BINS,
+            Buffer::with_data(
+                device,
+                "wavelengths of directions",
+                storage,
+                bytemuck::cast_slice(&wavelengths.bins),
+            )?,
+        ));
         bound.replace(device, tables, buffers)
     }
 
@@ -57,10 +64,11 @@ impl Window {
     }
 
     pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
-        let (layers, combs) = (&self.layers, Combs::of(&self.layers, shading));
+        let (layers, wavelengths) = (&self.layers, WavelengthTexture::of(&self.layers, shading));
         let per_read = layers.interpolation.reads();
         Cost::counted(directions, |LitPixel { pair, .. }| {
-            let nodes = combs.nodes_at(pair.uvw().truncate().length()).iter().map(|node| f64::from(node[3]));
+            let nodes =
+                wavelengths.nodes_at(pair.uvw().truncate().length()).iter().map(|node| f64::from(node[3]));
             spectra::counted(layers, pair, per_read, nodes)
         })
     }

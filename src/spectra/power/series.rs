@@ -3,6 +3,7 @@
 use super::chebyshev::{coefficients_from_values, nodes, polynomials};
 use super::orders::{OrderGrid, OrderPowers, Transform};
 use super::{Beyond, Blur};
+use crate::budget::ErrorBudget;
 use crate::error::{Error, Remedy, Result};
 use crate::memory;
 use crate::optics::spectrum::SHORTEST;
@@ -26,9 +27,9 @@ pub struct PowerSettings {
 
 impl PowerSettings {
     /// Returns settings for all visible light through a coherence window of standard deviation `sigma` \[µm\], with a relative
-    /// error of `tolerance` for a single wavelength.
+    /// error of `tolerance` of single directions.
     pub fn new(sigma: f64, beyond: Beyond, tolerance: f64) -> Self {
-        Self { sigma, beyond, shortest: SHORTEST, error: 0.5 * tolerance }
+        Self { sigma, beyond, shortest: SHORTEST, error: ErrorBudget::of_directions(tolerance).mean.series }
     }
 
     fn z_max(&self) -> f64 {

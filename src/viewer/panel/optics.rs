@@ -2,9 +2,9 @@
 
 use super::rows::{self, SettingRow, number};
 use super::section;
-use crate::expansion::Basis;
 use crate::optics::coherence::{Coherence, Windows};
 use crate::optics::spectrum;
+use crate::spectra::amplitude::expansion::Basis;
 use crate::viewer::model::Model;
 use crate::viewer::settings::OpticsSettings;
 use crate::viewer::style;

@@ -3,6 +3,7 @@
 pub mod audit;
 pub mod cache;
 pub mod coefficients;
+pub mod expansion;
 pub mod kernel;
 pub mod layers;
 pub mod pairs;
@@ -13,4 +14,4 @@ pub mod thesis;
 mod transform;
 
 pub use layers::{Layers, compute, compute_at};
-pub use settings::{Budget, LayerSettings};
+pub use settings::LayerSettings;

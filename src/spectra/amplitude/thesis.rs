@@ -9,9 +9,9 @@ use super::plan::bands_of;
 use super::texels::Texels;
 use super::transform::{PaddedAxis, Samples, Transformer};
 use crate::error::Result;
-use crate::expansion::taylor::{F32_ROUNDOFF, Taylor};
-use crate::expansion::{Basis, Expansion, HeightScale};
 use crate::memory;
+use crate::spectra::amplitude::expansion::taylor::{F32_ROUNDOFF, Taylor};
+use crate::spectra::amplitude::expansion::{Basis, Expansion, HeightScale};
 use crate::surface::HeightField;
 use rustfft::num_complex::Complex64;
 

@@ -10,10 +10,10 @@ use super::settings::LayerSettings;
 use super::texels::Texels;
 use super::transform::{TermPair, Transformer};
 use crate::error::{Error, Remedy, Result};
-use crate::expansion::optimal::Optimal;
-use crate::expansion::taylor::{F32_ROUNDOFF, Taylor, terms_for};
-use crate::expansion::{Basis, Expansion, HeightScale};
 use crate::memory;
+use crate::spectra::amplitude::expansion::optimal::Optimal;
+use crate::spectra::amplitude::expansion::taylor::{F32_ROUNDOFF, Taylor, terms_for};
+use crate::spectra::amplitude::expansion::{Basis, Expansion, HeightScale};
 use crate::surface::HeightField;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -336,8 +336,8 @@ const GUESSED_TERMS: usize = 16;
 
 #[cfg(test)]
 mod tests {
-    use super::super::settings::Budget;
     use super::*;
+    use crate::budget::ErrorBudget;
 
     fn bumpy(range: f64) -> HeightField {
         let heights = (0..64 * 48)
@@ -353,7 +353,7 @@ mod tests {
         LayerSettings {
             sigma: 2.0,
             shortest_wavelength: 0.38,
-            budget: Budget { interpolation: 0.7 * tolerance, expansion: 0.35 * tolerance },
+            budget: ErrorBudget::of_directions(tolerance).window,
             basis: Basis::Taylor,
             terms: None,
             memory_limit: 1 << 30,

@@ -1,6 +1,6 @@
 //! How shaders obtain c_n(z): by the recurrence of the Taylor series, or from a table.
 
-use crate::expansion::{Basis, Expansion};
+use crate::spectra::amplitude::expansion::{Basis, Expansion};
 use rustfft::num_complex::Complex64;
 
 /// c_n(z) on a uniform grid of z; linear between.

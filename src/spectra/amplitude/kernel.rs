@@ -5,6 +5,7 @@
 //! ("deapodisation", as in gridding and non-uniform FFTs; Jackson et al. 1991) undoes the multiplication; the damped
 //! copies remain as the error.
 
+use crate::budget::SPECKLE;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -209,10 +210,6 @@ pub struct Interpolation {
     /// The padded lengths along x and y, in the unit of what is transformed.
     pub ratios: [f64; 2],
 }
-
-/// Intensities of speckle are exponentially distributed; the RMS of relative intensity errors over directions is the
-/// relative amplitude error times 2·√ln(1/floor), with the floor at a thousandth of the local mean.
-pub const SPECKLE: f64 = 2.0 * 2.628;
 
 /// Part of the error's square that the cubic axis of a mixed kernel may have: its error falls with the fourth power of
 /// the length, so a small part costs it little.

@@ -148,8 +148,9 @@ fn is_sound(layers: &Layers) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::budget::{ErrorBudget, WindowBudget};
     use crate::cache::{Store, read, seal};
-    use crate::precompute::{Budget, compute};
+    use crate::spectra::amplitude::compute;
     use serde_json::{Value, json};
 
     fn sample() -> (HeightField, LayerSettings, Layers) {
@@ -158,8 +159,8 @@ mod tests {
         let settings = LayerSettings {
             sigma: 1.0,
             shortest_wavelength: 0.38,
-            budget: Budget { interpolation: 7e-2, expansion: 3.5e-2 },
-            basis: crate::expansion::Basis::Taylor,
+            budget: ErrorBudget::of_directions(1e-1).window,
+            basis: crate::spectra::amplitude::expansion::Basis::Taylor,
             terms: None,
             memory_limit: 1 << 28,
             side_limit: 16_384,
@@ -264,7 +265,7 @@ mod tests {
         let LayerSettings {
             sigma,
             shortest_wavelength,
-            budget: Budget { interpolation, expansion },
+            budget,
             basis: _,
             terms: _,
             memory_limit,
@@ -274,9 +275,12 @@ mod tests {
             LayerSettings { sigma: sigma * 1.1, ..settings },
             LayerSettings { sigma: f64::INFINITY, ..settings },
             LayerSettings { shortest_wavelength: shortest_wavelength + 0.02, ..settings },
-            LayerSettings { budget: Budget { interpolation: interpolation + 1e-2, expansion }, ..settings },
-            LayerSettings { budget: Budget { interpolation, expansion: expansion + 1e-9 }, ..settings },
-            LayerSettings { basis: crate::expansion::Basis::Optimal, ..settings },
+            LayerSettings { budget: WindowBudget { interpolation: 0.1, ..budget }, ..settings },
+            LayerSettings {
+                budget: WindowBudget { expansion: budget.expansion + 1e-9, ..budget },
+                ..settings
+            },
+            LayerSettings { basis: crate::spectra::amplitude::expansion::Basis::Optimal, ..settings },
             LayerSettings { terms: Some(4), ..settings },
             LayerSettings { terms: Some(5), ..settings },
             LayerSettings { side_limit: side_limit / 2, ..settings },

@@ -3,7 +3,7 @@
 use super::texels::Texels;
 use super::transform::{PaddedAxis, TermPair, TermSpectrum, Transformer};
 use crate::error::{Error, Result};
-use crate::expansion::Expansion;
+use crate::spectra::amplitude::expansion::Expansion;
 use rustfft::num_complex::{Complex32, Complex64};
 use std::f64::consts::PI;
 

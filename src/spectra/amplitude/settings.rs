@@ -1,6 +1,7 @@
 //! What layers are made for.
 
-use crate::expansion::Basis;
+use crate::budget::WindowBudget;
+use crate::spectra::amplitude::expansion::Basis;
 use serde::Serialize;
 
 /// What the layers are made for.
@@ -12,7 +13,7 @@ pub struct LayerSettings {
     /// Shortest wavelength that will be asked for \[µm\].
     pub shortest_wavelength: f64,
     /// Relative intensity errors that are allowed.
-    pub budget: Budget,
+    pub budget: WindowBudget,
     /// Which expansion.
     pub basis: Basis,
     /// Number of terms, where the user names it.
@@ -22,13 +23,4 @@ pub struct LayerSettings {
     pub memory_limit: usize,
     /// Most texels along a side of a layer.
     pub side_limit: usize,
-}
-
-/// The relative intensity errors that layers may bring, RMS over single directions and wavelengths.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Budget {
-    /// Reading between texels.
-    pub interpolation: f64,
-    /// Truncation and rounding of the expansion, together.
-    pub expansion: f64,
 }
