@@ -1,4 +1,4 @@
-// Reads an array texture between its texels. The f64 twin, with the errors, is src/precompute/kernel.rs.
+// Reads an array texture between its texels. The f64 twin, with the errors, is src/spectra/amplitude/kernel.rs.
 
 layout(constant_id = 40) const bool CUBIC_X = false; // cubic B-spline along x, else linear
 layout(constant_id = 41) const bool CUBIC_Y = false; // the same along y
