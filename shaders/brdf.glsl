@@ -57,6 +57,11 @@ float dielectric(float index, float cosine) {
     return REFLECTANCE_LAW == FRESNEL ? fresnel(index, cosine) : schlick(root * root, cosine);
 }
 
+// Returns true if light arrives at the side that is seen, and leaves it.
+bool above_horizon(vec3 light, vec3 view) {
+    return light.z > HORIZON && view.z > HORIZON;
+}
+
 Pair pair_of(vec3 light, vec3 view, float index) {
     Pair pair;
     vec3 uvw = -light - view;
@@ -67,7 +72,6 @@ Pair pair_of(vec3 light, vec3 view, float index) {
     float one_plus_dot = 0.5 * dot(uvw, uvw);
     pair.cos_half = min(0.5 * length(uvw), 1.0);
     pair.reflectance = dielectric(index, pair.cos_half);
-    bool above = light.z > HORIZON && view.z > HORIZON;
-    pair.factor = above ? 4.0 * PI * pair.reflectance * one_plus_dot * one_plus_dot / (view.z * pair.w * pair.w) : 0.0;
+    pair.factor = above_horizon(light, view) ? 4.0 * PI * pair.reflectance * one_plus_dot * one_plus_dot / (view.z * pair.w * pair.w) : 0.0;
     return pair;
 }

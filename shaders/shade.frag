@@ -40,8 +40,7 @@ vec3 of_light(ivec2 pixel, vec3 to_light, vec3 to_view) {
     float kept = OWN_REFLECTANCE ? schlick(NORMAL_OF_PIGMENT, pair.cos_half) : pair.reflectance;
     vec3 pigmented = part.first == 0 ? albedo_of(pixel) * white * ((1.0 - kept) * to_light.z / PI) : vec3(0.0);
     float falloff = LAMPS ? texelFetch(albedos, pixel, 0).a : 1.0;
-    // Below the horizon there is neither.
-    return pair.factor > 0.0 ? (diffracted + pigmented) * (frame.irradiance.rgb * (PI * falloff)) : vec3(0.0);
+    return above_horizon(to_light, to_view) ? (diffracted + pigmented) * (frame.irradiance.rgb * (PI * falloff)) : vec3(0.0);
 }
 
 // Of the light from all around, the specular order sends on what comes from the mirrored direction.

@@ -12,8 +12,8 @@ use std::process::Command;
 /// The gratings of the examples: h = a sin(2πx/d), a = 0.1 µm, d = 2 µm.
 const AMPLITUDE: f64 = 0.1;
 const PERIOD: f64 = 2.0;
-/// Refractive index 1.5 at normal incidence: ((1.5 − 1)/(1.5 + 1))².
-const REFLECTANCE: f64 = 0.04;
+/// Refractive index of the surfaces.
+const IOR: f64 = 1.5;
 
 /// What the example `name` prints when it is given `arguments`.
 fn run(name: &str, arguments: &[&Path]) -> String {
@@ -53,7 +53,11 @@ fn cosine_weighted(a: f64, sigma: f64, angle: f64, wavelength: f64) -> f64 {
     let power: f64 = (-8..=8).map(order).sum();
     // The half angle is (θ_i + θ_r)/2, because both are in one plane on either side of the normal.
     let half = 0.5 * (light + view);
-    let reflectance = REFLECTANCE + (1.0 - REFLECTANCE) * (1.0 - half.cos()).powi(5);
+    // Fresnel's coefficients for both polarisations, by the angle of refraction.
+    let inside = (half.sin() / IOR).asin();
+    let s = (half - inside).sin() / (half + inside).sin();
+    let p = (half - inside).tan() / (half + inside).tan();
+    let reflectance = (s * s + p * p) / 2.0;
     let geometry = (1.0 + (light + view).cos()).powi(2) / view.cos();
     reflectance * geometry * power / (wavelength * w).powi(2)
 }

@@ -50,14 +50,15 @@ const FLOORS: [(&str, &[&str]); 25] = [
     (
         "measure",
         &[
-            "budget", "setup", "render", "spectra", "optics", "error", "input", "memory", "output", "random",
-            "units",
+            "budget", "setup", "render", "table", "spectra", "optics", "error", "input", "memory", "output",
+            "random", "units",
         ],
     ),
     (
         "viewer",
         &[
             "budget",
+            "spectra",
             "measure",
             "setup",
             "picture_file",

@@ -96,6 +96,10 @@ pub fn for_each_window(
         let device = device(wish)?;
         Ok(opened.get_or_init(|| device).clone())
     };
+    // A device that is named has to be there, also for what the processor computes.
+    if *wish != DeviceChoice::default() {
+        open()?;
+    }
     setup::for_each_window(field, settings, &open, &progress, &|note| say(&in_options(note)), ask)?;
     bar.finish_and_clear();
     opened.get().map_or(Ok(()), |device| finish(device))

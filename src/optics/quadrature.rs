@@ -185,13 +185,13 @@ impl WavelengthSets {
         const AVERAGED: f64 = 2.0;
         // Above one half the logarithm would ask for no wavelengths at all.
         let level = (AVERAGED * tolerance).clamp(1e-8, 0.5);
-        let spacing = Spacing::new(illuminant, level);
+        let density = WavelengthDensity::new(illuminant, level);
         let base = 5.0 + 4.0 * (1.0 / level).log10();
-        let mut all = Self { sets: Vec::new(), base, per_uv: 2.0 * sigma * spacing.integral };
+        let mut all = Self { sets: Vec::new(), base, per_uv: 2.0 * sigma * density.integral };
         let most = all.needed(2.0);
         let mut count = all.needed(0.0).max(4);
         loop {
-            all.sets.push(spacing.wavelengths(count));
+            all.sets.push(density.wavelengths(count));
             if count >= most {
                 return all;
             }
@@ -217,7 +217,7 @@ impl WavelengthSets {
 }
 
 /// The density of wavelengths over the visible range, on fine steps.
-struct Spacing {
+struct WavelengthDensity {
     /// Colour functions times the step, at each step's middle.
     colour: Vec<DVec3>,
     /// Part of the wavelengths before the end of each step, growing from 0 to 1; one entry more than steps.
@@ -226,7 +226,7 @@ struct Spacing {
     integral: f64,
 }
 
-impl Spacing {
+impl WavelengthDensity {
     /// Returns the density for aliases of level `level` at the peak of the colour functions.
     fn new(illuminant: &Illuminant, level: f64) -> Self {
         let colour = fine_colours(illuminant, FINE);
@@ -315,7 +315,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_comb_gives_a_flat_response_the_white_of_the_light_and_grows() {
-        let density = Spacing::new(&Illuminant::D65, 1e-2);
+        let density = WavelengthDensity::new(&Illuminant::D65, 1e-2);
         let comb = density.wavelengths(20);
         let white: DVec3 = comb.weights.iter().sum();
         assert!((white - DVec3::new(0.9504, 1.0, 1.0889)).length() < 4e-4, "{white}");
@@ -330,7 +330,7 @@ pub(super) mod tests {
         let exact = Wavelengths::trapezoid(&Illuminant::D65, 4001);
         for tolerance in [1e-1, 1e-2, 1e-3] {
             let sets = WavelengthSets::gaussian(&Illuminant::D65, sigma, tolerance);
-            let density = Spacing::new(&Illuminant::D65, 2.0 * tolerance);
+            let density = WavelengthDensity::new(&Illuminant::D65, 2.0 * tolerance);
             for uv in [0.0, 0.05, 0.2, 0.4, 0.7, 1.0] {
                 let full = density.wavelengths(sets.needed(uv));
                 let half = density.wavelengths(sets.needed(uv) / 2);

@@ -1,5 +1,6 @@
 //! Maps of the hemisphere.
 
+use crate::maps::fresnel;
 use crate::sandbox::Sandbox;
 
 /// Pixels on a side of the maps here.
@@ -172,7 +173,7 @@ fn energy(map: &Map, keep: impl Fn([f64; 2]) -> bool) -> f64 {
 fn the_energy_of_a_map_is_that_of_the_closed_forms() {
     let sandbox = Sandbox::new();
     let ask = |surface: &str| map(&sandbox, surface, "0,0", &["--wavelength", "550nm"]);
-    // Schlick's reflectance at normal incidence; over the mirror's spot, 0.04 wide, G/w² and R hardly change.
+    // The reflectance at normal incidence; over the mirror's spot, 0.04 wide, G/w² and R hardly change.
     let flat = energy(&ask("flat"), |_| true);
     assert!((flat / 0.04 - 1.0).abs() < 5e-3, "{flat}");
     // The orders of a sinusoid of d = 2 µm: R G/w² J_m²(k|w|a), with u = mλ/d.
@@ -182,7 +183,7 @@ fn the_energy_of_a_map_is_that_of_the_closed_forms() {
         let cos = (1.0 - u * u).sqrt();
         let w = 1.0 + cos;
         // (1 + ω_i·ω_r)²/(cos θ_i cos θ_r w²) is 1/cos θ_r at normal incidence; cos θ_h = |(u,v,w)|/2.
-        let reflectance = 0.04 + 0.96 * (1.0 - (u * u + w * w).sqrt() / 2.0).powi(5);
+        let reflectance = fresnel((u * u + w * w).sqrt() / 2.0);
         reflectance / cos * bessel(m, std::f64::consts::TAU / 0.55 * w * amplitude).powi(2)
     };
     let sinusoid = ask("sinusoid");

@@ -144,6 +144,14 @@ fn bessel(m: i32, x: f64) -> f64 {
     (0..64).map(term).sum::<f64>() / 64.0
 }
 
+/// Reflectance of a dielectric of index 1.5 by Snell's law and Fresnel's coefficients, unpolarised.
+pub fn fresnel(cosine: f64) -> f64 {
+    let inside = (1.0 - (1.0 - cosine * cosine) / 2.25f64).sqrt();
+    let s = (cosine - 1.5 * inside) / (cosine + 1.5 * inside);
+    let p = (1.5 * cosine - inside) / (1.5 * cosine + inside);
+    (s * s + p * p) / 2.0
+}
+
 /// ∫ f cos θ_r dω_r of order `m` of a sinusoid of period `d` and amplitude `a` \[µm\], light from `theta` in its plane:
 /// R G/w² J_m²(k|w|a) at sin θ_r = mλ/d − sin θ_i along x.
 fn of_order(m: i32, theta: f64, wavelength: f64, [d, a]: [f64; 2]) -> f64 {
@@ -151,7 +159,7 @@ fn of_order(m: i32, theta: f64, wavelength: f64, [d, a]: [f64; 2]) -> f64 {
     let x = f64::from(m) * wavelength / d - light.x;
     let pair = Pair::new(light, DVec3::new(x, 0.0, (1.0 - x * x).sqrt()));
     let w = pair.uvw().z.abs();
-    let reflectance = 0.04 + 0.96 * (1.0 - pair.cos_half_angle()).powi(5);
+    let reflectance = fresnel(pair.cos_half_angle());
     let g = pair.geometric_factor_times_cos_light() / light.z;
     reflectance * g / (w * w) * bessel(m, TAU / wavelength * w * a).powi(2)
 }

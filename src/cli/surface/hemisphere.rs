@@ -7,7 +7,7 @@ use crate::filter::Covariance;
 use crate::optics::coherence::Coherence;
 use crate::optics::color::{display, xyz_to_linear_srgb};
 use crate::optics::geometry::{Pair, direction};
-use crate::optics::spectrum::{Illuminant, SHORTEST};
+use crate::optics::spectrum::Illuminant;
 use crate::setup;
 use crate::spectra::power::{OrderSeries, PowerSettings};
 use crate::surface::{HeightField, Statistics};
@@ -20,9 +20,8 @@ use std::borrow::Cow;
 const SIDE: u32 = 600;
 /// Standard deviation of the directions that a point of a map averages over: a quarter of a degree, about what light of 65 µm coherence blurs.
 const SPREAD: f64 = 0.004;
-/// Relative errors of the orders' series and of the colour table (three). Together they come to 0.11 relative L2 over directions (measured on
-/// *Elaphe*): what a glance does not show.
-const ERROR: f64 = 0.05;
+/// Tolerance of the colours. A glance does not show more.
+const TOLERANCE: f64 = 0.07;
 /// Samples on a side that the colours are made from: the middle of a larger field.
 const MOST_SAMPLES: usize = 1024;
 /// Most bytes of the colour table.
@@ -61,17 +60,13 @@ pub fn panels(field: &HeightField, statistics: &Statistics) -> Result<(Vec<Panel
 
 /// The colour table of `field`.
 fn table(field: &HeightField) -> Result<ColorTable> {
-    let powers = PowerSettings {
-        sigma: Coherence::Gaussian { length: COHERENCE }.sigma().unwrap_or(COHERENCE),
-        beyond: setup::beyond_of(field),
-        shortest: SHORTEST,
-        error: ERROR,
-    };
+    let sigma = Coherence::Gaussian { length: COHERENCE }.sigma().unwrap_or(COHERENCE);
+    let powers = PowerSettings::new(sigma, setup::beyond_of(field), TOLERANCE);
     let colours = TableSettings {
         finest: SPREAD,
         side_limit: MOST_TEXELS,
         memory_limit: MEMORY,
-        ..TableSettings::new(Illuminant::D65, ERROR)
+        ..TableSettings::new(Illuminant::D65, TOLERANCE)
     };
     bake(&OrderSeries::new(field, &powers, &|_, _| Ok(()))?, &colours, &|_, _| Ok(()))
 }
@@ -159,6 +154,7 @@ mod tests {
     use super::*;
     use crate::brdf::mean::MeanBrdf;
     use crate::brdf::tabulated::{SummedOrders, TabulatedMean};
+    use crate::optics::spectrum::SHORTEST;
     use crate::surface::synth::{Spec, SurfaceKind, generate};
 
     fn small(kind: SurfaceKind) -> HeightField {
