@@ -29,8 +29,7 @@ const float TAPS_PER_DEVIATION = 5.729;
 const float MOST_OF_ROW = 201.0;
 const float MOST_ASIDE = 3.0;
 const float ROUND = 0.2;
-const float SHORT = 0.7;
-const float BEND = 0.6;
+const float BEND = 0.5;
 
 // Variances of the mip level read and of the next coarser one, without coherence: `Levels` of src/filter/taps.rs.
 struct Levels {
@@ -67,23 +66,13 @@ struct Row {
     float coarser; // 1 if the row reads the next coarser level
 };
 
-// Number of places, at most `most`, for the standard deviation `deviation`, where each averages over the standard deviation `tap`.
-float count_for(float deviation, float tap, float most) {
-    bool is_round = deviation <= ROUND * tap;
-    return is_round ? 1.0 : clamp(ceil(TAPS_PER_DEVIATION * deviation / (SPACING * tap) + 1.0), 2.0, most);
-}
-
-// Number of places of a row of the finer level beside one of the coarser level: `finer_row` of src/filter/taps.rs.
-float count_beside(float deviation, float tap) {
-    float count = count_for(deviation, tap, MOST_OF_ROW);
-    return count == 3.0 ? (deviation < SHORT * tap ? 2.0 : 4.0) : count;
-}
-
-// Spreads `count` places over the standard deviation `deviation`. The variance of the places is that of the line.
-Line line_of(float deviation, float count) {
-    if (count == 1.0) {
+// Spreads at most `most` places over the standard deviation `deviation`, where each averages over the standard deviation `tap`. The variance of
+// the places is that of the line.
+Line line_of(float deviation, float tap, float most) {
+    if (deviation <= ROUND * tap) {
         return Line(1.0, 0.0, 0.0, 1.0);
     }
+    float count = clamp(ceil(TAPS_PER_DEVIATION * deviation / (SPACING * tap) + 1.0), 2.0, most);
     float h = 2.0 * REACH / count;
     float fall = 0.5 * h * h, norm = 0.0, moment = 0.0;
     for (float n = -0.5 * (count - 1.0); n < 0.5 * count; n += 1.0) {
@@ -109,8 +98,7 @@ Taps taps_of(Ellipse ellipse, float own, Levels levels) {
             taps.rows = 3;
         }
     } else {
-        float deviation = sqrt(rest);
-        taps.aside = line_of(deviation, count_for(deviation, sqrt(levels.read + levels.blur), MOST_ASIDE));
+        taps.aside = line_of(sqrt(rest), sqrt(levels.read + levels.blur), MOST_ASIDE);
         taps.rows = int(taps.aside.count);
     }
     return taps;
@@ -122,9 +110,7 @@ Row row_of(Taps taps, int number) {
     float read = coarser ? taps.levels.next : taps.levels.read;
     float whole = (taps.longer - taps.share * max(taps.longer, taps.levels.next)) / max(1.0 - taps.share, 1e-3);
     float left = (coarser ? taps.longer : whole) - read;
-    float deviation = sqrt(max(left, 0.0)), tap = sqrt(read + taps.levels.blur);
-    bool is_beside = taps.share > 0.0 && !coarser;
-    Line line = line_of(deviation, is_beside ? count_beside(deviation, tap) : count_for(deviation, tap, MOST_OF_ROW));
+    Line line = line_of(sqrt(max(left, 0.0)), sqrt(read + taps.levels.blur), MOST_OF_ROW);
     float place = float(number) - 0.5 * (taps.aside.count - 1.0);
     float aside = coarser ? 0.0 : place * taps.aside.step;
     float weight = coarser ? taps.share : (1.0 - taps.share) * exp(-taps.aside.fall * place * place) / taps.aside.norm;

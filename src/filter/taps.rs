@@ -22,13 +22,10 @@ pub const MOST_TAPS: usize = MOST_ASIDE * MOST_OF_ROW;
 /// A row or column whose standard deviation is below this part of that of a tap is a single tap.
 pub const ROUND: f64 = 0.2;
 
-/// Standard deviation of a finer row, in that of a tap, below which two taps stand for three, and four above.
-pub const SHORT: f64 = 0.7;
-
 /// Largest relative L2 error of a single order along a row, at any length. Errors of N equal orders average to 1/√N of it.
 pub const ERROR_ALONG: f64 = 0.027;
 /// Largest relative L2 error of a single order across a footprint between two levels that no coherence blurs.
-pub const ERROR_ACROSS: f64 = 0.034;
+pub const ERROR_ACROSS: f64 = 0.037;
 /// Largest relative L2 error of one sample of a picture that the rule leaves, measured on the built-in surfaces and scenes. Samples average it.
 pub const ERROR_OF_ONE_SAMPLE: f64 = 5e-2;
 
@@ -92,23 +89,11 @@ impl Line {
     ///
     /// The variance of the places is exactly that of the line.
     fn new(deviation: f64, tap: f64, most: usize) -> Self {
-        Self::of_count(deviation, Self::count_for(deviation, tap, most))
-    }
-
-    /// Returns the number of places for [`Line::new`].
-    fn count_for(deviation: f64, tap: f64, most: usize) -> f64 {
         if deviation <= ROUND * tap {
-            return 1.0;
-        }
-        // One more than the spacing asks for: three taps where it asks for three err by 0.07, four by 0.01.
-        (TAPS_PER_DEVIATION * deviation / (SPACING * tap) + 1.0).ceil().clamp(2.0, most as f64)
-    }
-
-    /// Spreads `count` places over the standard deviation `deviation`.
-    fn of_count(deviation: f64, count: f64) -> Self {
-        if count == 1.0 {
             return Self { count: 1, norm: 1.0, ..Self::default() };
         }
+        // One more than the spacing asks for: three taps where it asks for three err by 0.07, four by 0.01.
+        let count = (TAPS_PER_DEVIATION * deviation / (SPACING * tap) + 1.0).ceil().clamp(2.0, most as f64);
         let fall = 0.5 * (2.0 * REACH / count).powi(2);
         let line = Self { count: count as usize, step: 1.0, fall, norm: 1.0 };
         let norm: f64 = line.each().map(|(_, weight)| weight).sum();
@@ -150,7 +135,7 @@ impl Taps {
         }
         let [share, left] = between_levels((rest / (next - read)).min(1.0));
         let along = (longer - share * longer.max(next)) / (1.0 - share).max(1e-3) - read;
-        let line = finer_row(along, read + blur);
+        let line = row(along, read + blur);
         let aside = (left * (next - read)).sqrt();
         let finer = |aside| Row { line, aside, weight: 0.5 * (1.0 - share), coarser: false };
         let coarser = Row { line: row(longer - next, next + blur), aside: 0.0, weight: share, coarser: true };
@@ -187,8 +172,8 @@ impl Taps {
     }
 }
 
-/// Bend of the weight in [`between_levels`], for least error.
-const BEND: f64 = 0.6;
+/// Bend of the weight in [`between_levels`]: the least error of round footprints that long ones allow.
+const BEND: f64 = 0.5;
 
 /// Returns the weight of the coarser of two levels of variances v and 4v for a Gaussian whose variance is at the place `s` (0 … 1) between them, and the
 /// variance that is left to the distance of the finer rows, over 3v. The weight is a fit to that of least squares; variances add up exactly.
@@ -199,18 +184,6 @@ fn between_levels(s: f64) -> [f64; 2] {
 /// Makes a row of the variance `left` of taps that average over the variance `tap`.
 fn row(left: f64, tap: f64) -> Line {
     Line::new(left.max(0.0).sqrt(), tap.sqrt(), MOST_OF_ROW)
-}
-
-/// Makes the same of a finer level beside a row of the coarser one. Never three: the one in the middle would stand beside the coarser level's, and
-/// nearly round footprints, whose coarser row is one tap, err by 0.048 instead of 0.041 (RMS, coherence 0.3 of the finer level's variance).
-fn finer_row(left: f64, tap: f64) -> Line {
-    let (deviation, tap) = (left.max(0.0).sqrt(), tap.sqrt());
-    let count = match Line::count_for(deviation, tap, MOST_OF_ROW) {
-        3.0 if deviation < SHORT * tap => 2.0,
-        3.0 => 4.0,
-        count => count,
-    };
-    Line::of_count(deviation, count)
 }
 
 #[cfg(test)]
@@ -351,7 +324,7 @@ mod tests {
             ("MOST_OF_ROW", MOST_OF_ROW as f64),
             ("MOST_ASIDE", MOST_ASIDE as f64),
             ("ROUND", ROUND),
-            ("SHORT", SHORT),
+            ("BEND", BEND),
         ] {
             let (_, rest) = shader.split_once(&format!("const float {name} = ")).unwrap();
             let found: f64 = rest.split(';').next().unwrap().parse().unwrap();
