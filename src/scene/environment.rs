@@ -339,7 +339,8 @@ impl EnvironmentMap {
         }
         /// Copies of a pixel: as read, as three floats, and averaged with its distribution.
         const BYTES: u64 = 64;
-        memory::ensure_room(u64::from(width) * u64::from(height) * BYTES, "the surroundings")?;
+        let pixels = u64::from(width).saturating_mul(u64::from(height));
+        memory::ensure_room(pixels.saturating_mul(BYTES), "the surroundings")?;
         let texels = PICTURE.decode(bytes)?.into_rgb32f().into_raw();
         let bounded = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(0.0, LARGEST_RADIANCE) };
         let colors: Vec<Vec3> =

@@ -45,6 +45,12 @@ pub fn choose(scan: &Scan, name: Option<&str>) -> Result<usize> {
     if let [_] = channels[..] {
         return Ok(0);
     }
+    if scan.asks {
+        return Err(Error::usage(
+            format!("it has {} surfaces: {}", channels.len(), names(channels)),
+            Remedy::Channel,
+        ));
+    }
     let plain = |c: &Channel| c.name.to_lowercase().replace([' ', '_', '-'], "");
     let has = |c: &Channel, words: &[&str]| words.iter().any(|word| plain(c).contains(word));
     let height = |c: &Channel| c.quantity == Quantity::Height && !has(c, &OTHERS);
@@ -82,7 +88,7 @@ mod tests {
             quantity: if *unit == "m" { Quantity::Height } else { Quantity::Other },
             decode: Box::new(|| Ok(vec![0.0])),
         };
-        Scan { format: "test", channels: channels.iter().map(channel).collect() }
+        Scan::new("test", channels.iter().map(channel).collect())
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
             break;
         }
     }
-    Ok(Scan { format: "Digital Surf", channels })
+    Ok(Scan::new("Digital Surf", channels))
 }
 
 struct DigitalSurfHeader {
@@ -172,7 +172,11 @@ fn inflate(bytes: &[u8], order: Order, count: usize) -> Result<(Cow<'static, [u8
         let wanted = raw.min(count - inflated.len());
         let before = inflated.len();
         let stream = cursor.take(packed)?;
-        ZlibDecoder::new(stream).take(wanted as u64).read_to_end(&mut inflated).map_err(damaged)?;
+        let mut decoder = ZlibDecoder::new(stream);
+        decoder.by_ref().take(wanted as u64).read_to_end(&mut inflated).map_err(damaged)?;
+        if wanted == raw && decoder.read(&mut [0]).map_err(damaged)? > 0 {
+            return Err(damaged("a stream holds more than it promises"));
+        }
         if inflated.len() - before != wanted {
             return Err(damaged("a stream holds less than it promises"));
         }

@@ -48,9 +48,9 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     }
     let channels = fields.into_iter().map(|(n, body)| {
         let name = titles.remove(&n).unwrap_or_else(|| format!("/{n}/data"));
-        field(body, name)
+        (name.clone(), field(body, name))
     });
-    Ok(Scan { format: "Gwyddion", channels: channels.collect::<Result<_>>()? })
+    Scan::of_readable("Gwyddion", channels.collect())
 }
 
 /// The data field in `body`.

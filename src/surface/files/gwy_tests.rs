@@ -73,3 +73,21 @@ fn files_of_gwyddion_1_and_files_without_fields_are_refused_in_words() {
     let lies = [&u32::MAX.to_le_bytes()[..], &[0; 8]].concat();
     assert!(said(&file(&[component("/a", b'D', &lies)])).contains("cut short"));
 }
+
+#[test]
+fn a_damaged_field_is_told_and_the_others_are_read() {
+    let bytes = file(&[
+        component("/0/data", b'o', &data_field("m", "m")),
+        component("/0/data/title", b's', b"Height\0"),
+        component(
+            "/1/data",
+            b'o',
+            &whole_object("GwyDataField", &component("xres", b'i', &3_i32.to_le_bytes())),
+        ),
+        component("/1/data/title", b's', b"Phase\0"),
+    ]);
+    let scan = read(&bytes).unwrap();
+    assert_eq!(scan.channels.len(), 1);
+    assert!(scan.notes[0].contains("Phase"), "{:?}", scan.notes);
+    assert_rows(&only(Ok(scan)).4, 1.0);
+}

@@ -91,10 +91,27 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let mut rest = cursor.at(HEADERS);
     let data = rest.take(plane.saturating_mul(channels as usize))?;
     let tail = Tail::read(&mut rest, &wave)?;
+    check_axes(&wave, &tail)?;
     let layers = data.chunks_exact(plane).enumerate();
     let channels =
         layers.map(|(i, layer)| channel(layer, i, order, size, &wave, &tail)).collect::<Result<_>>()?;
-    Ok(Scan { format: "Igor binary wave", channels })
+    Ok(Scan::new("Igor binary wave", channels))
+}
+
+/// Fails for curves that stand beside each other: their columns have names, or their axes are of other quantities than lengths.
+fn check_axes(wave: &IgorWave, tail: &Tail) -> Result<()> {
+    let choose = "choose an image file";
+    if tail.has_named_columns {
+        return Err(Error::failed(
+            "holds curves in columns with names, such as a force curve, and no image",
+            choose,
+        ));
+    }
+    let units = wave.lateral_units.iter().chain(&tail.lateral_units);
+    match units.into_iter().find(|unit| units::is_of_another_quantity(unit)) {
+        Some(unit) => Err(Error::failed(format!("has an axis in {unit}, which is no length"), choose)),
+        None => Ok(()),
+    }
 }
 
 fn header(cursor: &mut Cursor) -> Result<IgorWave> {
@@ -149,6 +166,8 @@ struct Tail {
     data_unit: String,
     lateral_units: [String; 2],
     labels: Vec<String>,
+    /// True if every column has a name, beside that of the dimension.
+    has_named_columns: bool,
 }
 
 impl Tail {
@@ -163,7 +182,7 @@ impl Tail {
         }
         // The first label names the dimension, each of the others a channel.
         let labels = rest.take(labels_z)?.chunks(LABEL).skip(1).map(text).collect();
-        Ok(Self { note, data_unit, lateral_units, labels })
+        Ok(Self { note, data_unit, lateral_units, labels, has_named_columns: labels_y > LABEL })
     }
 }
 

@@ -23,41 +23,43 @@ pub fn fill(samples: &mut [f64], columns: usize, missing: usize) -> Result<()> {
             "cut out the measured part with the instrument's software",
         ));
     }
-    let mut open: Vec<usize> = (0..count).filter(|&i| samples[i].is_nan()).collect();
-    while !open.is_empty() {
-        let mut known = Vec::new();
-        open.retain(|&i| match mean_around(samples, columns, i) {
-            Some(mean) => {
-                known.push((i, mean));
-                false
-            }
-            None => true,
-        });
+    let mut open = missing;
+    // Missing samples beside measured ones, then beside those that were just filled: each sample is visited a few times.
+    let mut rim: Vec<usize> = (0..count).filter(|&i| samples[i].is_nan()).collect();
+    while open > 0 {
+        let mean = |i: &usize| Some((*i, mean_around(samples, columns, *i)?));
+        let known: Vec<(usize, f64)> = rim.iter().filter_map(mean).collect();
         if known.is_empty() {
             return Err(Error::failed("no sample of it was measured", "choose another channel or file"));
         }
-        for (i, mean) in known {
-            samples[i] = mean;
+        for (i, mean) in &known {
+            samples[*i] = *mean;
         }
+        open -= known.len();
+        rim = known
+            .iter()
+            .flat_map(|(i, _)| neighbours(count, columns, *i))
+            .filter(|&i| samples[i].is_nan())
+            .collect();
+        rim.sort_unstable();
+        rim.dedup();
     }
     Ok(())
 }
 
-/// The mean of the known ones of the eight neighbours.
-fn mean_around(samples: &[f64], columns: usize, i: usize) -> Option<f64> {
+/// Returns the numbers of sample `i` and of its eight neighbours, as far as there are any.
+fn neighbours(count: usize, columns: usize, i: usize) -> impl Iterator<Item = usize> {
     let (row, column) = (i / columns, i % columns);
-    let last = samples.len() / columns - 1;
-    let mut sum = 0.0;
-    let mut count = 0;
-    for r in row.saturating_sub(1)..=(row + 1).min(last) {
-        for c in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
-            let neighbour = samples[r * columns + c];
-            if !neighbour.is_nan() {
-                sum += neighbour;
-                count += 1;
-            }
-        }
-    }
+    let last = count / columns - 1;
+    let across = column.saturating_sub(1)..=(column + 1).min(columns - 1);
+    (row.saturating_sub(1)..=(row + 1).min(last))
+        .flat_map(move |r| across.clone().map(move |c| r * columns + c))
+}
+
+/// Returns the mean of the known ones of the eight neighbours.
+fn mean_around(samples: &[f64], columns: usize, i: usize) -> Option<f64> {
+    let known = neighbours(samples.len(), columns, i).map(|i| samples[i]).filter(|x| !x.is_nan());
+    let (sum, count) = known.fold((0.0, 0), |(sum, count), x| (sum + x, count + 1));
     (count > 0).then(|| sum / f64::from(count))
 }
 

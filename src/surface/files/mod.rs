@@ -169,6 +169,7 @@ fn assemble(
     let chosen = choose::choose(&scan, settings.channel)?;
     let info = |c: &scan::Channel| ChannelInfo { name: c.name.clone(), unit: c.unit.clone(), size: c.size };
     let channels: Vec<ChannelInfo> = scan.channels.iter().map(info).collect();
+    let notes = std::mem::take(&mut scan.notes);
     let channel = scan.channels.swap_remove(chosen);
     let lacks_scale = channel.quantity != Quantity::Height && settings.height.is_none();
     let lacks_distance = channel.spacing.contains(&None) && settings.pixel_size.is_none();
@@ -183,12 +184,21 @@ fn assemble(
         _ => return Err(missing("distance of samples", Remedy::PixelSize)),
     };
     let height = settings.height.or(beside.height);
-    if quantity == Quantity::Other && height.is_none() {
-        let unit = choose::unit(&channels[chosen].unit);
-        return Err(Error::usage(
-            format!("the channel `{}` is in {unit}, which is no length", channels[chosen].name),
-            [Remedy::Channel, Remedy::FullHeight],
-        ));
+    if quantity == Quantity::Other {
+        let (unit, name) = (choose::unit(&channels[chosen].unit), &channels[chosen].name);
+        // A unit that is known and no length makes no height, whatever a user says of its range.
+        if units::is_of_another_quantity(&channels[chosen].unit) {
+            return Err(Error::usage(
+                format!("the channel `{name}` is in {unit}, which is no length"),
+                Remedy::Channel,
+            ));
+        }
+        if height.is_none() {
+            return Err(Error::usage(
+                format!("the channel `{name}` is in {unit}, which is no length"),
+                [Remedy::Channel, Remedy::FullHeight],
+            ));
+        }
     }
     let needed = || missing("scale of heights", Remedy::FullHeight);
     let coded = matches!(quantity, Quantity::Code { .. });
@@ -205,7 +215,7 @@ fn assemble(
     };
     let origin = ScanOrigin { format: scan.format, channels, chosen, quantisation, warnings: Vec::new() };
     let mut topography = Topography::new(size, spacing, samples, unit, Some(origin))?;
-    topography.warn();
+    topography.warn(notes);
     Ok(topography)
 }
 

@@ -12,9 +12,10 @@ use super::scan::{Block, Channel, Quantity, Rows, Scan, size, spacing};
 use super::units;
 use crate::error::{Error, Result};
 use header::{NanoscopeHeader, ParameterValue, Section};
+use std::ops::Range;
 
-/// How a file of images begins; older ones have a question mark for the backslash.
-pub const MAGICS: [&[u8]; 2] = [b"\\*File list", b"?*File list"];
+/// First bytes of a file of images; older ones have a question mark for the backslash, those of electrochemical cells their own name.
+pub const MAGICS: [&[u8]; 3] = [b"\\*File list", b"?*File list", b"\\*EC File list"];
 /// How a file of force curves begins.
 pub const FORCE_MAGIC: &[u8] = b"\\*Force file list";
 
@@ -34,18 +35,24 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     if images().next().is_none() {
         return Err(Error::failed("holds no image", "choose a file with an image in it"));
     }
-    let channels = images().map(|image| channel(bytes, &header, image)).collect::<Result<Vec<_>>>()?;
-    Ok(Scan { format: "Nanoscope", channels })
+    let channels = images().map(|image| (image.name(), channel(bytes, &header, image)));
+    Scan::of_readable("Nanoscope", channels.collect())
 }
 
 fn channel<'a>(bytes: &'a [u8], header: &NanoscopeHeader, image: &Section) -> Result<Channel<'a>> {
-    let (columns, rows) = counts(image)?;
-    let size = size(columns, rows)?;
+    let (columns, lines) = counts(image)?;
+    let rows = measured(image, lines);
+    let size = size(columns, rows.end - rows.start)?;
     let place = image.count("data offset")?;
     let length = image.count("data length").unwrap_or(u64::MAX);
     let declared = image.count("bytes/pixel").unwrap_or(2);
-    let number = sample_type(header.version, declared, length, columns * rows)?;
-    let start = usize::try_from(place).unwrap_or(usize::MAX);
+    let stored = sample_type(header.version, declared, length, columns.saturating_mul(lines))?;
+    let valid = sample_type(header.version, declared, length, size[0] as u64 * size[1] as u64)?;
+    // Of a scan that was stopped, all lines are stored, or those that were measured.
+    let line = columns.saturating_mul(stored.bytes() as u64);
+    let holds_all = length >= lines.saturating_mul(line);
+    let (number, skipped) = if holds_all { (stored, rows.start.saturating_mul(line)) } else { (valid, 0) };
+    let start = usize::try_from(place.saturating_add(skipped)).unwrap_or(usize::MAX);
     let data = bytes.get(start..).ok_or_else(super::bytes::cut_short)?;
     let scale = scale(header, image, declared)?;
     let mut block = Block::plain(data, number, Order::Little);
@@ -55,7 +62,7 @@ fn channel<'a>(bytes: &'a [u8], header: &NanoscopeHeader, image: &Section) -> Re
         name: image.name(),
         unit: scale.unit,
         size,
-        spacing: spacings(header, image, size),
+        spacing: spacings(header, image, [columns, lines]),
         quantity: if scale.is_length { Quantity::Height } else { Quantity::Other },
         decode: block.decode(size)?,
     })
@@ -67,6 +74,16 @@ fn counts(image: &Section) -> Result<(u64, u64)> {
     let second = || image.text("samps/line")?.split_whitespace().nth(1)?.parse().ok();
     let rows = image.count("number of lines").ok().or_else(second);
     Ok((columns, rows.ok_or_else(|| damaged("`Number of lines` is missing"))?))
+}
+
+/// Returns the lines that were measured: all, or those of a scan that was stopped.
+fn measured(image: &Section, lines: u64) -> Range<u64> {
+    let count = image.count("valid data len y").ok().filter(|n| (1..lines).contains(n));
+    let start = image.count("valid data start y").unwrap_or(0);
+    match count {
+        Some(count) if start.saturating_add(count) <= lines => start..start + count,
+        _ => 0..lines,
+    }
 }
 
 fn sample_type(version: Option<u32>, declared: u64, length: u64, count: u64) -> Result<Number> {
@@ -139,15 +156,19 @@ fn ratio(hard: &str, per: &str) -> Option<f64> {
         .find_map(|base| Some(units::prefixed(hard, base)? / units::prefixed(per, base)?))
 }
 
-/// Distances of samples and of lines. `Scan size` has one length or two. Where both axes have the same and the aspect ratio is
-/// not 1:1, it is the length of a line, and pixels are square.
-fn spacings(header: &NanoscopeHeader, image: &Section, size: [usize; 2]) -> [Option<f64>; 2] {
+/// Returns the distances of samples and of lines. `Scan size` has one length or two. Where both axes have the same and the aspect ratio is
+/// neither 1:1 nor 1, it is the length of a line, and pixels are square.
+fn spacings(header: &NanoscopeHeader, image: &Section, [columns, lines]: [u64; 2]) -> [Option<f64>; 2] {
     let text = image.text("scan size").or_else(|| header.lookup("scan size"));
     let Some([x, y]) = text.and_then(lengths) else { return [None, None] };
     let aspect = image.text("aspect ratio").or_else(|| header.lookup("aspect ratio"));
-    let square_area = aspect.and_then(|text| text.split_once(':')).is_none_or(|(a, b)| a.trim() == b.trim());
-    let y = if x == y && !square_area { x * size[1] as f64 / size[0] as f64 } else { y };
-    [spacing(x, size[0]), spacing(y, size[1])]
+    let square_area = aspect.is_none_or(|text| match text.split_once(':') {
+        Some((a, b)) => a.trim() == b.trim(),
+        None => text.trim().parse::<f64>().is_ok_and(|ratio| ratio == 1.0),
+    });
+    let y = if x == y && !square_area { x * lines as f64 / columns as f64 } else { y };
+    let [columns, lines] = [columns, lines].map(|n| usize::try_from(n).unwrap_or(usize::MAX));
+    [spacing(x, columns), spacing(y, lines)]
 }
 
 /// One length for both axes or two, and their unit \[m\].

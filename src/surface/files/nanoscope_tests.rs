@@ -111,3 +111,49 @@ fn what_holds_no_image_and_sizes_that_lie_are_refused() {
     assert!(lies("offset: 1024", "offset: 18446744073709551615").contains("cut short"));
     assert!(lies("pixel: 2", "pixel: 3").contains("3 bytes"));
 }
+
+#[test]
+fn an_aspect_ratio_that_is_one_number_means_square_pixels_unless_it_is_one() {
+    let of = |ratio: &str| {
+        let size = format!("\\Scan Size: 3000 3000 nm\r\n\\Aspect Ratio: {ratio}\r\n");
+        let image = z("V [Sens. Zsens] (0.0067 V/LSB) 440.0 V").replace(SIZE, &size);
+        only(read(&file("0x09700105", SENSITIVITY, &image, Number::I16))).3.map(Option::unwrap)
+    };
+    for (ratio, y) in [("0.516184", 1.0), ("1", 1.5), ("1:1", 1.5), ("2:1", 1.0)] {
+        let [dx, dy] = of(ratio);
+        assert!((dx - 1e-6).abs() < 1e-18 && (dy - y * 1e-6).abs() < 1e-18, "{ratio}: {dx} {dy}");
+    }
+}
+
+#[test]
+fn a_scan_that_was_stopped_has_the_lines_that_were_measured() {
+    let image = z("V [Sens. Zsens] (0.0067 V/LSB) 440.0 V");
+    let stopped = format!("{image}\\Valid data start Y: 1\r\n\\Valid data len Y: 1\r\n");
+    let bytes = file("0x05120000", SENSITIVITY, &stopped, Number::I16);
+    let (_, _, size, spacing, samples) = only(read(&bytes));
+    // The second stored line is the top one; lines are as far apart as those of the whole scan.
+    assert_eq!(size, [3, 1]);
+    assert!((spacing[1].unwrap() - 1e-6).abs() < 1e-18);
+    let step = 100.0 * 440.0 * 20e-9 / 65536.0;
+    assert!(samples.iter().zip(TOP).all(|(found, x)| (found - x * step).abs() < 1e-18));
+    // Of many files only the lines that were measured are there.
+    let text = String::from_utf8_lossy(&bytes[..1024]).replace("Data length: 12", "Data length: 06");
+    let short = [text.as_bytes(), &bytes[1024 + 6..]].concat();
+    let (_, _, size, _, again) = only(read(&short));
+    assert_eq!((size, again), ([3, 1], samples));
+    assert_robust(&bytes[..], |b| whole(read(b)));
+}
+
+#[test]
+fn an_empty_image_is_told_and_the_others_are_read() {
+    let image = z("V [Sens. Zsens] (0.0067 V/LSB) 440.0 V");
+    let empty = "\\*Ciao image list\r\n\\Data offset: 1024\r\n\\Samps/line: 0 0\r\n\\Number of lines: 0\r\n\
+                 \\@2:Image Data: S [Other] \"Other\"\r\n";
+    let bytes = file("0x05120000", SENSITIVITY, &format!("{image}{empty}"), Number::I16);
+    let scan = read(&bytes).unwrap();
+    assert_eq!(scan.channels.len(), 1);
+    assert!(scan.notes[0].contains("Other") && scan.notes[0].contains("0 x 0"), "{:?}", scan.notes);
+    let of_cell = [b"\\*EC File list".as_slice(), &bytes[b"\\*File list".len()..]].concat();
+    assert!(MAGICS.iter().any(|magic| of_cell.starts_with(magic)));
+    assert_eq!(read(&of_cell).unwrap().channels.len(), 1);
+}

@@ -63,12 +63,43 @@ pub struct Scan<'a> {
     pub format: &'static str,
     /// At least one.
     pub channels: Vec<Channel<'a>>,
+    /// Facts that a user should know about what was read and what was not: a line each.
+    pub notes: Vec<String>,
+    /// True if a user has to say which of several channels the surface is.
+    pub asks: bool,
 }
 
 impl<'a> Scan<'a> {
     /// A file that holds a single image.
     pub fn single(format: &'static str, channel: Channel<'a>) -> Self {
-        Self { format, channels: vec![channel] }
+        Self::new(format, vec![channel])
+    }
+
+    /// Returns a file that holds `channels`.
+    pub fn new(format: &'static str, channels: Vec<Channel<'a>>) -> Self {
+        Self { format, channels, notes: Vec::new(), asks: false }
+    }
+
+    /// Returns a file of the channels that can be read, each with its name. What is wrong with the others is noted.
+    ///
+    /// # Errors
+    /// The first channel's error where none can be read.
+    pub fn of_readable(format: &'static str, found: Vec<(String, Result<Channel<'a>>)>) -> Result<Self> {
+        let mut scan = Self::new(format, Vec::new());
+        let mut first = None;
+        for (name, channel) in found {
+            match channel {
+                Ok(channel) => scan.channels.push(channel),
+                Err(error) => {
+                    scan.notes.push(format!("the channel `{name}` cannot be read and is left out: {error}"));
+                    first.get_or_insert(error);
+                }
+            }
+        }
+        match first {
+            Some(error) if scan.channels.is_empty() => Err(error),
+            _ => Ok(scan),
+        }
     }
 }
 

@@ -64,10 +64,15 @@ fn options_override_what_a_file_says() {
 }
 
 #[test]
-fn a_channel_in_volts_needs_a_height_and_gaps_are_told() {
+fn a_channel_without_a_unit_needs_a_height_an_angle_is_refused_and_gaps_are_told() {
     let text = "# A: Phase\n# W: 2 \u{b5}m\n# H: 2 \u{b5}m\n# U: deg\n10 20\n30 nan\n";
+    for height in [None, Some(0.2)] {
+        let e = from_bytes(text.as_bytes(), "txt", &settings(None, height)).unwrap_err();
+        assert!(e.to_string().contains("Phase") && e.to_string().contains("deg"), "{e}");
+        assert_eq!(e.remedies(), [Remedy::Channel]);
+    }
+    let text = text.replace("deg", "a.u.");
     let e = from_bytes(text.as_bytes(), "txt", &ReadSettings::default()).unwrap_err();
-    assert!(e.to_string().contains("Phase"), "{e}");
     assert_eq!(e.remedies(), [Remedy::Channel, Remedy::FullHeight]);
     let scan = from_bytes(text.as_bytes(), "txt", &settings(None, Some(0.2))).unwrap();
     let origin = scan.origin().unwrap();

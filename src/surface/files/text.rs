@@ -7,7 +7,7 @@ use super::bytes::decode_text;
 use super::scan::{Channel, Quantity, Scan, size, spacing};
 use super::table::{self, TextTable};
 use super::topography::Topography;
-use super::units;
+use super::{units, xyz};
 use crate::error::{Error, Result};
 use std::io::{self, Write};
 
@@ -24,7 +24,11 @@ struct GwyddionHead {
 /// # Errors
 /// As [`table::parse`]; too many numbers on a side.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
-    let TextTable { columns, mut numbers, head, titled } = table::parse(&decode_text(bytes))?;
+    let table = table::parse(&decode_text(bytes))?;
+    if let Some(scan) = points(&table) {
+        return Ok(scan);
+    }
+    let TextTable { columns, mut numbers, head, titled } = table;
     if titled {
         return Err(Error::failed(
             "is a table with named columns and no matrix",
@@ -44,6 +48,17 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     }
     let decode = Box::new(move || Ok(numbers));
     Ok(Scan::single(format, Channel { name, unit, size, spacing, quantity, decode }))
+}
+
+/// Returns the grid of points that three columns may be, one at every node: no matrix of heights is one by chance.
+fn points(table: &TextTable) -> Option<Scan<'static>> {
+    let mut scan = xyz::grid(table).ok()?;
+    let [columns, rows] = scan.channels.first()?.size;
+    if columns < 2 || rows < 2 || columns * rows * 3 != table.numbers.len() {
+        return None;
+    }
+    scan.notes.push("the three columns are x, y and height of a grid of points, in metres".to_owned());
+    Some(scan)
 }
 
 /// The four lines of Gwyddion's export, told by the two lengths.

@@ -50,3 +50,16 @@ fn what_is_written_is_read_back_to_the_last_bit_with_its_gaps() {
     assert!((spacing[0].unwrap() / 7.843e-9 - 1.0).abs() < 1e-15);
     assert!(samples.iter().zip(&heights).all(|(a, b)| a == b || a.is_nan() && b.is_nan()));
 }
+
+#[test]
+fn three_columns_that_are_a_grid_of_points_are_no_matrix() {
+    let point = |i: usize| format!("{}e-7 {}e-7 {}e-9\n", i / 4, i % 4, i);
+    let text: String = (0..12).map(point).collect();
+    let scan = read(text.as_bytes()).unwrap();
+    assert!(scan.notes[0].contains("points"), "{:?}", scan.notes);
+    let (_, quantity, size, spacing, _) = only(Ok(scan));
+    assert_eq!((quantity, size), (Quantity::Height, [3, 4]));
+    assert!((spacing[0].unwrap() - 1e-7).abs() < 1e-20);
+    // Rows of three heights are a matrix.
+    assert_eq!(only(read(b"1 2 3\n4 5 6\n7 8 9\n1 2 4\n")).2, [3, 4]);
+}

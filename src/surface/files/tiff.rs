@@ -41,6 +41,15 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
             "export the height as .gsf or .txt with Gwyddion, or as text with JPK's own program",
         ));
     }
+    let white_is_zero = PhotometricInterpretation::WhiteIsZero.to_u16();
+    if decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).ok().flatten() == Some(white_is_zero)
+    {
+        return Err(Error::failed(
+            "counts from white (WhiteIsZero)",
+            "save it with black as the lowest value",
+        ));
+    }
+    let more = decoder.more_images();
     let (columns, rows) = decoder.dimensions().map_err(|e| explain(&e))?;
     let size = size(u64::from(columns), u64::from(rows))?;
     let distances = distances(&mut decoder);
@@ -55,30 +64,47 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     if !grey || unsigned && bits.first().is_none_or(|b| *b <= 16) {
         let mut scan = image::read(bytes)?;
         scan.channels.iter_mut().for_each(|c| c.spacing = distances);
+        scan.notes.extend(more.then(|| PAGES.to_owned()));
         return Ok(scan);
     }
-    let white_is_zero = PhotometricInterpretation::WhiteIsZero.to_u16();
-    if decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).ok().flatten() == Some(white_is_zero)
-    {
-        return Err(Error::failed(
-            "counts from white (WhiteIsZero)",
-            "save it with black as the lowest value",
-        ));
-    }
+    let unit = value_unit(&mut decoder);
     let (samples, largest) = numbers(decoder, size, bytes.len())?;
     let (samples, size) = oriented(samples, size, orientation);
-    let float = largest.is_infinite();
-    Ok(Scan::single(
+    let metres = units::length(&unit);
+    let (quantity, factor) = match metres {
+        _ if largest.is_finite() => (Quantity::Code { largest }, 1.0),
+        Some(metres) => (Quantity::Height, metres),
+        None => (Quantity::Other, 1.0),
+    };
+    let mut scan = Scan::single(
         "TIFF",
         Channel {
             name: "grey".to_owned(),
-            unit: if float { "m" } else { "" }.to_owned(),
+            unit: if largest.is_finite() { String::new() } else { unit },
             size,
             spacing: distances,
-            quantity: if float { Quantity::Height } else { Quantity::Code { largest } },
-            decode: Box::new(move || Ok(samples)),
+            quantity,
+            decode: Box::new(move || Ok(samples.into_iter().map(|x| x * factor).collect())),
         },
-    ))
+    );
+    scan.notes.extend(more.then(|| PAGES.to_owned()));
+    Ok(scan)
+}
+
+/// Note for a file of several pages.
+const PAGES: &str = "the file has several pages, of which the first was read";
+
+/// Returns the value of `key` in the description that ImageJ writes, with its escaped letters decoded.
+fn image_j(text: &str, key: &str) -> Option<String> {
+    let value =
+        text.strip_prefix("ImageJ")?.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix('='))?;
+    Some(value.trim().replace("\\u00B5", "\u{b5}").replace("\\u00b5", "\u{b5}"))
+}
+
+/// Returns the unit of the samples: that of ImageJ's description, else metres.
+fn value_unit(decoder: &mut Decoder<Cursor<&[u8]>>) -> String {
+    let text = decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default();
+    image_j(&text, "vunit").unwrap_or_else(|| "m".to_owned())
 }
 
 /// The decoder's messages in the words of this program.
@@ -174,18 +200,17 @@ fn distances(decoder: &mut Decoder<Cursor<&[u8]>>) -> [Option<f64>; 2] {
         return [x, y].map(|d| spacing(d.parse().ok()?, 1));
     }
     let resolution_unit = decoder.find_tag_unsigned::<u16>(Tag::ResolutionUnit).ok().flatten();
-    // ImageJ writes pixels for each of its own units.
-    let image_j = text
-        .starts_with("ImageJ")
-        .then(|| text.lines().find_map(|line| line.strip_prefix("unit=")))
-        .flatten();
-    let (unit, coarsest) = match (image_j.and_then(units::length), resolution_unit) {
-        (Some(unit), _) => (unit, f64::INFINITY),
-        (None, None | Some(2)) => (0.0254, COARSEST),
-        (None, Some(3)) => (0.01, COARSEST),
-        (None, Some(_)) => return [None, None],
+    // ImageJ writes pixels for each of its own units, of which y has another one where it differs.
+    let x = image_j(&text, "unit");
+    let y = image_j(&text, "yunit").or_else(|| x.clone());
+    let axis = |named: Option<String>| match (named.as_deref().and_then(units::length), resolution_unit) {
+        (Some(unit), _) => Some((unit, f64::INFINITY)),
+        (None, None | Some(2)) => Some((0.0254, COARSEST)),
+        (None, Some(3)) => Some((0.01, COARSEST)),
+        (None, Some(_)) => None,
     };
-    [Tag::XResolution, Tag::YResolution].map(|tag| {
+    [(Tag::XResolution, axis(x)), (Tag::YResolution, axis(y))].map(|(tag, unit)| {
+        let (unit, coarsest) = unit?;
         let resolution = match decoder.find_tag(tag).ok()?? {
             Value::Rational(n, d) => f64::from(n) / f64::from(d),
             Value::Float(x) => f64::from(x),

@@ -157,3 +157,23 @@ fn a_scan_of_jpk_is_refused_instead_of_its_thumbnail() {
     let e = read(&file(false, false, &entries, &[0; 6])).err().unwrap().to_string();
     assert!(e.contains("JPK") && e.contains(".gsf"), "{e}");
 }
+
+#[test]
+fn codes_that_count_from_white_are_refused() {
+    for bits in [8, 16] {
+        let data = vec![1u8; 6 * bits as usize / 8];
+        let entries =
+            [(256, 4, 3), (257, 4, 2), (258, 3, bits), (259, 3, 1), (262, 3, 0), (277, 3, 1), (278, 4, 2)];
+        let refused = read(&file(false, false, &entries, &data)).err().unwrap().to_string();
+        assert!(refused.contains("WhiteIsZero"), "{refused}");
+    }
+}
+
+#[test]
+fn imagej_s_units_count_for_each_axis_and_for_values() {
+    let text = "ImageJ=1.53t\nunit=\\u00B5m\nyunit=nm\nvunit=nm\n";
+    assert_eq!(image_j(text, "unit").as_deref(), Some("\u{b5}m"));
+    assert_eq!(image_j(text, "yunit").as_deref(), Some("nm"));
+    assert_eq!(image_j(text, "vunit").as_deref(), Some("nm"));
+    assert_eq!(image_j("unit=nm", "unit"), None);
+}

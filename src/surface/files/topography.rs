@@ -133,10 +133,11 @@ impl Topography {
         self.origin.as_ref()
     }
 
-    /// Notes in the origin what a user should know.
-    pub(super) fn warn(&mut self) {
+    /// Adds to the origin what a user should know: the `notes` of the reader, and what the numbers ask.
+    pub(super) fn warn(&mut self, notes: Vec<String>) {
         let [low, high] = self.summary().range;
-        let mut warnings = plausible::questions(self.size, self.spacing, high - low);
+        let mut warnings = notes;
+        warnings.extend(plausible::questions(self.size, self.spacing, high - low));
         if self.missing > 0 {
             let (missing, count) = (self.missing, self.samples.len());
             warnings.push(format!(

@@ -41,6 +41,18 @@ pub fn length(unit: &str) -> Option<f64> {
     other.map(|(_, metres)| *metres).or_else(|| prefixed(unit, "m"))
 }
 
+/// Returns true if `unit` is known and of another quantity than length.
+pub fn is_of_another_quantity(unit: &str) -> bool {
+    const BASES: [&str; 13] = ["V", "A", "N", "Hz", "s", "K", "Pa", "W", "J", "g", "rad", "F", "C"];
+    const OTHERS: [&str; 10] =
+        ["deg", "degree", "degrees", "\u{b0}", "\u{ba}", "\u{b0}C", "\u{2126}", "Ohm", "%", "radian"];
+    /// Letters that stand for other things, too, as for ångström and counts.
+    const AMBIGUOUS: [&str; 4] = ["A", "C", "F", "g"];
+    let unit = unit.trim();
+    let is_known = !AMBIGUOUS.contains(&unit);
+    OTHERS.contains(&unit) || is_known && BASES.iter().any(|base| prefixed(unit, base).is_some())
+}
+
 /// What one `unit` is in units of `base`, of which it is a multiple by an SI prefix; `None` where it is another quantity.
 pub fn prefixed(unit: &str, base: &str) -> Option<f64> {
     let prefix = unit.strip_suffix(base)?;
@@ -79,6 +91,12 @@ mod tests {
         }
         for unit in ["", "V", "deg", "A", "nm/V", "xm", "Hz", "\u{e9}m"] {
             assert_eq!(length(unit), None, "{unit}");
+        }
+        for unit in ["V", "mV", "deg", "rad", "nA", "kHz", " N ", "\u{b0}"] {
+            assert!(is_of_another_quantity(unit), "{unit}");
+        }
+        for unit in ["", "nm", "a.u.", "nm/V", "counts", "in", "A"] {
+            assert!(!is_of_another_quantity(unit), "{unit}");
         }
         assert_eq!(prefixed("mV", "V"), Some(1e-3));
         assert_eq!(prefixed("Arb", "V"), None);

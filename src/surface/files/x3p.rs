@@ -19,6 +19,9 @@ use zip::write::SimpleFileOptions;
 /// How a zip begins.
 pub const MAGIC: &[u8] = b"PK\x03\x04";
 
+/// Largest number of declarations of namespaces in a description; real ones have two.
+const MOST_NAMESPACES: usize = 100;
+
 /// The name of the description.
 const MAIN: &str = "main.xml";
 
@@ -33,9 +36,13 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let xml = decode_text(&member(&mut archive, &main, MAX_TEXT)?);
     // A description in memory takes many times its text.
     memory::ensure_room(xml.len() as u64 * 8, "the description of an X3P")?;
+    // The parser compares every declaration of a namespace with all others.
+    if xml.matches("xmlns").count() > MOST_NAMESPACES {
+        return Err(damaged(format!("its description declares more than {MOST_NAMESPACES} namespaces")));
+    }
     let document = Document::parse(xml.trim_start_matches('\u{feff}')).map_err(damaged)?;
     let root = document.root_element();
-    let header = X3pHeader::read(root)?;
+    let mut header = X3pHeader::read(root)?;
     let mut linked = |name: &str, most: u64| {
         let name = name.trim().replace('\\', "/");
         let name = name.trim_start_matches("./").trim_start_matches('/');
@@ -43,11 +50,13 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     };
     let [columns, rows] = header.size;
     let count = columns * rows * header.layers;
+    let mut scaled = None;
     let samples: Vec<f64> = match at(root, &["Record3", "DataLink", "PointDataLink"]).and_then(|n| n.text()) {
         Some(link) => {
             let needed = (count * header.number.bytes()) as u64;
             memory::ensure_room(needed + count as u64 * 8, &format!("a scan of {columns} x {rows} samples"))?;
             let data = linked(link, needed)?;
+            scaled = header.choose_scale(&data);
             let block = Block {
                 bytes: Cow::Owned(data),
                 scale: header.scale,
@@ -61,7 +70,10 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
         Some(link) if !link.trim().is_empty() => Some(linked(link, count.div_ceil(8) as u64)?),
         _ => None,
     };
-    Ok(Scan { format: "X3P", channels: layers(&header, samples, mask)? })
+    let mut scan = Scan::new("X3P", layers(&header, samples, mask)?);
+    scan.asks = true;
+    scan.notes.extend(scaled);
+    Ok(scan)
 }
 
 /// One channel for each layer; what `mask` leaves out was not measured.
@@ -156,6 +168,33 @@ impl X3pHeader {
     }
 }
 
+impl X3pHeader {
+    /// Chooses the increment of heights that are floating-point numbers. The standard's own program adds the offset alone, and others multiply by
+    /// the increment, too. The one whose range is that of a surface is taken, and both where they are: the increment's. A note says which.
+    fn choose_scale(&mut self, data: &[u8]) -> Option<String> {
+        /// Smallest and largest range of a measured surface \[m\].
+        const RANGES: [f64; 2] = [1e-10, 1e-2];
+        let [increment, _] = self.scale;
+        if !self.number.is_float() || increment == 1.0 {
+            return None;
+        }
+        let values = self.number.decode(data, Order::Little);
+        let (low, high) = values
+            .into_iter()
+            .filter(|x| x.is_finite())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        let is_surface = |factor: f64| (RANGES[0]..=RANGES[1]).contains(&((high - low) * factor.abs()));
+        let multiplies = is_surface(increment) || !is_surface(1.0);
+        if !multiplies {
+            self.scale[0] = 1.0;
+        }
+        let how = if multiplies { "multiplied by it" } else { "taken without it" };
+        Some(format!(
+            "the heights are floating-point numbers with an increment of {increment:e}; they were {how}"
+        ))
+    }
+}
+
 /// The element at `path` below `node`, whatever the namespaces.
 fn at<'a>(node: Node<'a, 'a>, path: &[&str]) -> Option<Node<'a, 'a>> {
     let step = |node: Node<'a, 'a>, name: &&str| node.children().find(|c| c.tag_name().name() == *name);
@@ -185,9 +224,9 @@ fn listed(root: Node, header: &X3pHeader, count: usize) -> Result<Vec<f64>> {
 fn main_name(archive: &ZipArchive<Cursor<&[u8]>>) -> Result<String> {
     let is_main =
         |name: &str| name == MAIN || (name.ends_with("/main.xml") && !name.starts_with("__MACOSX/"));
-    let names = archive.file_names().filter_map(|name| name.ok()).filter(|name| is_main(name));
-    let found = names.min_by_key(|name| (name.matches('/').count(), name.len()));
-    found.map(|name| name.into_owned()).ok_or_else(|| {
+    let names = archive.file_names().filter_map(|name| name.ok()).map(|name| with_slashes(&name));
+    let found = names.filter(|name| is_main(name)).min_by_key(|name| (name.matches('/').count(), name.len()));
+    found.ok_or_else(|| {
         Error::failed(
             "is a zip without main.xml, so no X3P",
             "unpack it, and choose the file with the heights",
@@ -195,9 +234,16 @@ fn main_name(archive: &ZipArchive<Cursor<&[u8]>>) -> Result<String> {
     })
 }
 
+/// Returns the name of a member as zips have it; some programs write backslashes.
+fn with_slashes(name: &str) -> String {
+    name.replace('\\', "/")
+}
+
 /// The content of `name`, at most `most` bytes of it: what a header promises is not believed.
 fn member<R: Read + Seek>(archive: &mut ZipArchive<R>, name: &str, most: u64) -> Result<Vec<u8>> {
-    let file = archive.by_name(name).map_err(|e| unzip(&e).at(name))?;
+    let names = archive.file_names().filter_map(|name| name.ok());
+    let own = names.map(|own| own.into_owned()).find(|own| with_slashes(own) == name);
+    let file = archive.by_name(own.as_deref().unwrap_or(name)).map_err(|e| unzip(&e).at(name))?;
     memory::ensure_room(file.size().min(most), &format!("the file {name} in it"))?;
     let mut content = Vec::new();
     file.take(most).read_to_end(&mut content).map_err(|e| damaged(e).at(name))?;

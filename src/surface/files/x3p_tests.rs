@@ -126,3 +126,50 @@ fn what_is_written_is_read_back_to_the_last_bit_with_its_gaps() {
     assert!(samples[1].is_nan());
     assert!(samples.iter().zip(&heights).all(|(a, b)| a == b || b.is_nan()));
 }
+
+#[test]
+fn members_with_backslashes_are_read_like_any_other() {
+    let data: Vec<u8> = rows().flat_map(f64::to_le_bytes).collect();
+    let main = xml("D", "", LINK, [3, 2]);
+    let bytes = archive(&[("a\\main.xml", main.as_bytes()), ("a\\bindata\\data.bin", &data)]);
+    assert_rows(&only(read(&bytes)).4, 1.0);
+}
+
+#[test]
+fn a_description_of_very_many_namespaces_is_refused_at_once() {
+    let many: String = (0..10_000).map(|i| format!(" xmlns:a{i}=\"b\"")).collect();
+    let main = xml("D", "", LINK, [3, 2]).replacen("<Record1>", &format!("<Record1{many}>"), 1);
+    let refused = read(&archive(&[("main.xml", main.as_bytes())])).err().unwrap().to_string();
+    assert!(refused.contains("namespaces"), "{refused}");
+}
+
+#[test]
+fn floats_with_an_increment_are_multiplied_by_it_where_that_makes_a_surface() {
+    let of = |increment: &str, unit: f64| {
+        let z = format!("<Increment>{increment}</Increment><Offset>0</Offset>");
+        let data: Vec<u8> = rows().flat_map(|x| (x * unit).to_le_bytes()).collect();
+        let main = xml("D", &z, LINK, [3, 2]);
+        let bytes = archive(&[("main.xml", main.as_bytes()), ("bindata/data.bin", &data)]);
+        let scan = read(&bytes).unwrap();
+        (scan.notes.join(" "), only(Ok(scan)).4)
+    };
+    // Micrometres, and metres with an increment that is not for them.
+    let (note, samples) = of("1e-6", 1.0);
+    assert_rows(&samples, 1e-6);
+    assert!(note.contains("multiplied"), "{note}");
+    let (note, samples) = of("1e-9", 1e-6);
+    assert_rows(&samples, 1e-6);
+    assert!(note.contains("without"), "{note}");
+    assert_eq!(of("1", 1e-6).0, "");
+}
+
+#[test]
+fn one_of_several_layers_has_to_be_named() {
+    let data: Vec<u8> = rows().chain(rows()).flat_map(f64::to_le_bytes).collect();
+    let main = xml("D", "", LINK, [3, 2]).replace("<SizeZ>1</SizeZ>", "<SizeZ>2</SizeZ>");
+    let bytes = archive(&[("main.xml", main.as_bytes()), ("bindata/data.bin", &data)]);
+    let scan = read(&bytes).unwrap();
+    let refused = super::super::choose::choose(&scan, None).unwrap_err().to_string();
+    assert!(refused.contains("2 surfaces"), "{refused}");
+    assert_eq!(super::super::choose::choose(&scan, Some("Height 2")).unwrap(), 1);
+}

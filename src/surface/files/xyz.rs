@@ -2,7 +2,7 @@
 
 use super::bytes::{damaged, decode_text};
 use super::scan::{Channel, Quantity, Scan, size, spacing};
-use super::table;
+use super::table::{self, TextTable};
 use crate::error::{Error, Result};
 use crate::memory;
 
@@ -18,7 +18,14 @@ const FEWEST: f64 = 0.25;
 /// # Errors
 /// As [`table::parse`]; other than three numbers a line; points that are no regular grid.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
-    let table = table::parse(&decode_text(bytes))?;
+    grid(&table::parse(&decode_text(bytes))?)
+}
+
+/// Returns the grid of the points in `table`.
+///
+/// # Errors
+/// As [`read`].
+pub fn grid(table: &TextTable) -> Result<Scan<'static>> {
     if table.columns != 3 {
         return Err(Error::failed(
             format!("has {} numbers a line", table.columns),
