@@ -11,7 +11,7 @@ below,95,0,10,0,500
 
 /// Runs eval on the small surface with `more` options.
 fn eval(sandbox: &Sandbox, more: &[&str]) -> String {
-    sandbox.run2(&["eval"], &[&SMALL[..], &more].concat()).done()
+    sandbox.run2(&["eval"], &[&SMALL[..], more].concat()).done()
 }
 
 /// The last `columns` cells of each row.
@@ -41,7 +41,7 @@ fn the_mean_needs_no_vulkan_and_one_window_says_what_to_install() {
     }
     for windows in ["1x1", "2x1"] {
         let more = ["--queries", "q.csv", "--windows", windows];
-        let line = sandbox.run2(&["eval"], &[&SMALL[..], &more].concat()).refused(1);
+        let line = sandbox.run2(&["eval"], &[&SMALL[..], more].concat()).refused(1);
         assert!(line.contains("mesa-vulkan-drivers"), "{line}");
     }
 }
