@@ -19,11 +19,20 @@ struct GwyddionHead {
     unit: String,
 }
 
+/// First bytes of Wyko's own text format, which holds more than a matrix.
+const WYKO_MAGIC: &[u8] = b"Wyko ASCII";
+
 /// The file in `bytes`.
 ///
 /// # Errors
 /// As [`table::parse`]; too many numbers on a side.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
+    if bytes.starts_with(WYKO_MAGIC) {
+        return Err(Error::failed(
+            "is a Wyko ASCII file, whose blocks are not read",
+            "export it as .sur, .x3p or a plain matrix of heights",
+        ));
+    }
     let table = table::parse(&decode_text(bytes))?;
     if let Some(scan) = points(&table) {
         return Ok(scan);

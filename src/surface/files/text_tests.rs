@@ -63,3 +63,9 @@ fn three_columns_that_are_a_grid_of_points_are_no_matrix() {
     // Rows of three heights are a matrix.
     assert_eq!(only(read(b"1 2 3\n4 5 6\n7 8 9\n1 2 4\n")).2, [3, 4]);
 }
+
+#[test]
+fn files_of_wyko_are_refused_whatever_their_blocks_hold() {
+    let refused = read(b"Wyko ASCII Data File Format\t0\t1\t1\nX Size\t2\n1\t2\n3\t4\n").err().unwrap();
+    assert!(refused.to_string().contains("Wyko"), "{refused}");
+}
