@@ -13,6 +13,7 @@ pub mod mesh;
 mod normals;
 pub mod obj;
 pub mod object;
+mod polygon;
 pub mod primitives;
 pub mod scene_file;
 mod scene_writer;
