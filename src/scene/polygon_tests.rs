@@ -119,7 +119,11 @@ fn polygons_without_an_area_and_tangled_ones_neither_panic_nor_take_long() {
     assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
     let more: Vec<[f64; 2]> = [tangle, L.to_vec()].concat();
     let e = PolygonCutter::default().cut(&flat(&more)).unwrap_err().to_string();
-    assert!(e.contains(&format!("a concave face has {} corners", MAX_CORNERS + 6)) && e.contains("; cut large faces"), "{e}");
+    assert!(
+        e.contains(&format!("a concave face has {} corners", MAX_CORNERS + 6))
+            && e.contains("; cut large faces"),
+        "{e}"
+    );
 }
 
 proptest! {
