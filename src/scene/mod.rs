@@ -16,6 +16,7 @@ pub mod object;
 mod polygon;
 pub mod primitives;
 pub mod scene_file;
+mod scene_options;
 mod scene_writer;
 pub mod snake;
 
