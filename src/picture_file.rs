@@ -103,6 +103,51 @@ pub fn note(path: &Path, name: &str) -> Option<String> {
     }
 }
 
+/// All text of a picture file of this `format` with these `notes`, as [`text_of`] reads it.
+pub fn text(format: PictureFormat, notes: &Notes) -> String {
+    let all = notes.all();
+    match format {
+        PictureFormat::Png => {
+            let lines = all.iter().map(|(name, value)| format!("{name}: {value}"));
+            lines.collect::<Vec<_>>().join("\n")
+        }
+        PictureFormat::Exr => {
+            let (software, comments) = exr_text(all);
+            let words =
+                [software, comments].map(|text| text.map(|text| text.to_string()).unwrap_or_default());
+            words.join("\n")
+        }
+    }
+}
+
+/// All text of the picture file `path`; `None` where it is no picture that can be read.
+pub fn text_of(path: &Path) -> Option<String> {
+    match PictureFormat::of(path).ok()? {
+        PictureFormat::Png => {
+            let reader = png::Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
+            let line = |chunk: &png::text_metadata::ITXtChunk| {
+                Some(format!("{}: {}", chunk.keyword, chunk.get_text().ok()?))
+            };
+            let lines: Option<Vec<String>> = reader.info().utf8_text.iter().map(line).collect();
+            Some(lines?.join("\n"))
+        }
+        PictureFormat::Exr => {
+            let meta = exr::meta::MetaData::read_from_file(path, false).ok()?;
+            let own = &meta.headers.first()?.own_attributes;
+            let words = [&own.software_name, &own.comments];
+            Some(words.map(|text| text.as_ref().map(|text| text.to_string()).unwrap_or_default()).join("\n"))
+        }
+    }
+}
+
+/// The pixels of `picture` as a file of this `format` stores them.
+pub fn pixels(format: PictureFormat, picture: &Picture) -> Vec<u8> {
+    match format {
+        PictureFormat::Png => codes(picture),
+        PictureFormat::Exr => bytemuck::cast_slice(&picture.radiance).to_vec(),
+    }
+}
+
 /// `word` as a shell takes it.
 pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:+=@%".contains(c);
@@ -136,13 +181,8 @@ fn codes(picture: &Picture) -> Vec<u8> {
 
 fn exr(file: &mut (impl Write + Seek), picture: &Picture, notes: &Notes) -> std::result::Result<(), IoError> {
     let [width, height] = picture.size.map(|n| n as usize);
-    let mut all = notes.all().into_iter();
     let mut attributes = LayerAttributes::named("");
-    attributes.software_name = all.next().and_then(|(_, software)| ascii(&software));
-    // One attribute: the library writes attributes of one's own in an order that changes from run to run.
-    let comments: Vec<String> =
-        all.map(|(name, value)| if name == "Comment" { value } else { format!("{name}: {value}") }).collect();
-    attributes.comments = ascii(&comments.join("\n"));
+    (attributes.software_name, attributes.comments) = exr_text(notes.all());
     let channels = SpecificChannels::rgba(|at: exr::math::Vec2<usize>| {
         let [r, g, b, a] = picture.radiance[at.y() * width + at.x()];
         (r, g, b, a)
@@ -151,6 +191,15 @@ fn exr(file: &mut (impl Write + Seek), picture: &Picture, notes: &Notes) -> std:
     let encoding = Encoding { line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
     let image = Image::from_layer(Layer::new((width, height), attributes, encoding, channels));
     image.write().to_buffered(file).map_err(IoError::other)
+}
+
+/// The version of the program, and all other notes in one attribute: the library writes attributes of one's own in an order that changes from run to run.
+fn exr_text(notes: Vec<(String, String)>) -> (Option<Text>, Option<Text>) {
+    let mut all = notes.into_iter();
+    let software = all.next().and_then(|(_, software)| ascii(&software));
+    let comments: Vec<String> =
+        all.map(|(name, value)| if name == "Comment" { value } else { format!("{name}: {value}") }).collect();
+    (software, ascii(&comments.join("\n")))
 }
 
 /// `text` in ASCII. EXR says nothing of other letters, and some readers refuse a file that has them: signs of formulas are written out, other
@@ -218,8 +267,10 @@ mod tests {
         for path in [&as_png, &as_exr] {
             assert_eq!(note(path, "Surface").as_deref(), Some("a hash"));
             assert_eq!(note(path, "Sur"), None);
+            let format = PictureFormat::of(path).unwrap();
+            assert_eq!(text_of(path), Some(text(format, &notes())));
             std::fs::write(path, "no picture").unwrap();
-            assert_eq!(note(path, "Surface"), None);
+            assert_eq!((note(path, "Surface"), text_of(path)), (None, None));
         }
         for part in ["diffract render 'pl\\u{e4}tze'", "\\u{9c57}.png", "\nSurface: a hash\nTolerance: 1e-2"]
         {

@@ -6,7 +6,7 @@
 //! | the light | [`Coherence`], [`Illuminant`], and [`Pair`]s of [`direction`]s |
 //! | the BRDF of a pixel | [`MeanReference`] of a [`MeanBrdf`], asked through [`Brdf`] |
 //! | the BRDF of one coherence window | [`DirectSum`] of a [`Reference`], asked through [`Brdf`] |
-//! | many colours fast | [`power_spectra`], then [`bake`] a [`ColorTable`], then a [`TableReader`] |
+//! | many colours fast | [`OrderSeries`], then [`bake`] a [`ColorTable`], then a [`TableReader`] |
 #![cfg_attr(
     feature = "vulkan",
     doc = "| a picture | [`Device::open`], a [`Scene`], [`setup::picture`], [`picture_file::save`] |"

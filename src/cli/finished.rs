@@ -1,13 +1,17 @@
-//! Which pictures of a sequence an earlier run finished: each says in its file what it was drawn from.
+//! Pictures of a sequence that an earlier run finished: each says in its file what it was drawn from, and has a hash of itself.
 
 use crate::cache::{EntryFormat, Key};
 use crate::error::{Error, Result};
-use crate::picture_file;
+use crate::input::PictureFile;
+use crate::memory;
+use crate::picture_file::{self, Notes, PictureFormat};
 use crate::render::frame::View;
 use crate::render::object::ObjectTextures;
+use crate::render::picture::Picture;
 use crate::render::sequence::Sequence;
 use crate::scene::{Mesh, Object, Scene};
 use crate::setup::ObjectSurface;
+use image::{DynamicImage, ImageFormat};
 use std::fmt::Debug;
 use std::path::Path;
 
@@ -68,20 +72,142 @@ impl SequenceOrigin {
     }
 }
 
-/// Whether the file `path` is there and is the picture that says `note` of itself.
+/// A picture of a sequence as an earlier run left it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Frame {
+    /// There is no file.
+    Missing,
+    /// The file is as it was written.
+    Finished,
+    /// The file is of this picture, and is cut short or changed.
+    Damaged,
+}
+
+/// The state of the file `path`, where the picture that says `note` of itself belongs.
 ///
 /// # Errors
 /// Where the file is another one: nothing that is there is written over, and no sequence has pictures of two kinds.
-pub fn is_there(path: &Path, note: &str) -> Result<bool> {
+pub fn frame(path: &Path, note: &str) -> Result<Frame> {
     if !path.exists() {
-        return Ok(false);
+        return Ok(Frame::Missing);
     }
     if picture_file::note(path, NOTE).is_some_and(|own| own == note) {
-        return Ok(true);
+        return Ok(if is_whole(path) { Frame::Finished } else { Frame::Damaged });
     }
     Err(Error::usage(
         "is there already and is not this picture under these settings",
         "remove it and the rest of its sequence, or give the output another name",
     )
     .at(path.display()))
+}
+
+/// The note of a picture file with the hash of its other notes and its pixels; the last one.
+const SEAL: &str = "Hash";
+
+/// `notes` of the file of `picture`, with the hash that [`frame`] looks for.
+pub fn sealed(mut notes: Notes, format: PictureFormat, picture: &Picture) -> Notes {
+    let text = picture_file::text(format, &notes);
+    let hash = hash(&text, picture.size, &picture_file::pixels(format, picture));
+    notes.more.push((SEAL.to_owned(), hash));
+    notes
+}
+
+fn hash(text: &str, size: [u32; 2], pixels: &[u8]) -> String {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(&(text.len() as u64).to_le_bytes()).update(text.as_bytes());
+    hasher.update(bytemuck::cast_slice(&size)).update_rayon(pixels);
+    hasher.finalize().to_hex().to_string()
+}
+
+/// True if the picture file `path` has the notes and the pixels whose hash it names.
+fn is_whole(path: &Path) -> bool {
+    let Some(said) = picture_file::text_of(path) else { return false };
+    let Some((text, named)) = said.rsplit_once(&format!("\n{SEAL}: ")) else { return false };
+    let Ok((size, pixels)) = decoded(path) else { return false };
+    hash(text, size, &pixels) == named
+}
+
+/// Size and pixels of a picture file.
+fn decoded(path: &Path) -> Result<([u32; 2], Vec<u8>)> {
+    const PICTURE: PictureFile = PictureFile {
+        formats: &[ImageFormat::Png, ImageFormat::OpenExr],
+        names: "neither PNG nor EXR",
+        expected: "a picture of diffract",
+        role: "a picture",
+        side: u32::MAX,
+    };
+    let unreadable = |e: std::io::Error| Error::failed(e.to_string(), "check the file").at(path.display());
+    let bytes = std::fs::read(path).map_err(unreadable)?;
+    // The decoder does not look for the end of a PNG.
+    const END_OF_PNG: &[u8] = b"\0\0\0\0IEND\xaeB`\x82";
+    if PictureFormat::of(path)? == PictureFormat::Png && !bytes.ends_with(END_OF_PNG) {
+        return Err(Error::failed("the PNG has no end", "draw it again").at(path.display()));
+    }
+    let [width, height] = PICTURE.size(&bytes)?;
+    /// Four floats, as decoded and as kept.
+    const BYTES: u64 = 32;
+    memory::ensure_room(
+        u64::from(width).saturating_mul(u64::from(height)).saturating_mul(BYTES),
+        "the picture",
+    )?;
+    let pixels = match PICTURE.decode(&bytes)? {
+        DynamicImage::ImageRgba8(codes) => codes.into_raw(),
+        radiance => bytemuck::cast_slice(radiance.into_rgba32f().as_raw()).to_vec(),
+    };
+    Ok(([width, height], pixels))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A picture with the notes of a frame in both formats.
+    fn written(folder: &Path) -> Vec<std::path::PathBuf> {
+        let count = 40 * 30;
+        let picture = Picture {
+            size: [40, 30],
+            radiance: (0..count)
+                .map(|i| [(i as f32 * 0.37).sin(), -1.5, 2.0, (i % 5) as f32 / 4.0])
+                .collect(),
+            display: (0..count).map(|i| [i as u8, (i / 7) as u8, 3, 255]).collect(),
+            surrounded: false,
+        };
+        let write = |name: &str| {
+            let path = folder.join(name);
+            let format = PictureFormat::of(&path).unwrap();
+            let mut notes = Notes::new("diffract render plätze".to_owned(), "λ ≪ d".to_owned());
+            notes.more.push((NOTE.to_owned(), "a key, picture 3".to_owned()));
+            picture_file::write(&path, format, &picture, &sealed(notes, format, &picture)).unwrap();
+            path
+        };
+        ["a.png", "a.exr"].map(write).into()
+    }
+
+    #[test]
+    fn a_frame_that_is_cut_or_changed_anywhere_is_never_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        for path in written(folder.path()) {
+            let state = || frame(&path, "a key, picture 3");
+            assert_eq!(state().unwrap(), Frame::Finished, "{}", path.display());
+            assert!(frame(&path, "a key, picture 4").is_err(), "another picture");
+            let whole = std::fs::read(&path).unwrap();
+            // What is cut so early that it does not say what it is, is refused.
+            std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+            assert_eq!(state().unwrap(), Frame::Damaged, "half of {}", path.display());
+            for cut in [0, 10, whole.len() / 10, whole.len() - 1] {
+                std::fs::write(&path, &whole[..cut]).unwrap();
+                assert_ne!(state().ok(), Some(Frame::Finished), "{cut} of {}", path.display());
+            }
+            for place in (whole.len() / 2..whole.len()).step_by(97) {
+                let mut changed = whole.clone();
+                changed[place] ^= 0x40;
+                std::fs::write(&path, &changed).unwrap();
+                assert_ne!(state().ok(), Some(Frame::Finished), "byte {place} of {}", path.display());
+            }
+            std::fs::write(&path, &whole).unwrap();
+            assert_eq!(state().unwrap(), Frame::Finished);
+            std::fs::remove_file(&path).unwrap();
+            assert_eq!(state().unwrap(), Frame::Missing);
+        }
+    }
 }

@@ -99,13 +99,39 @@ enum Command {
 
 /// Runs the program on the process's own arguments.
 pub fn main() -> ExitCode {
-    match usage::parse(std::env::args_os()).and_then(|arguments| arguments.map_or(Ok(()), run)) {
+    match on_large_stack(|| usage::parse(std::env::args_os()))
+        .and_then(|arguments| arguments.map_or(Ok(()), start))
+    {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             print(&remedies::in_options(&error));
             ExitCode::from(error.exit_code())
         }
     }
+}
+
+/// Runs a command on a large stack; windows are for the main thread.
+fn start(arguments: Arguments) -> Result<()> {
+    #[cfg(feature = "viewer")]
+    if matches!(arguments.command, Command::View(_)) {
+        return run(arguments);
+    }
+    on_large_stack(|| run(arguments))
+}
+
+/// Does `work` in a thread with the stack that systems usually give to a process: one that `ulimit -s` makes small overflows. Where the system
+/// gives no thread, the calling one does it.
+fn on_large_stack<T: Send>(work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
+    const BYTES: usize = 8 << 20;
+    let mut work = Some(work);
+    let done = std::thread::scope(|scope| {
+        let work = &mut work;
+        let thread = std::thread::Builder::new().name("main".to_owned()).stack_size(BYTES);
+        let thread = thread.spawn_scoped(scope, move || work.take().map(|work| work())).ok()?;
+        thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    });
+    let done = done.or_else(|| work.map(|work| work()));
+    done.unwrap_or_else(|| Err(Error::failed("a command did not run", "report this as a bug of diffract")))
 }
 
 fn run(arguments: Arguments) -> Result<()> {

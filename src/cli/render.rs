@@ -1,9 +1,8 @@
 //! `diffract render`: a scene into a file, or a sequence of pictures into numbered ones.
 
-use super::finished::{self, SequenceOrigin};
+use super::finished::{self, Frame, SequenceOrigin};
 use super::options::{
-    CacheOptions, ColourOptions, DeviceOptions, Exposure, OpticsOptions, SurfaceOptions, ViewOptions,
-    sample_pixels,
+    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, sample_pixels,
 };
 use super::sequence::SequenceOptions;
 use super::verbosity::say;
@@ -123,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         optics: Settings::new(method, shading),
     };
     let shaded = arguments.sample_pixels;
-    let measured = arguments.view.exposure == Some(Exposure::Auto);
+    let measured = scene.auto_exposure;
     let surfaces = ObjectSurface::of(&scene, &field, &settings.optics, &mut |s| s.load().map(Arc::new))?;
     let work = PictureWork {
         scene: &scene,
@@ -157,6 +156,8 @@ struct Shot {
     view: View,
     output: PathBuf,
     notes: Notes,
+    /// True if its file gets a hash of itself, by which a later run knows that it is whole.
+    is_sealed: bool,
 }
 
 /// The one picture of `view`, or those of the `sequence` that begins with it and are not there yet.
@@ -168,7 +169,7 @@ fn shots(
 ) -> Result<Vec<Shot>> {
     let notes = captions::notes(work.field);
     let Some(sequence) = sequence else {
-        return Ok(vec![Shot { view: view.clone(), output: output.to_owned(), notes }]);
+        return Ok(vec![Shot { view: view.clone(), output: output.to_owned(), notes, is_sealed: false }]);
     };
     sequence.check(view)?;
     let settings = &(work.settings, work.shaded);
@@ -176,10 +177,15 @@ fn shots(
     let mut shots = Vec::new();
     for frame in sequence.frames.clone() {
         let (output, note) = (sequence.file(output, frame), origin.note(frame));
-        if !finished::is_there(&output, &note)? {
-            let notes = captions::notes_of_frame(&notes, frame, finished::NOTE, note);
-            shots.push(Shot { view: sequence.view(view, frame), output, notes });
+        let state = finished::frame(&output, &note)?;
+        if state == Frame::Finished {
+            continue;
         }
+        if state == Frame::Damaged {
+            say(&format_args!("{}: the picture is damaged and is drawn again", output.display()));
+        }
+        let notes = captions::notes_of_frame(&notes, frame, finished::NOTE, note);
+        shots.push(Shot { view: sequence.view(view, frame), output, notes, is_sealed: true });
     }
     let asked = sequence.frames.len();
     if shots.len() < asked {
@@ -244,7 +250,11 @@ fn draw(
             }
         };
         prepare::finish(&device)?;
-        picture_file::write(&shot.output, format, &picture, &shot.notes)?;
+        let mut notes = shot.notes.clone();
+        if shot.is_sealed {
+            notes = finished::sealed(notes, format, &picture);
+        }
+        picture_file::write(&shot.output, format, &picture, &notes)?;
     }
     drop((progress, prepared));
     prepare::finish(&device)

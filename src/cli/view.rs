@@ -1,7 +1,7 @@
 //! `diffract view`: a scene in a window.
 
 use super::options::{
-    CacheOptions, ColourOptions, DeviceOptions, Exposure, OpticsOptions, SurfaceOptions, ViewOptions, real,
+    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, real,
 };
 use super::{check_validation, last_view, prepare, scene_options, usage_error, validation, view_command};
 use crate::error::{Error, Result};
@@ -120,6 +120,7 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
     }
     Ok(Start {
         name: utf8(&arguments.scene)?,
+        measures_exposure: scene.auto_exposure,
         scene,
         plain,
         surface,
@@ -135,7 +136,6 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
         size: arguments.size,
         samples: arguments.samples,
         fps: arguments.fps,
-        measures_exposure: arguments.view.exposure == Some(Exposure::Auto),
         present: match arguments.present {
             Present::Fifo => vk::PresentModeKHR::FIFO,
             Present::Mailbox => vk::PresentModeKHR::MAILBOX,

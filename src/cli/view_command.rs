@@ -64,6 +64,7 @@ pub fn write_scene(settings: &ViewSettings, scene: &Scene, path: &Path) -> Resul
         base_color: settings.base_color,
         reflectance: has_spectrum.then(|| settings.reflectance.clone()),
         exposure: settings.exposure,
+        auto_exposure: false,
         tone: settings.tone,
         options: pairs.filter(is_option).collect(),
         ..scene.clone()

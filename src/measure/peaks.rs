@@ -18,52 +18,62 @@ pub struct Peak {
     pub clear: bool,
 }
 
-impl Peak {
-    /// The peak among `responses` \[sr⁻¹\] at `angles` \[degrees\], for light of `wavelength` \[µm\] from `theta_i`
-    /// \[degrees\] and order `order`. Of equal responses the first counts. Angles are the sweep's own, not interpolated.
-    pub fn find(wavelength: f64, theta_i: f64, order: u32, angles: &[f64], responses: &[f64]) -> Self {
-        Self::find_among(wavelength, theta_i, order, angles, responses, |_| true)
+/// Maxima that are looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sought {
+    /// Angle of the light \[degrees\].
+    pub theta_i: f64,
+    /// Order of diffraction that they are taken for.
+    pub order: u32,
+    /// Period \[µm\] of about which the grating is. Only angles that can belong to the order are looked at then: at most half an order away, so that sin α +
+    /// sin θ_i lies between (m − ½) λ/d and (m + ½) λ/d on either side.
+    pub period: Option<f64>,
+}
+
+impl Sought {
+    /// The peak among `responses` \[sr⁻¹\] at `angles` \[degrees\], for light of `wavelength` \[µm\]. Of equal responses the first counts. Angles are the
+    /// sweep's own, not interpolated.
+    pub fn largest(&self, wavelength: f64, angles: &[f64], responses: &[f64]) -> Peak {
+        let kept = (0..responses.len()).filter(|&i| self.keeps(wavelength, angles[i]));
+        let best = kept.fold(None, |best: Option<usize>, i| match best {
+            Some(largest) if responses[i] <= responses[largest] => best,
+            _ => (responses[i] > 0.0).then_some(i).or(best),
+        });
+        best.map_or(Peak { wavelength, angle: None, period: None, response: 0.0, clear: false }, |place| {
+            self.peak(wavelength, angles, responses, place)
+        })
     }
 
-    /// The same among the angles that can belong to `order` of a grating of about `period` \[µm\]: at most half an order
-    /// away, so that sin α + sin θ_i lies between (m − ½) λ/d and (m + ½) λ/d on either side.
-    pub fn find_near(
-        wavelength: f64,
-        theta_i: f64,
-        order: u32,
-        angles: &[f64],
-        responses: &[f64],
-        period: f64,
-    ) -> Self {
-        let near = |angle: f64| {
-            let u = (sine(angle) + sine(theta_i)).abs();
-            (u * period / wavelength - f64::from(order)).abs() < 0.5
-        };
-        Self::find_among(wavelength, theta_i, order, angles, responses, near)
+    /// All maxima inside the sweep, in the order of angles.
+    pub fn maxima(&self, wavelength: f64, angles: &[f64], responses: &[f64]) -> Vec<Peak> {
+        let places = 1..responses.len().saturating_sub(1);
+        let is_maximum = |&i: &usize| responses[i - 1] < responses[i] && responses[i] >= responses[i + 1];
+        let kept = places.filter(is_maximum).filter(|&i| self.keeps(wavelength, angles[i]));
+        kept.map(|i| self.peak(wavelength, angles, responses, i)).filter(|peak| peak.clear).collect()
     }
 
-    fn find_among(
-        wavelength: f64,
-        theta_i: f64,
-        order: u32,
-        angles: &[f64],
-        responses: &[f64],
-        keep: impl Fn(f64) -> bool,
-    ) -> Self {
-        let best = responses.iter().enumerate().filter(|(i, _)| keep(angles[*i])).fold(
-            None,
-            |best: Option<(usize, f64)>, (i, &f)| match best {
-                Some((_, largest)) if f <= largest => best,
-                _ => (f > 0.0).then_some((i, f)).or(best),
-            },
-        );
-        let Some((place, response)) = best else {
-            return Self { wavelength, angle: None, period: None, response: 0.0, clear: false };
-        };
-        let period = grating::period(wavelength, sine(theta_i), sine(angles[place]), order);
-        let clear =
-            place > 0 && place + 1 < angles.len() && keep(angles[place - 1]) && keep(angles[place + 1]);
-        Self { wavelength, angle: Some(angles[place]), period, response, clear }
+    /// The period \[µm\] of which `angle` \[degrees\] is the order's direction; `None` in the specular direction.
+    pub fn period(&self, wavelength: f64, angle: f64) -> Option<f64> {
+        grating::period(wavelength, sine(self.theta_i), sine(angle), self.order)
+    }
+
+    fn peak(&self, wavelength: f64, angles: &[f64], responses: &[f64], place: usize) -> Peak {
+        let keep = |place: usize| self.keeps(wavelength, angles[place]);
+        Peak {
+            wavelength,
+            angle: Some(angles[place]),
+            period: self.period(wavelength, angles[place]),
+            response: responses[place],
+            clear: place > 0 && place + 1 < angles.len() && keep(place - 1) && keep(place + 1),
+        }
+    }
+
+    /// True if `angle` \[degrees\] can belong to the order.
+    fn keeps(&self, wavelength: f64, angle: f64) -> bool {
+        self.period.is_none_or(|period| {
+            let u = (sine(angle) + sine(self.theta_i)).abs();
+            (u * period / wavelength - f64::from(self.order)).abs() < 0.5
+        })
     }
 }
 
@@ -180,12 +190,15 @@ mod tests {
     #[test]
     fn the_largest_response_gives_the_angle_and_the_period() {
         let angles = [-10.0, 0.0, 30.0, 40.0];
-        let peak = Peak::find(0.5, 0.0, 2, &angles, &[1.0, 2.0, 5.0, 3.0]);
+        let find = |order, responses: &[f64]| {
+            Sought { theta_i: 0.0, order, period: None }.largest(0.5, &angles, responses)
+        };
+        let peak = find(2, &[1.0, 2.0, 5.0, 3.0]);
         assert_eq!((peak.angle, peak.response, peak.clear), (Some(30.0), 5.0, true));
         assert!((peak.period.unwrap() - 2.0).abs() < 1e-12);
-        assert!(!Peak::find(0.5, 0.0, 1, &angles, &[6.0, 2.0, 5.0, 3.0]).clear, "at the start");
-        assert!(!Peak::find(0.5, 0.0, 1, &angles, &[1.0, 2.0, 5.0, 7.0]).clear, "at the end");
-        assert_eq!(Peak::find(0.5, 0.0, 1, &angles, &[1.0, 5.0, 5.0, 3.0]).angle, Some(0.0), "the first");
+        assert!(!find(1, &[6.0, 2.0, 5.0, 3.0]).clear, "at the start");
+        assert!(!find(1, &[1.0, 2.0, 5.0, 7.0]).clear, "at the end");
+        assert_eq!(find(1, &[1.0, 5.0, 5.0, 3.0]).angle, Some(0.0), "the first");
     }
 
     #[test]
@@ -193,22 +206,25 @@ mod tests {
         // λ/d = 0.25 at normal incidence: orders at 14.48°, 30° and 48.59°.
         let angles = [10.0, 14.5, 19.0, 25.0, 30.0, 35.0, 42.0, 48.6, 55.0];
         let responses = [0.1, 1.0, 0.2, 0.3, 9.0, 0.4, 0.1, 2.0, 0.1];
-        let of = |order| Peak::find_near(0.5, 0.0, order, &angles, &responses, 2.0);
+        let sought = |order| Sought { theta_i: 0.0, order, period: Some(2.0) };
+        let of = |order| sought(order).largest(0.5, &angles, &responses);
         assert_eq!([1, 2, 3].map(|m| of(m).angle), [Some(14.5), Some(30.0), Some(48.6)]);
         assert!([1, 2, 3].into_iter().all(|m| of(m).clear));
-        assert!(
-            !Peak::find_near(0.5, 0.0, 1, &angles[2..5], &responses[2..5], 2.0).clear,
-            "its side is the end"
-        );
+        assert!(!sought(1).largest(0.5, &angles[2..5], &responses[2..5]).clear, "its side is the end");
         assert_eq!(of(4).angle, None, "no angle that far");
+        // Without a period, all three are maxima.
+        assert_eq!(sought(2).maxima(0.5, &angles, &responses).len(), 1);
+        let all = Sought { period: None, ..sought(1) }.maxima(0.5, &angles, &responses);
+        assert_eq!(all.iter().map(|p| p.angle).collect::<Vec<_>>(), [Some(14.5), Some(30.0), Some(48.6)]);
     }
 
     #[test]
     fn the_specular_direction_has_no_period_and_darkness_no_angle() {
         let angles = [-31.0, -30.0, -29.0];
-        let specular = Peak::find(0.5, 30.0, 1, &angles, &[1.0, 2.0, 1.0]);
+        let sought = Sought { theta_i: 30.0, order: 1, period: None };
+        let specular = sought.largest(0.5, &angles, &[1.0, 2.0, 1.0]);
         assert_eq!((specular.angle, specular.period), (Some(-30.0), None));
-        let dark = Peak::find(0.5, 30.0, 1, &angles, &[0.0; 3]);
+        let dark = sought.largest(0.5, &angles, &[0.0; 3]);
         assert_eq!((dark.angle, dark.period, dark.response, dark.clear), (None, None, 0.0, false));
         assert_eq!(PeriodStatistics::of(&[specular, dark]).mean, None);
     }

@@ -13,8 +13,10 @@ pub mod mesh;
 mod normals;
 pub mod obj;
 pub mod object;
+mod polygon;
 pub mod primitives;
 pub mod scene_file;
+mod scene_options;
 mod scene_writer;
 pub mod snake;
 

@@ -1,7 +1,7 @@
 //! Wavefront OBJ files.
 //!
 //! All objects and groups of a file become one mesh; materials, lines, points and colours are left out. Polygons are
-//! cut into fans, which suits convex ones. If a single face has no texture coordinates, those of the whole file are
+//! cut into triangles, concave ones too. If a single face has no texture coordinates, those of the whole file are
 //! projected as [`Corner::uv`] says, so that one rule holds for all of it; normals likewise become smooth ones.
 //!
 //! A file is read twice. The first pass judges every line and counts, so that limits and memory are checked before a mesh is made; the second is
@@ -9,8 +9,10 @@
 
 use super::corner::Corner;
 use super::mesh::{MAX_TRIANGLES, Mesh, Progress};
+use super::polygon::PolygonCutter;
 use crate::error::{Error, Result};
 use crate::memory;
+use glam::Vec3;
 use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -24,7 +26,10 @@ pub const MAX_BYTES: u64 = 512 << 20;
 /// What some programs put in front of text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Most corners of one face: a second of work. Fans suit convex faces, and nobody models convex ones of so many corners.
+/// The byte that begins a comment.
+const COMMENT: u8 = b'#';
+
+/// Most corners of one face: a second of work. Nobody models faces of so many corners; of concave ones fewer are read.
 const MAX_CORNERS: usize = 1 << 17;
 
 /// What a triangle takes at the peak, while its mesh is built: 420 bytes were measured of a fan of 130 000, 640 of a million
@@ -69,7 +74,12 @@ fn parse(bytes: &[u8], part: Option<&str>, progress: &Progress<'_>) -> Result<Me
     let survey = Survey::of(bytes, part, progress)?;
     memory::ensure_room(survey.triangles as u64 * BYTES_PER_TRIANGLE, "the triangles of the mesh")?;
     let models = models(&survey.geometry, progress)?;
-    Mesh::build(models.iter().flat_map(|m| triangles(&m.mesh, &survey)).collect(), progress)
+    let mut triangles = Vec::new();
+    for model in &models {
+        cut_faces(&model.mesh, &survey, progress, &mut triangles)?;
+    }
+    drop(models);
+    Mesh::build(triangles, progress)
 }
 
 /// What tobj reads of `geometry`, or the error of `progress`.
@@ -77,7 +87,7 @@ fn models(geometry: &str, progress: &Progress<'_>) -> Result<Vec<tobj::Model>> {
     let stopped = RefCell::new(None);
     let text = ToldText { text: geometry.as_bytes(), done: 0, told: 0, progress, stopped: &stopped };
     progress(READING, 0, geometry.len())?;
-    let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
+    let options = tobj::LoadOptions::default();
     let no_materials = |_: &Path| Err(tobj::LoadError::GenericFailure);
     let read = tobj::load_obj_buf(&mut BufReader::new(text), &options, no_materials);
     if let Some(error) = stopped.into_inner() {
@@ -146,8 +156,8 @@ fn not_an_obj() -> Error {
     Error::failed("this is not a Wavefront OBJ", "export the mesh as OBJ; other formats are not read")
 }
 
-/// Calls `act` with every line of `text`; errors name the line. Lines end in \n, \r\n or \r; one that ends in a backslash goes
-/// on. Names and comments may be in any encoding; what matters is ASCII.
+/// Calls `act` with every line of `text`; errors name the line. Lines end in \n, \r\n or \r. A backslash at the end joins the next line, except
+/// in a comment. Names and comments may be in any encoding; what matters is ASCII.
 fn each_line(
     text: &[u8],
     what: &'static str,
@@ -179,7 +189,8 @@ fn next_line(text: &[u8]) -> (Cow<'_, [u8]>, usize, usize) {
         let end = if end.starts_with(b"\r\n") { 2 } else { end.len().min(1) };
         ends += end.min(1);
         let next = start + length + end;
-        if let Some(part) = part.strip_suffix(b"\\").filter(|_| end > 0) {
+        let continued = part.strip_suffix(b"\\").filter(|part| end > 0 && !part.contains(&COMMENT));
+        if let Some(part) = continued {
             let joined = joined.get_or_insert_default();
             joined.extend_from_slice(part);
             joined.push(b' ');
@@ -211,6 +222,8 @@ struct Survey {
     counts: [usize; 3],
     /// The largest index of each kind, and its line.
     largest: [(usize, usize); 3],
+    /// First index that counts back from the latest normal before any normal, and its line.
+    early_normal: Option<(i64, usize)>,
     /// Whether a face has no vt, no vn.
     lacks: [bool; 3],
     triangles: usize,
@@ -273,6 +286,17 @@ impl Parts {
 
 const TAGS: [&str; 3] = ["v", "vt", "vn"];
 
+/// Place of normals in [`TAGS`].
+const NORMAL: usize = 2;
+
+/// The line up to its comment. Names keep theirs: exporters write materials such as `Material #25`.
+fn without_comment(line: &str) -> &str {
+    match line.split_whitespace().next() {
+        Some("v" | "vt" | "vn" | "f") => line.split(char::from(COMMENT)).next().unwrap_or(line),
+        _ => line,
+    }
+}
+
 impl Survey {
     fn of(text: &[u8], part: Option<&str>, progress: &Progress<'_>) -> Result<Self> {
         let parts = Parts { wanted: part.map(str::to_owned), ..Parts::default() };
@@ -289,18 +313,52 @@ impl Survey {
                 "export it with faces; a point cloud has no surface",
             ));
         }
-        for kind in 0..3 {
-            let (index, line) = survey.largest[kind];
-            if index > survey.counts[kind] {
-                let e = no_such(index as i64, kind, survey.counts[kind]);
-                return Err(e.at(format!("line {line}")));
-            }
+        if survey.counts[NORMAL] == 0 {
+            survey.drop_normals()?;
         }
+        survey.check_indices()?;
         survey.parts.check()?;
         Ok(survey)
     }
 
+    /// Fails if a face asks for a position, texture coordinate or normal beyond the last.
+    fn check_indices(&self) -> Result<()> {
+        if let Some((index, line)) = self.early_normal {
+            return Err(no_such(index, NORMAL, 0).at(format!("line {line}")));
+        }
+        for (kind, &(index, line)) in self.largest.iter().enumerate() {
+            if index > self.counts[kind] {
+                return Err(no_such(index as i64, kind, self.counts[kind]).at(format!("line {line}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the indices of normals out of the faces: other programs ignore them too in a file without normals.
+    fn drop_normals(&mut self) -> Result<()> {
+        if self.largest[NORMAL].0 == 0 && self.early_normal.is_none() {
+            return Ok(());
+        }
+        memory::ensure_room(self.geometry.len() as u64, "the text of the mesh")?;
+        let mut geometry = String::with_capacity(self.geometry.len());
+        for line in self.geometry.lines() {
+            for word in line.split(' ') {
+                // v//vn becomes v, and v/vt/vn becomes v/vt.
+                let kept = word.match_indices('/').nth(1).map_or(word, |(at, _)| &word[..at]);
+                geometry.push_str(kept.trim_end_matches('/'));
+                geometry.push(' ');
+            }
+            geometry.push('\n');
+        }
+        self.geometry = geometry;
+        self.largest[NORMAL] = (0, 0);
+        self.early_normal = None;
+        self.lacks[NORMAL] = true;
+        Ok(())
+    }
+
     fn line(&mut self, number: usize, line: &str) -> Result<()> {
+        let line = without_comment(line);
         // The corners of a face are counted before they are listed: a list takes eight times the text.
         let corners = line.split_whitespace().skip(1).count();
         if corners > MAX_CORNERS && line.split_whitespace().next() == Some("f") {
@@ -393,8 +451,12 @@ impl Survey {
             }
             let index: i64 = part.parse().map_err(|_| malformed())?;
             let count = self.counts[kind];
-            if index == 0 || (index < 0 && index.unsigned_abs() > count as u64) {
+            let is_early = kind == NORMAL && count == 0 && index < 0;
+            if index == 0 || (index < 0 && index.unsigned_abs() > count as u64 && !is_early) {
                 return Err(no_such(index, kind, count));
+            }
+            if is_early {
+                self.early_normal.get_or_insert((index, number));
             }
             if index > self.largest[kind].0 as i64 {
                 self.largest[kind] = (index as usize, number);
@@ -413,18 +475,45 @@ fn no_such(index: i64, kind: usize, count: usize) -> Error {
     Error::failed(what, "count from 1, or back from -1; the file may be cut short")
 }
 
-/// The triangles of one tobj mesh, each attribute looked up by its own index.
-fn triangles<'a>(mesh: &'a tobj::Mesh, survey: &Survey) -> impl Iterator<Item = [Corner; 3]> + use<'a> {
+/// Corners between two reports of progress: some milliseconds.
+const CORNERS_A_REPORT: usize = 1 << 16;
+
+/// Adds the faces of one tobj mesh to `triangles`, each attribute looked up by its own index.
+fn cut_faces(
+    mesh: &tobj::Mesh,
+    survey: &Survey,
+    progress: &Progress<'_>,
+    triangles: &mut Vec<[Corner; 3]>,
+) -> Result<()> {
     let [_, no_uv, no_normal] = survey.lacks;
-    let corner = move |k: usize| {
-        let three = |values: &[f32], i: u32| [0, 1, 2].map(|c| values[3 * i as usize + c]);
-        Corner {
-            position: three(&mesh.positions, mesh.indices[k]),
-            normal: (!no_normal).then(|| three(&mesh.normals, mesh.normal_indices[k])),
-            uv: (!no_uv).then(|| [0, 1].map(|c| mesh.texcoords[2 * mesh.texcoord_indices[k] as usize + c])),
-        }
+    let three = |values: &[f32], i: u32| [0, 1, 2].map(|c| values[3 * i as usize + c]);
+    let corner = |k: usize| Corner {
+        position: three(&mesh.positions, mesh.indices[k]),
+        normal: (!no_normal).then(|| three(&mesh.normals, mesh.normal_indices[k])),
+        uv: (!no_uv).then(|| [0, 1].map(|c| mesh.texcoords[2 * mesh.texcoord_indices[k] as usize + c])),
     };
-    (0..mesh.indices.len() / 3).map(move |t| [3 * t, 3 * t + 1, 3 * t + 2].map(corner))
+    let (mut cutter, mut positions) = (PolygonCutter::default(), Vec::new());
+    let (mut first, mut reported) = (0, 0);
+    for count in face_sizes(mesh) {
+        positions.clear();
+        let corners = first..first + count;
+        positions.extend(corners.map(|k| Vec3::from(three(&mesh.positions, mesh.indices[k])).as_dvec3()));
+        let numbers = cutter.cut(&positions)?;
+        triangles.extend(numbers.chunks_exact(3).map(|t| [0, 1, 2].map(|k| corner(first + t[k] as usize))));
+        first += count;
+        if first - reported >= CORNERS_A_REPORT {
+            progress("cutting faces into triangles", first, mesh.indices.len())?;
+            reported = first;
+        }
+    }
+    Ok(())
+}
+
+/// Corners of each face. tobj lists none where all faces are triangles.
+fn face_sizes(mesh: &tobj::Mesh) -> impl Iterator<Item = usize> {
+    let listed = mesh.face_arities.iter().map(|&count| count as usize);
+    let triangles = if mesh.face_arities.is_empty() { mesh.indices.len() / 3 } else { 0 };
+    listed.chain((0..triangles).map(|_| 3))
 }
 
 #[cfg(test)]

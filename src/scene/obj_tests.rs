@@ -61,6 +61,36 @@ fn objects_are_merged_and_polygons_cut_into_triangles() {
     assert_eq!(mesh.triangle_count(), 5);
 }
 
+/// Area of the triangles of a mesh in the plane z = 0.
+fn area(mesh: &Mesh) -> f32 {
+    let corner = |&i: &u32| Vec3::from(mesh.vertices()[i as usize].position);
+    let double = |t: &[u32]| (corner(&t[1]) - corner(&t[0])).cross(corner(&t[2]) - corner(&t[0])).z;
+    mesh.indices().chunks(3).map(double).sum::<f32>() / 2.0
+}
+
+#[test]
+fn a_concave_face_leaves_its_notch_open_and_keeps_its_attributes() {
+    // An L that begins at the end of an arm, so that a fan from there covers the notch.
+    let corners = [[2, 0], [2, 1], [1, 1], [1, 2], [0, 2], [0, 0]];
+    let vertices: String = corners.iter().map(|[x, y]| format!("v {x} {y} 0\nvt {y} {x}\n")).collect();
+    let mesh = parse(&format!("{vertices}f 1/1 2/2 3/3 4/4 5/5 6/6\n")).unwrap();
+    assert_sound(&mesh);
+    assert_eq!((mesh.vertices().len(), mesh.triangle_count(), area(&mesh)), (6, 4, 3.0));
+    for v in mesh.vertices() {
+        assert_eq!((v.uv, v.normal), ([v.position[1], v.position[0]], [0.0, 0.0, 1.0]));
+    }
+    for triangle in mesh.indices().chunks(3) {
+        let centre =
+            |c: usize| triangle.iter().map(|&i| mesh.vertices()[i as usize].position[c]).sum::<f32>() / 3.0;
+        assert!(centre(0) < 1.0 || centre(1) < 1.0, "{triangle:?} is over the notch");
+    }
+    // The same with a corner twice, one on an edge, and faces without an area beside it.
+    let more = format!("{vertices}v 1 0 0\nf 1 1 2 3 4 4 5 6 7\nf 1 1 1 1 1\nf 6 7 1 7\n");
+    let mesh = parse(&more).unwrap();
+    assert_sound(&mesh);
+    assert_eq!(area(&mesh), 3.0);
+}
+
 #[test]
 fn without_normals_and_texture_coordinates_both_are_made() {
     let mesh = parse(&format!("{SQUARE}f 1 2 3 4\n")).unwrap();
@@ -85,6 +115,36 @@ fn windows_line_ends_weights_colours_and_foreign_letters_are_read() {
     assert_eq!(from_bytes(&bytes).unwrap().triangle_count(), 1);
     bytes.push(0);
     assert!(from_bytes(&bytes).unwrap_err().to_string().contains("not a Wavefront OBJ"));
+}
+
+#[test]
+fn comments_behind_data_and_comments_that_end_in_a_backslash_leave_the_mesh_as_it_is() {
+    let plain = parse(&format!("{SQUARE}vt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n")).unwrap();
+    for text in [
+        "v 0 0 0 # corner\nv 1 0 0# 2\nv 1 1 0\nv 0 1 0 1 # weight\nvt 0 0 # uv\nvt 1 0\nvt 1 1 #\nf 1/1 2/2 3/3 # front\n",
+        "# D:\\a\\\nv 0 0 0\n #\\\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n",
+        "v 0 0 0\nv 1 0 0 # \\\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 \\\n 2/2 3/3#\\",
+    ] {
+        assert_eq!(parse(text).unwrap(), plain, "{text}");
+    }
+    // A comment is no corner, and a name may have the sign of one.
+    assert_refused(&format!("{SQUARE}f 1 2 # 3\n"), "line 5: a face needs 3 corners and has 2");
+    let named = format!("{SQUARE}usemtl #25\nf 1 2 3\nusemtl other\nf 1 2 3 4\n");
+    let part = super::parse(named.as_bytes(), Some("#25"), &|_, _, _| Ok(())).unwrap();
+    assert_eq!(part.triangle_count(), 1);
+}
+
+#[test]
+fn indices_of_normals_count_for_nothing_in_a_file_without_normals() {
+    let plain = parse(&format!("{SQUARE}f 1 2 3 4\n")).unwrap();
+    for face in ["1//1 2//2 3//3 4//4", "1//-1 2//-1 3//-1 4//-1", "1//1 2 3//1 4", "1//9 2// 3/ 4"] {
+        assert_eq!(parse(&format!("{SQUARE}f {face}\n")).unwrap(), plain, "{face}");
+    }
+    let textured = |more: &str| {
+        parse(&format!("{SQUARE}vt 0 0\nvt 3 0\nvt 3 3\nf 1/1{more} 2/2{more} 3/3{more}\n")).unwrap()
+    };
+    assert_eq!(textured("/7"), textured(""));
+    assert_ne!(textured(""), plain);
 }
 
 #[test]
@@ -183,9 +243,13 @@ fn a_malformed_line_is_named_by_its_number() {
 #[test]
 fn an_index_that_points_at_nothing_is_refused() {
     let huge = i64::MAX;
-    for face in ["1 2 5", "1 2 0", "1 2 -5", "1/1 2/1 3/1", "1//1 2//1 3//1", "1/-1 2/-1 3/-1"] {
+    for face in ["1 2 5", "1 2 0", "1 2 -5", "1/1 2/1 3/1", "1/-1 2/-1 3/-1"] {
         assert_refused(&format!("{SQUARE}f {face}\n"), "line 5: a face asks for");
     }
+    for face in ["1//1 2//1 3//2", "1//1 2//1 3//-2", "1//1 2//0 3//1"] {
+        assert_refused(&format!("{SQUARE}vn 0 0 1\nf {face}\n"), "line 6: a face asks for \"vn\"");
+    }
+    assert_refused(&format!("{SQUARE}f 1//-1 2//-1 3//-1\nvn 0 0 1\n"), "line 5: a face asks for \"vn\"");
     assert_refused(&format!("{SQUARE}vt 0 0\nf 1/{huge} 2/1 3/1\n"), "line 6: a face asks for \"vt\"");
     assert_refused(&format!("{SQUARE}f 1 2 {}\n", i64::MIN), "line 5");
 }

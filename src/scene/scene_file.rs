@@ -9,6 +9,7 @@ use super::object::{
     FileObject, Grooves, MAX_OBJECTS, MeshSource, Object, Triple, Up, black, check_colors, open_mesh,
     reflectance, steps, surface_name,
 };
+use super::scene_options::{self, FileOptions};
 use super::{Mesh, Progress};
 use crate::error::{Error, Result};
 use crate::input;
@@ -72,6 +73,8 @@ pub struct Scene {
     pub reflectance: Option<Reflectance>,
     /// Exposure of the display \[stops\].
     pub exposure: f64,
+    /// True if the exposure that suits the first picture is measured; `exposure` counts where nothing is lit.
+    pub auto_exposure: bool,
     /// What the display makes of highlights.
     pub tone: Tone,
     /// What is displayed where nothing is covered.
@@ -106,7 +109,7 @@ struct FileScene {
     material: Option<String>,
     film: Option<String>,
     #[serde(default)]
-    exposure: f64,
+    exposure: FileExposure,
     #[serde(default)]
     tone: ToneName,
     #[serde(default)]
@@ -120,7 +123,7 @@ struct FileScene {
     #[serde(default)]
     objects: Vec<FileObject>,
     #[serde(default)]
-    options: toml::Table,
+    options: FileOptions,
 }
 
 #[derive(Deserialize)]
@@ -152,6 +155,27 @@ impl FileEnvironment {
         let rotation = self.rotation.as_deref().map_or(Ok(0.0), units::angle)?;
         environment.placement = Placement::new(rotation, self.exposure)?;
         Ok(environment)
+    }
+}
+
+/// Exposure: a number of stops, or `"auto"`.
+#[derive(Clone, Copy, Deserialize, Default)]
+#[serde(try_from = "toml::Value")]
+struct FileExposure {
+    stops: f64,
+    is_auto: bool,
+}
+
+impl TryFrom<toml::Value> for FileExposure {
+    type Error = &'static str;
+
+    fn try_from(value: toml::Value) -> std::result::Result<Self, Self::Error> {
+        match value {
+            toml::Value::Integer(stops) => Ok(Self { stops: stops as f64, is_auto: false }),
+            toml::Value::Float(stops) => Ok(Self { stops, is_auto: false }),
+            toml::Value::String(word) if word == "auto" => Ok(Self { stops: 0.0, is_auto: true }),
+            _ => Err("the exposure is neither a number of stops nor \"auto\""),
+        }
     }
 }
 
@@ -255,7 +279,7 @@ impl Scene {
         let ground = file.ground.map(|Triple(color)| color);
         let colors = [base_color, ground.unwrap_or_default()].concat().into_iter().map(f64::from);
         check_colors(colors.chain(background))?;
-        if !(-40.0..=40.0).contains(&file.exposure) {
+        if !(-40.0..=40.0).contains(&file.exposure.stops) {
             return Err(Error::failed("the exposure is not within -40 to 40 stops", "0 is a good start"));
         }
         let lights = file.lights.iter().map(|l| Light::parse_in(l, folder)).collect::<Result<Vec<_>>>()?;
@@ -294,7 +318,7 @@ impl Scene {
             grooves,
             objects,
             around,
-            options: options(file.options, folder)?,
+            options: scene_options::words(file.options, folder)?,
             surface: surface.into_os_string(),
             pixel_size: file.pixel_size.as_deref().map(units::length_pair).transpose()?,
             full_height: file.height.as_deref().map(units::length).transpose()?,
@@ -306,7 +330,8 @@ impl Scene {
             base_color: base_color.into(),
             pigment,
             reflectance,
-            exposure: file.exposure,
+            exposure: file.exposure.stops,
+            auto_exposure: file.exposure.is_auto,
             tone: file.tone.0,
             background: file.background,
             unit: file.scale.as_deref().map_or(Ok(UNIT), units::length)? * METRES_PER_MICROMETRE,
@@ -393,40 +418,35 @@ pub fn options_of(name: &OsStr) -> Result<Vec<[String; 2]>> {
         return Ok(Vec::new());
     }
     let text = input::read_text(path, "a scene file")?;
-    // What is wrong with the rest is said when the scene is opened.
-    let Ok(table) = toml::from_str::<toml::Table>(&text) else { return Ok(Vec::new()) };
-    match table.get("options") {
-        Some(toml::Value::Table(own)) => {
-            options(own.clone(), path.parent().unwrap_or(Path::new(""))).map_err(|e| e.at(path.display()))
-        }
-        _ => Ok(Vec::new()),
+    #[derive(Deserialize)]
+    struct OptionsAlone {
+        #[serde(default)]
+        options: FileOptions,
     }
-}
-
-/// The options of the table `options` as words. Names of files that lie in `folder` start from there.
-fn options(table: toml::Table, folder: &Path) -> Result<Vec<[String; 2]>> {
-    let word = |(name, value): (String, toml::Value)| {
-        let value = match value {
-            toml::Value::String(text) if folder.join(&text).is_file() => {
-                folder.join(&text).to_string_lossy().into_owned()
-            }
-            toml::Value::String(text) => text,
-            number @ (toml::Value::Integer(_) | toml::Value::Float(_)) => number.to_string(),
-            other => {
-                return Err(Error::failed(
-                    format!("options: `{name}` is a {}", other.type_str()),
-                    "give a text or a number, as on the command line",
-                ));
-            }
-        };
-        Ok([name, value])
-    };
-    table.into_iter().map(word).collect()
+    // What is wrong with the rest is said when the scene is opened.
+    let Ok(OptionsAlone { options }) = toml::from_str(&text) else { return Ok(Vec::new()) };
+    scene_options::words(options, path.parent().unwrap_or(Path::new(""))).map_err(|e| e.at(path.display()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_exposure_is_a_number_or_auto() {
+        let plate = BUILT_IN[1].1;
+        let with = |exposure: &str| {
+            let rest: Vec<&str> = plate.lines().filter(|line| !line.starts_with("exposure")).collect();
+            Scene::parse(&format!("exposure = {exposure}\n{}", rest.join("\n")), Path::new(""))
+        };
+        let read =
+            |exposure: &str| with(exposure).map(|scene| (scene.exposure, scene.auto_exposure)).unwrap();
+        assert_eq!([read("2"), read("-1.5"), read("\"auto\"")], [(2.0, false), (-1.5, false), (0.0, true)]);
+        for wrong in ["\"Auto\"", "true", "[1]", "41", "1e300"] {
+            let e = with(wrong).map(|_| ()).unwrap_err().to_string();
+            assert!(e.contains("exposure") && e.contains("; "), "{wrong}: {e}");
+        }
+    }
 
     #[test]
     fn every_built_in_scene_opens_and_stands_upright() {

@@ -1,7 +1,7 @@
 //! Pictures of a scene: what all of its views share is prepared once, then each is drawn.
 
 use super::{InUse, Method, Settings, averages_footprints, beyond_of, pigment_alone, source};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::optics::coherence::Beyond;
 use crate::render::exposure;
 use crate::render::footprints;
@@ -12,6 +12,7 @@ use crate::render::sampling::Sampling;
 use crate::render::shading::Shading;
 use crate::render::source::Source;
 use crate::scene::{Light, Mesh, Object, Scene};
+use crate::spectra::power::OrderSeries;
 use crate::surface::{HeightField, SurfaceSource};
 use crate::vk::device::Device;
 use std::slice;
@@ -66,15 +67,35 @@ impl ObjectSurface {
         load: &mut dyn FnMut(&SurfaceSource) -> Result<Arc<HeightField>>,
     ) -> Result<Vec<Self>> {
         let first = Self { field: Some(field.clone()), optics: optics.clone() };
-        let other = |object: &Object| {
-            let field = object.surface.as_ref().map(&mut *load).transpose()?;
-            let mut optics = optics.clone();
-            optics.shading.beyond = field.as_ref().map_or(Beyond::Copies, |field| beyond_of(field));
-            optics.shading.reflectance = object.reflectance.clone().unwrap_or_default();
-            Ok(Self { field, optics })
+        let other = |(number, object): (usize, &Object)| {
+            Self::of_object(object, optics, load).map_err(|e| e.at(format!("object {}", number + 1)))
         };
-        let others = scene.objects.iter().map(other).collect::<Result<Vec<_>>>()?;
+        let others = scene.objects.iter().enumerate().map(other).collect::<Result<Vec<_>>>()?;
+        first.check_heights()?;
         Ok(std::iter::once(first).chain(others).collect())
+    }
+
+    /// That of an `object` beside the first, in the `optics` of the first but for what follows from the object.
+    fn of_object(
+        object: &Object,
+        optics: &Settings,
+        load: &mut dyn FnMut(&SurfaceSource) -> Result<Arc<HeightField>>,
+    ) -> Result<Self> {
+        let field = object.surface.as_ref().map(load).transpose()?;
+        let mut optics = optics.clone();
+        optics.shading.beyond = field.as_ref().map_or(Beyond::Copies, |field| beyond_of(field));
+        optics.shading.reflectance = object.reflectance.clone().unwrap_or_default();
+        let own = Self { field, optics };
+        own.check_heights()?;
+        Ok(own)
+    }
+
+    /// Fails at once for heights of which no table can be made.
+    fn check_heights(&self) -> Result<()> {
+        match (&self.field, self.optics.method) {
+            (Some(field), Method::Table) => OrderSeries::check_heights(field, &self.optics.power_settings()?),
+            _ => Ok(()),
+        }
     }
 
     /// The same with optics for footprints as large as those of `mesh` in `views`, of `size` pixels, where the source averages over them.
@@ -142,9 +163,10 @@ impl<'a> PreparedScene<'a> {
         let textures = ObjectTextures::of(scene)?;
         let PictureSettings { size, sampling, .. } = *settings;
         let mut sources = Vec::with_capacity(surfaces.len());
-        for (mesh, surface) in scene.meshes().zip(surfaces) {
+        for (number, (mesh, surface)) in scene.meshes().zip(surfaces).enumerate() {
             let seen = surface.seen(device, mesh, views, size, &sampling)?;
-            sources.push(seen.sources(views, &mut make)?);
+            let named = |e: Error| if number > 0 { e.at(format!("object {number}")) } else { e };
+            sources.push(seen.sources(views, &mut make).map_err(named)?);
         }
         let objects = objects(scene, &textures, &sources);
         let mut painter = Painter::of_objects(device, &objects, size)?;

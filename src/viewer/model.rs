@@ -484,6 +484,7 @@ impl Model {
         // An exposure that was measured is that of the scene.
         self.measures_exposure |= self.measured_exposure == Some(self.settings.exposure);
         if !is_mesh {
+            self.measures_exposure |= loaded.scene.auto_exposure;
             let brought = SceneSettings::of(&loaded.scene);
             self.settings.change_scene(&self.brought, &brought);
             self.brought = brought;

@@ -41,7 +41,7 @@ fn the_mean_needs_no_vulkan_and_one_window_says_what_to_install() {
     }
     for windows in ["1x1", "2x1"] {
         let more = ["--queries", "q.csv", "--windows", windows];
-        let line = sandbox.run2(&["eval"], &[&SMALL[..], more].concat()).refused(1);
+        let line = sandbox.run2(&["eval"], &[&SMALL[..], &more].concat()).refused(1);
         assert!(line.contains("mesa-vulkan-drivers"), "{line}");
     }
 }

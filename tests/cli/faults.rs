@@ -209,6 +209,16 @@ fn a_face_of_millions_of_corners_is_refused_with_little_more_memory_than_its_fil
 
 #[cfg(target_os = "linux")]
 #[test]
+fn a_stack_that_the_system_makes_small_is_large_enough() {
+    let sandbox = Sandbox::new();
+    for arguments in [&["--version"][..], &["--help"], &["surface", "info", "flat"]] {
+        let outcome = limited(&sandbox, "ulimit -s 64", arguments);
+        assert!(outcome.code == Some(0) && !outcome.stdout.is_empty(), "{arguments:?}: {outcome:?}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
 fn a_driver_that_gets_no_memory_is_not_taken_for_one_that_is_not_installed() {
     let sandbox = Sandbox::new();
     let render = ["render", "plate", "--surface", "flat", "--size", "8x6", "-o", "o.png"];

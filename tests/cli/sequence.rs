@@ -113,6 +113,29 @@ fn pictures_of_other_settings_are_neither_kept_nor_written_over() {
 }
 
 #[test]
+fn a_damaged_picture_is_drawn_again_and_said() {
+    let sandbox = Sandbox::with_small_surface();
+    for name in ["turn.exr", "turn.png"] {
+        let turn = ["--turntable", "2", "-o", name];
+        render(&sandbox, &turn).done();
+        let damaged = name.replace('.', "-0001.");
+        let whole = sandbox.read(&damaged);
+        let mut changed = whole.clone();
+        let place = whole.len() - whole.len() / 8;
+        changed[place] ^= 1;
+        for wrong in [&whole[..whole.len() / 2], &changed] {
+            sandbox.write(&damaged, wrong);
+            let told = render(&sandbox, &turn);
+            assert!(told.code == Some(0) && told.stderr.contains(&damaged), "{told:?}");
+            assert!(told.stderr.contains("is damaged and is drawn again"), "{told:?}");
+            assert!(told.stderr.contains("1 of 2 pictures are there already"), "{told:?}");
+            assert!(sandbox.read(&damaged) == whole, "{damaged} is another picture");
+        }
+        assert!(!render(&sandbox, &turn).stderr.contains("damaged"));
+    }
+}
+
+#[test]
 fn one_automatic_exposure_serves_all_pictures_whichever_part_is_drawn() {
     let sandbox = Sandbox::with_small_surface();
     let sweep = ["--light", "40,10,2", "--light-sweep", "3", "--exposure", "auto", "-o", "sun.png"];

@@ -68,8 +68,11 @@ impl ViewOptions {
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
         light_by(&self.light, scene);
         self.surround(scene)?;
-        if let Some(Exposure::Stops(exposure)) = self.exposure {
-            scene.exposure = exposure;
+        if let Some(exposure) = self.exposure {
+            scene.auto_exposure = exposure == Exposure::Auto;
+            if let Exposure::Stops(stops) = exposure {
+                scene.exposure = stops;
+            }
         }
         if let Some(tone) = self.tone {
             scene.tone = tone;

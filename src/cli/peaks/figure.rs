@@ -1,10 +1,11 @@
 //! Peaks as a labelled figure: wavelength against angle, and the period that each wavelength says.
 
-use super::report::Found;
+use super::report::{FollowedBranch, Found};
 use super::sweep::AngleSweep;
 use super::{Arguments, TangentAxis};
 use crate::cli::captions;
 use crate::figure::{Axis, AxisScale, ColorScale, Figure, Mark, MarkShape, Panel, Raster, palette};
+use crate::measure::peaks::{Peak, PeriodStatistics, WindowSpread};
 use crate::optics::geometry::sin_cos_degrees;
 use crate::optics::grating;
 use crate::surface::HeightField;
@@ -41,14 +42,15 @@ fn map(arguments: &Arguments, sweep: &AngleSweep, found: &[Found]) -> Panel {
         panel = if i == 0 { panel.named("largest response", line) } else { panel.mark(line) };
     }
     let mut named = false;
-    for of in found {
-        let Some(period) = arguments.period.or(of.statistics.mean) else { continue };
+    let laws = found.iter().flat_map(|of| drawn_periods(arguments, of).into_iter().map(move |d| (of, d)));
+    for (of, period) in laws {
         for side in [1, -1] {
-            let points = law(arguments.theta_i, side * of.order as i32, period, &sweep.wavelengths);
+            let points = law(arguments.theta_i, side * of.sought.order as i32, period, &sweep.wavelengths);
             let line = Mark::Line { points, color: palette::GREEN, width: 1.4, dashed: true };
             let name = match arguments.period {
                 Some(given) => format!("grating equation, d = {:.1} nm as given", given * 1e3),
-                None => "grating equation with the mean period".to_owned(),
+                None if of.branches.is_empty() => "grating equation with the mean period".to_owned(),
+                None => "grating equation with the period of each branch".to_owned(),
             };
             panel = if named { panel.mark(line) } else { panel.named(name, line) };
             named = true;
@@ -57,20 +59,29 @@ fn map(arguments: &Arguments, sweep: &AngleSweep, found: &[Found]) -> Panel {
     panel
 }
 
-/// The angle of each wavelength's peak \[degrees, nm\], broken where the next one is of another order.
+/// Periods \[µm\] whose grating equation is drawn: the given one, those of the branches, or the mean.
+fn drawn_periods(arguments: &Arguments, of: &Found) -> Vec<f64> {
+    match arguments.period {
+        Some(given) => vec![given],
+        None if of.branches.is_empty() => of.statistics.mean.into_iter().collect(),
+        None => of.branches.iter().filter_map(|followed| followed.branch.statistics.mean).collect(),
+    }
+}
+
+/// The angle of each wavelength's peak \[degrees, nm\], broken where the next one is of another order or branch.
 fn ridge(found: &Found) -> Vec<[f64; 2]> {
     /// Periods of neighbouring wavelengths, one over the other, that are still of one order.
     const SAME: f64 = 1.1;
     let mut points = Vec::with_capacity(found.peaks.len());
-    let mut before = None;
-    for peak in &found.peaks {
-        if let (Some(a), Some(b)) = (before, peak.period) {
-            let (a, b): (f64, f64) = (a, b);
-            if a.max(b) > SAME * a.min(b) {
-                points.push([f64::NAN; 2]);
-            }
+    let mut before: Option<(f64, Option<usize>)> = None;
+    for (place, peak) in found.peaks.iter().enumerate() {
+        let branch = found.branch_at(place);
+        if let (Some((a, last)), Some(b)) = (before, peak.period)
+            && (a.max(b) > SAME * a.min(b) || last != branch)
+        {
+            points.push([f64::NAN; 2]);
         }
-        before = peak.period.or(before);
+        before = peak.period.map(|period| (period, branch)).or(before);
         points.push([peak.angle.unwrap_or(f64::NAN), peak.wavelength * 1e3]);
     }
     points
@@ -102,32 +113,63 @@ fn raster(sweep: &AngleSweep) -> Raster {
     Raster::values(shown[0], &values, scale)
 }
 
+/// Periods of an order or of one of its branches, as the panel shows them.
+struct Series {
+    name: String,
+    /// Wavelength and period \[nm\].
+    points: Vec<[f64; 2]>,
+    statistics: PeriodStatistics,
+}
+
+impl Series {
+    fn new<'a>(
+        name: String,
+        peaks: impl Iterator<Item = &'a Peak>,
+        statistics: PeriodStatistics,
+        spread: Option<WindowSpread>,
+    ) -> Self {
+        let name = match spread.and_then(|spread| spread.half_interval) {
+            Some(half) => format!("{name}, mean within {:.1} nm (95 %, windows)", half * 1e3),
+            None => name,
+        };
+        let points = peaks.filter_map(|p| p.period.map(|d| [p.wavelength * 1e3, d * 1e3])).collect();
+        Self { name, points, statistics }
+    }
+
+    /// One of the order, or one of each of its branches.
+    fn of(found: &Found) -> Vec<Self> {
+        let order = format!("order {}", found.sought.order);
+        if found.branches.is_empty() {
+            return vec![Self::new(order, found.peaks.iter(), found.statistics, found.spread)];
+        }
+        let one = |(number, FollowedBranch { branch, spread, .. }): (usize, &FollowedBranch)| {
+            let name = format!("{order}, branch {}", number + 1);
+            Self::new(name, branch.peaks.iter().flatten(), branch.statistics, *spread)
+        };
+        found.branches.iter().enumerate().map(one).collect()
+    }
+}
+
 /// The period that each wavelength says, with the mean and the standard deviation.
 fn periods(arguments: &Arguments, found: &[Found]) -> Panel {
-    let nanometres = |of: &Found| -> Vec<[f64; 2]> {
-        of.peaks.iter().filter_map(|p| p.period.map(|d| [p.wavelength * 1e3, d * 1e3])).collect()
-    };
-    let points: Vec<_> = found.iter().map(nanometres).collect();
-    let all = || points.iter().flatten();
+    let series: Vec<Series> = found.iter().flat_map(Series::of).collect();
+    let all = || series.iter().flat_map(|one| &one.points);
     let given = arguments.period.map(|d| d * 1e3);
     let x = Axis::fit("wavelength [nm]", AxisScale::Linear, all().map(|p| p[0]));
     let y = Axis::fit("period [nm]", AxisScale::Linear, all().map(|p| p[1]).chain(given));
     let mut panel = Panel::new(x.clone(), y).titled("Period that each wavelength says");
-    for ((of, at), color) in found.iter().zip(points).zip(palette::SERIES) {
-        let name = match of.spread.and_then(|spread| spread.half_interval) {
-            Some(half) => format!("order {}, mean within {:.1} nm (95 %, windows)", of.order, half * 1e3),
-            None => format!("order {}", of.order),
-        };
-        if let (Some(mean), Some(deviation)) = (of.statistics.mean, of.statistics.deviation) {
+    let is_alone = series.len() == 1;
+    for (one, color) in series.into_iter().zip(palette::SERIES.into_iter().cycle()) {
+        if let (Some(mean), Some(deviation)) = (one.statistics.mean, one.statistics.deviation) {
             let (mean, deviation) = (mean * 1e3, deviation * 1e3);
             let edge = |x: f64| [x, mean - deviation, mean + deviation];
-            if found.len() == 1 {
+            if is_alone {
                 panel = panel.mark(Mark::Band { points: vec![edge(x.low), edge(x.high)], color });
             }
             panel = panel.mark(Mark::dashed(vec![[x.low, mean], [x.high, mean]], color));
         }
-        let dots = Mark::Points { points: at, color, shape: MarkShape::Disc, radius: 2.2 };
-        panel = panel.named(name, dots);
+        let dots = Mark::Points { points: one.points, color, shape: MarkShape::Disc, radius: 2.2 };
+        panel = panel.named(one.name, dots);
     }
     match given {
         Some(d) => panel.named("given", Mark::line(vec![[x.low, d], [x.high, d]], palette::INK)),
@@ -138,9 +180,10 @@ fn periods(arguments: &Arguments, found: &[Found]) -> Panel {
 fn caption(arguments: &Arguments, field: &HeightField, found: &[Found]) -> String {
     let name = arguments.surface_name.as_deref().or(arguments.surface.surface.as_deref());
     let name = name.map_or("elaphe".into(), |name| name.to_string_lossy());
-    let lines: Vec<String> = found.iter().map(|of| format!("Order {}: {}.", of.order, of.line())).collect();
-    let right = match found.len() {
-        1 => "the dashed line is the mean, the band the standard deviation",
+    let told = |of: &Found| format!("Order {}: {}.", of.sought.order, of.lines().join("; "));
+    let lines: Vec<String> = found.iter().map(told).collect();
+    let right = match found {
+        [only] if only.branches.is_empty() => "the dashed line is the mean, the band the standard deviation",
         _ => "dashed lines are the means",
     };
     format!(

@@ -10,7 +10,7 @@ use super::{evaluation, say, write};
 use crate::error::{Error, Result};
 use crate::figure::FigureFormat;
 use crate::files::Files;
-use crate::measure::peaks::WindowSpread;
+use crate::measure::peaks::{PeriodStatistics, Sought, WindowSpread};
 use crate::optics::coherence::Windows;
 use crate::surface::HeightField;
 use clap::{Args, ValueEnum};
@@ -41,7 +41,8 @@ const FEWEST_ANGLES: usize = 3;
     after_help = "Angles are in degrees from the normal toward the axis, for the light and for the viewer, so the mirror
 direction stands at minus theta-i. The answer is CSV: wavelength [nm], angle of the largest BRDF in the range [degrees],
 period d = m wavelength/|sin angle + sin theta-i| [nm], response [1/sr]. Cells stay empty where nothing is reflected or,
-in the mirror direction, every period fits. One order has the whole range of angles; of several, each has what is at most
+in the mirror direction, every period fits. Where the largest response changes from one branch of maxima to another, each is
+followed over the wavelengths and has a period of its own, and a column `branch` tells which one is the largest. One order has the whole range of angles; of several, each has what is at most
 half an order away from where --period sends it, and a column `order`. The standard error over windows is that of the
 mean over the surface, by the jackknife over windows: over a few of them for --windows all, over those that are asked for
 with --windows NxM, which also tells the period of each window alone. --method reference --windows all has none.
@@ -198,8 +199,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     let (sweep, alone) = AngleSweep::of(arguments, &field)?;
     let mut found = find(arguments, &sweep);
-    spread_over_windows(arguments, &field, &alone, &mut found);
     let asked: &[AngleSweep] = if arguments.optics.windows() == Windows::All { &[] } else { &alone };
+    for of in &mut found {
+        of.find_branches(&sweep, asked);
+    }
+    spread_over_windows(arguments, &field, &alone, &mut found);
     let windows: Vec<Vec<Found>> = asked.iter().map(|one| find(arguments, one)).collect();
     write::text(arguments.output.as_deref(), &report::table(&found)?)?;
     tell(&found, &windows);
@@ -214,7 +218,8 @@ fn find(arguments: &Arguments, sweep: &AngleSweep) -> Vec<Found> {
     let orders = &arguments.order.0;
     // One order has the whole range, as it always had.
     let apart = arguments.period.filter(|_| orders.len() > 1);
-    orders.iter().map(|&m| Found::new(m, sweep.peaks(arguments.theta_i, m, apart))).collect()
+    let sought = |&order| Sought { theta_i: arguments.theta_i, order, period: apart };
+    orders.iter().map(|order| Found::new(sought(order), sweep)).collect()
 }
 
 /// Gives each of the peaks `found` its spread over the windows whose sweeps are `alone`.
@@ -229,11 +234,16 @@ fn spread_over_windows(
         return;
     };
     let mean = AngleSweep::mean(alone);
-    let leave_one_out: Vec<Vec<Found>> =
-        alone.iter().map(|one| find(arguments, &mean.without(one, alone.len()))).collect();
-    for (i, of) in found.iter_mut().enumerate() {
-        let periods: Option<Vec<f64>> = leave_one_out.iter().map(|all| all[i].statistics.mean).collect();
-        of.spread = periods.and_then(|periods| WindowSpread::jackknife(&periods, independent));
+    let rest: Vec<AngleSweep> = alone.iter().map(|one| mean.without(one, alone.len())).collect();
+    let spread = |period: &dyn Fn(&AngleSweep) -> Option<f64>| {
+        let periods: Option<Vec<f64>> = rest.iter().map(period).collect();
+        periods.and_then(|periods| WindowSpread::jackknife(&periods, independent))
+    };
+    for of in found {
+        of.spread = spread(&|rest| PeriodStatistics::of(&rest.map(of.sought).largest()).mean);
+        for followed in &mut of.branches {
+            followed.spread = spread(&|rest| rest.map(of.sought).along(&followed.branch).mean);
+        }
     }
 }
 
@@ -244,12 +254,17 @@ const SCATTERED: f64 = 0.1;
 /// The periods, a line each on stderr.
 fn tell(found: &[Found], windows: &[Vec<Found>]) {
     for (i, of) in found.iter().enumerate() {
-        let which = if found.len() > 1 { format!("order {}: ", of.order) } else { String::new() };
-        for (window, alone) in windows.iter().enumerate() {
-            say(&format_args!("{which}window {} of {}: {}", window + 1, windows.len(), alone[i].line()));
+        let order = of.sought.order;
+        let which = if found.len() > 1 { format!("order {order}: ") } else { String::new() };
+        if of.branches.is_empty() {
+            for (window, alone) in windows.iter().enumerate() {
+                say(&format_args!("{which}window {} of {}: {}", window + 1, windows.len(), alone[i].line()));
+            }
+            let average = if windows.is_empty() { "" } else { "all windows: " };
+            say(&format_args!("{which}{average}{}", of.line()));
+        } else {
+            of.lines().iter().for_each(|line| say(&format_args!("{which}{line}")));
         }
-        let average = if windows.is_empty() { "" } else { "all windows: " };
-        say(&format_args!("{which}{average}{}", of.line()));
         let (mean, deviation) = (of.statistics.mean.unwrap_or(0.0), of.statistics.deviation.unwrap_or(0.0));
         if deviation > SCATTERED * mean {
             say(

@@ -1,47 +1,119 @@
 //! What the peaks say, as CSV, as a line and as JSON.
 
 use super::TangentAxis;
+use super::sweep::AngleSweep;
 use crate::cli::write::Csv;
 use crate::error::Result;
-use crate::measure::peaks::{Peak, PeriodStatistics, WindowSpread};
+use crate::measure::branches::Branch;
+use crate::measure::peaks::{Peak, PeriodStatistics, Sought, WindowSpread};
 use serde::Serialize;
 
 /// The peaks of one order.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// m.
-    pub order: u32,
-    /// One for each wavelength.
+    /// Light, order and period.
+    pub sought: Sought,
+    /// Largest response of each wavelength.
     pub peaks: Vec<Peak>,
-    /// Over all of them.
+    /// Period over all of them.
     pub statistics: PeriodStatistics,
-    /// Over windows, where several are averaged.
+    /// Spread of that period over windows, where several are averaged.
     pub spread: Option<WindowSpread>,
+    /// Branches between which the largest response changes, the strongest first; none where it does not change.
+    pub branches: Vec<FollowedBranch>,
+}
+
+/// A branch of maxima.
+#[derive(Clone, Debug)]
+pub struct FollowedBranch {
+    /// Its maxima and their period.
+    pub branch: Branch,
+    /// Spread of the period over windows, where several are averaged.
+    pub spread: Option<WindowSpread>,
+    /// Its period through each window alone.
+    pub windows: Vec<PeriodStatistics>,
 }
 
 impl Found {
-    /// `peaks` of `order`.
-    pub fn new(order: u32, peaks: Vec<Peak>) -> Self {
+    /// Finds the largest responses of `sweep`, without branches.
+    pub fn new(sought: Sought, sweep: &AngleSweep) -> Self {
+        let peaks = sweep.map(sought).largest();
         let statistics = PeriodStatistics::of(&peaks);
-        Self { order, peaks, statistics, spread: None }
+        Self { sought, peaks, statistics, spread: None, branches: Vec::new() }
     }
 
-    /// The period in a line.
+    /// Finds the branches of `sweep`, and follows them through each of the `windows` alone.
+    pub fn find_branches(&mut self, sweep: &AngleSweep, windows: &[AngleSweep]) {
+        let follow = |branch: Branch| FollowedBranch {
+            windows: windows.iter().map(|one| one.map(self.sought).along(&branch)).collect(),
+            branch,
+            spread: None,
+        };
+        self.branches = sweep.map(self.sought).branches().into_iter().map(follow).collect();
+    }
+
+    /// Number, from 1, of the branch on which the largest response of wavelength number `place` lies.
+    pub fn branch_at(&self, place: usize) -> Option<usize> {
+        let largest = self.peaks[place].angle;
+        let is_there = |f: &FollowedBranch| f.branch.peaks[place].is_some_and(|peak| peak.angle == largest);
+        self.branches.iter().position(is_there).map(|number| number + 1)
+    }
+
+    /// The period over all wavelengths and its spread, or those of the strongest branch where there are several.
+    fn strongest(&self) -> (&PeriodStatistics, Option<&WindowSpread>) {
+        match self.branches.first() {
+            Some(followed) => (&followed.branch.statistics, followed.spread.as_ref()),
+            None => (&self.statistics, self.spread.as_ref()),
+        }
+    }
+
+    /// The period in a line, as if there were one branch.
     pub fn line(&self) -> String {
-        let nm = |d: Option<f64>| d.map(nanometres);
-        let period = match (nm(self.statistics.mean), nm(self.statistics.deviation)) {
-            (Some(mean), Some(deviation)) => {
-                format!("period {mean:.3} nm, standard deviation {deviation:.3} nm")
-            }
-            (Some(mean), None) => format!("period {mean:.3} nm"),
-            (None, _) => "no period".to_owned(),
-        };
-        let period = match &self.spread {
-            None => period,
-            Some(spread) => format!("{period}; {}", over_windows(spread)),
-        };
+        let period = in_words(&self.statistics, self.spread.as_ref());
         let (clear, all) = (self.statistics.clear, self.peaks.len());
         format!("{period}; {clear} of {all} wavelengths have a clear peak in the range")
+    }
+
+    /// The period in a line, or a line for each branch and what they are.
+    pub fn lines(&self) -> Vec<String> {
+        if self.branches.is_empty() {
+            return vec![self.line()];
+        }
+        let count = self.branches.len();
+        let mut lines = vec![format!(
+            "the largest response changes between {count} branches, each with a period of its own"
+        )];
+        for (number, followed) in self.branches.iter().enumerate() {
+            let which = format!("branch {} of {count}: ", number + 1);
+            for (window, alone) in followed.windows.iter().enumerate() {
+                let windows = followed.windows.len();
+                lines.push(format!("{which}window {} of {windows}: {}", window + 1, in_words(alone, None)));
+            }
+            let Branch { statistics, largest, .. } = &followed.branch;
+            lines.push(format!(
+                "{which}{}; a maximum at {} of {} wavelengths, the largest response at {largest}",
+                in_words(statistics, followed.spread.as_ref()),
+                statistics.count,
+                self.peaks.len(),
+            ));
+        }
+        lines
+    }
+}
+
+/// A period with its uncertainty.
+fn in_words(statistics: &PeriodStatistics, spread: Option<&WindowSpread>) -> String {
+    let nm = |d: Option<f64>| d.map(nanometres);
+    let period = match (nm(statistics.mean), nm(statistics.deviation)) {
+        (Some(mean), Some(deviation)) => {
+            format!("period {mean:.3} nm, standard deviation {deviation:.3} nm")
+        }
+        (Some(mean), None) => format!("period {mean:.3} nm"),
+        (None, _) => "no period".to_owned(),
+    };
+    match spread {
+        None => period,
+        Some(spread) => format!("{period}; {}", over_windows(spread)),
     }
 }
 
@@ -60,22 +132,26 @@ fn over_windows(spread: &WindowSpread) -> String {
     }
 }
 
-/// The CSV; with several orders, another column says which.
+/// The CSV; with several orders or branches, another column says which.
 pub fn table(found: &[Found]) -> Result<String> {
     let cell = |value: Option<f64>| value.map(|x| x.to_string()).unwrap_or_default();
-    let columns = if found.len() > 1 { 5 } else { 4 };
+    let columns = [true, true, true, true, found.len() > 1, found.iter().any(|of| !of.branches.is_empty())];
     let mut table = Csv::new();
-    table.row(&["wavelength", "angle", "period", "response", "order"][..columns])?;
+    let mut row = |cells: [String; 6]| {
+        let shown = cells.into_iter().zip(columns).filter(|(_, shown)| *shown);
+        table.row(&shown.map(|(cell, _)| cell).collect::<Vec<_>>())
+    };
+    row(["wavelength", "angle", "period", "response", "order", "branch"].map(str::to_owned))?;
     for of in found {
-        for peak in &of.peaks {
-            let cells = [
+        for (place, peak) in of.peaks.iter().enumerate() {
+            row([
                 nanometres(peak.wavelength).to_string(),
                 cell(peak.angle),
                 cell(peak.period.map(nanometres)),
                 format!("{:e}", peak.response),
-                of.order.to_string(),
-            ];
-            table.row(&cells[..columns])?;
+                of.sought.order.to_string(),
+                of.branch_at(place).map(|number| number.to_string()).unwrap_or_default(),
+            ])?;
         }
     }
     table.text()
@@ -98,7 +174,7 @@ pub struct PeaksReport {
     with_period: usize,
     /// Those whose maximum lies inside the range of angles.
     clear: usize,
-    /// Over those that have a period.
+    /// Over those that have a period; of the strongest branch where there are several.
     period_nm: PeriodSummary,
     /// Over windows, where several are averaged.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -106,6 +182,9 @@ pub struct PeaksReport {
     /// The same through each window alone, where several are averaged.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     windows: Vec<WindowReport>,
+    /// Branches between which the largest response changes, the strongest first; absent where it does not change.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    branches: Vec<BranchReport>,
 }
 
 /// `None` where there are too few wavelengths \[nm\].
@@ -126,6 +205,10 @@ struct PeriodSpread {
 }
 
 impl PeriodSpread {
+    fn of_some(spread: Option<&WindowSpread>, statistics: &PeriodStatistics) -> Option<Self> {
+        spread.zip(statistics.mean).map(|(spread, mean)| Self::of(spread, mean))
+    }
+
     fn of(spread: &WindowSpread, mean: f64) -> Self {
         let nm = |micrometres: f64| micrometres * 1e3;
         Self {
@@ -137,11 +220,44 @@ impl PeriodSpread {
     }
 }
 
+/// One of several branches.
+#[derive(Serialize)]
+struct BranchReport {
+    /// Wavelengths at which it is a maximum.
+    wavelengths: usize,
+    /// Wavelengths at which it is the largest response.
+    largest: usize,
+    period_nm: PeriodSummary,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    over_windows: Option<PeriodSpread>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    windows: Vec<WindowReport>,
+}
+
+impl BranchReport {
+    fn of(followed: &FollowedBranch) -> Self {
+        let Branch { statistics, largest, .. } = &followed.branch;
+        Self {
+            wavelengths: statistics.count,
+            largest: *largest,
+            period_nm: PeriodSummary::of(statistics),
+            over_windows: PeriodSpread::of_some(followed.spread.as_ref(), statistics),
+            windows: followed.windows.iter().map(WindowReport::of).collect(),
+        }
+    }
+}
+
 /// What one window says.
 #[derive(Serialize)]
 struct WindowReport {
     clear: usize,
     period_nm: PeriodSummary,
+}
+
+impl WindowReport {
+    fn of(statistics: &PeriodStatistics) -> Self {
+        Self { clear: statistics.clear, period_nm: PeriodSummary::of(statistics) }
+    }
 }
 
 impl PeriodSummary {
@@ -156,25 +272,22 @@ impl PeriodSummary {
 impl PeaksReport {
     /// Of one order, and of the same order through each window alone.
     pub fn new(theta_i: f64, axis: TangentAxis, found: &Found, windows: &[&Found]) -> Self {
-        let statistics = &found.statistics;
-        let window = |of: &&Found| WindowReport {
-            clear: of.statistics.clear,
-            period_nm: PeriodSummary::of(&of.statistics),
+        let (period, spread) = found.strongest();
+        let alone: Vec<&PeriodStatistics> = match found.branches.first() {
+            Some(strongest) => strongest.windows.iter().collect(),
+            None => windows.iter().map(|of| &of.statistics).collect(),
         };
         Self {
             theta_i,
             axis,
-            order: found.order,
+            order: found.sought.order,
             wavelengths: found.peaks.len(),
-            with_period: statistics.count,
-            clear: statistics.clear,
-            period_nm: PeriodSummary::of(statistics),
-            over_windows: found
-                .spread
-                .as_ref()
-                .zip(statistics.mean)
-                .map(|(spread, mean)| PeriodSpread::of(spread, mean)),
-            windows: windows.iter().map(window).collect(),
+            with_period: found.statistics.count,
+            clear: found.statistics.clear,
+            period_nm: PeriodSummary::of(period),
+            over_windows: PeriodSpread::of_some(spread, period),
+            windows: alone.into_iter().map(WindowReport::of).collect(),
+            branches: found.branches.iter().map(BranchReport::of).collect(),
         }
     }
 }

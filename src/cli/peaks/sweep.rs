@@ -3,7 +3,8 @@
 use super::{Arguments, MANY_SUMS};
 use crate::cli::{evaluation, prepare, say};
 use crate::error::Result;
-use crate::measure::peaks::Peak;
+use crate::measure::branches::ResponseMap;
+use crate::measure::peaks::Sought;
 use crate::memory;
 use crate::optics::coherence::Windows;
 use crate::optics::geometry::{Pair, direction};
@@ -129,13 +130,9 @@ impl AngleSweep {
         Ok(Self { wavelengths, angles, responses })
     }
 
-    /// The peak of each wavelength for `order`: in all the range, or, with a `period` \[µm\], within half an order.
-    pub fn peaks(&self, theta_i: f64, order: u32, period: Option<f64>) -> Vec<Peak> {
-        let sweeps = self.wavelengths.iter().zip(self.responses.chunks(self.angles.len()));
-        let peak = |(&wavelength, responses): (&f64, &[f64])| match period {
-            None => Peak::find(wavelength, theta_i, order, &self.angles, responses),
-            Some(d) => Peak::find_near(wavelength, theta_i, order, &self.angles, responses, d),
-        };
-        sweeps.map(peak).collect()
+    /// The responses as a map in which what is `sought` is looked for.
+    pub fn map(&self, sought: Sought) -> ResponseMap<'_> {
+        let Self { wavelengths, angles, responses } = self;
+        ResponseMap { wavelengths, angles, responses, sought }
     }
 }

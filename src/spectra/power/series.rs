@@ -10,7 +10,7 @@ use crate::optics::spectrum::SHORTEST;
 use crate::surface::HeightField;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, SQRT_2};
 
 /// Light and accuracy that series are made for. These and the height field are part of the key of a colour table.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -94,6 +94,7 @@ impl OrderSeries {
         settings: &PowerSettings,
         progress: &dyn Fn(usize, usize) -> Result<()>,
     ) -> Result<Self> {
+        Self::check_heights(field, settings)?;
         let z_max = settings.z_max();
         let transform = Transform::new(field, order_grid(field, settings), settings.beyond);
         transform.ensure_room()?;
@@ -175,6 +176,30 @@ impl OrderSeries {
             error: 0.0,
             coefficients,
         })
+    }
+
+    /// Fails at once for heights that no number of terms can follow; [`Self::new`] finds lesser ones by its audit. A sinusoid turns the phase by √2 times its
+    /// standard deviation times z. Single spikes count for little.
+    ///
+    /// # Errors
+    /// With the heights and the most that are possible.
+    pub fn check_heights(field: &HeightField, settings: &PowerSettings) -> Result<()> {
+        /// Times as many turns as terms, of which the audit leaves none.
+        const HOPELESS: f64 = 2.0;
+        let heights = field.heights();
+        let mean = heights.iter().sum::<f64>() / heights.len() as f64;
+        let deviation =
+            (heights.iter().map(|h| (h - mean).powi(2)).sum::<f64>() / heights.len() as f64).sqrt();
+        let most = HOPELESS * MOST_TERMS as f64 / (SQRT_2 * settings.z_max());
+        if deviation <= most {
+            return Ok(());
+        }
+        Err(Error::failed(
+            format!(
+                "the heights vary by {deviation:.3e} um RMS, and beyond {most:.1} um {MOST_TERMS} terms in z cannot follow them"
+            ),
+            [Remedy::Words("check the height and its unit".into()), Remedy::ReferenceMethod],
+        ))
     }
 
     /// Returns the least that the series of `field` take; `None` for a surface too high for any number of terms.
@@ -269,6 +294,16 @@ mod tests {
 
     fn settings(tolerance: f64) -> PowerSettings {
         PowerSettings { error: tolerance, ..PowerSettings::new(2.0, Beyond::Copies, tolerance) }
+    }
+
+    #[test]
+    fn heights_that_no_terms_follow_are_refused_at_once_and_lower_ones_are_not() {
+        let settings = settings(1e-2);
+        let e = OrderSeries::check_heights(&rough(1e6), &settings).unwrap_err().to_string();
+        assert!(e.contains("um RMS") && e.contains("check the height and its unit"), "{e}");
+        assert!(OrderSeries::new(&rough(1e6), &settings, &|_, _| panic!("it began")).is_err());
+        // Half as much is for the audit to judge.
+        assert!(OrderSeries::check_heights(&rough(5.0), &settings).is_ok());
     }
 
     fn rough(height: f64) -> HeightField {
