@@ -123,7 +123,9 @@ fn a_damaged_picture_is_drawn_again_and_said() {
         let mut changed = whole.clone();
         let place = whole.len() - whole.len() / 8;
         changed[place] ^= 1;
-        for wrong in [&whole[..whole.len() / 2], &changed] {
+        // The notes of so small a PNG are longer than its pixels; without them the file could be anybody's.
+        let kept = if name.ends_with("exr") { whole.len() / 2 } else { whole.len() - 60 };
+        for wrong in [&whole[..kept], &changed] {
             sandbox.write(&damaged, wrong);
             let told = render(&sandbox, &turn);
             assert!(told.code == Some(0) && told.stderr.contains(&damaged), "{told:?}");
