@@ -74,7 +74,7 @@ impl SequenceOrigin {
 
 /// A picture of a sequence as an earlier run left it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Frame {
+pub enum KeptPicture {
     /// There is no file.
     Missing,
     /// The file is as it was written.
@@ -87,12 +87,12 @@ pub enum Frame {
 ///
 /// # Errors
 /// Where the file is another one: nothing that is there is written over, and no sequence has pictures of two kinds.
-pub fn frame(path: &Path, note: &str) -> Result<Frame> {
+pub fn frame(path: &Path, note: &str) -> Result<KeptPicture> {
     if !path.exists() {
-        return Ok(Frame::Missing);
+        return Ok(KeptPicture::Missing);
     }
     if picture_file::note(path, NOTE).is_some_and(|own| own == note) {
-        return Ok(if is_whole(path) { Frame::Finished } else { Frame::Damaged });
+        return Ok(if is_whole(path) { KeptPicture::Finished } else { KeptPicture::Damaged });
     }
     Err(Error::usage(
         "is there already and is not this picture under these settings",
@@ -191,26 +191,26 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for path in written(folder.path()) {
             let state = || frame(&path, "a key, picture 3");
-            assert_eq!(state().unwrap(), Frame::Finished, "{}", path.display());
+            assert_eq!(state().unwrap(), KeptPicture::Finished, "{}", path.display());
             assert!(frame(&path, "a key, picture 4").is_err(), "another picture");
             let whole = std::fs::read(&path).unwrap();
             // A file that is cut before it says what it is, is refused.
             std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
-            assert_eq!(state().unwrap(), Frame::Damaged, "half of {}", path.display());
+            assert_eq!(state().unwrap(), KeptPicture::Damaged, "half of {}", path.display());
             for cut in [0, 10, whole.len() / 10, whole.len() - 1] {
                 std::fs::write(&path, &whole[..cut]).unwrap();
-                assert_ne!(state().ok(), Some(Frame::Finished), "{cut} of {}", path.display());
+                assert_ne!(state().ok(), Some(KeptPicture::Finished), "{cut} of {}", path.display());
             }
             for place in (whole.len() / 2..whole.len()).step_by(97) {
                 let mut changed = whole.clone();
                 changed[place] ^= 0x40;
                 std::fs::write(&path, &changed).unwrap();
-                assert_ne!(state().ok(), Some(Frame::Finished), "byte {place} of {}", path.display());
+                assert_ne!(state().ok(), Some(KeptPicture::Finished), "byte {place} of {}", path.display());
             }
             std::fs::write(&path, &whole).unwrap();
-            assert_eq!(state().unwrap(), Frame::Finished);
+            assert_eq!(state().unwrap(), KeptPicture::Finished);
             std::fs::remove_file(&path).unwrap();
-            assert_eq!(state().unwrap(), Frame::Missing);
+            assert_eq!(state().unwrap(), KeptPicture::Missing);
         }
     }
 }

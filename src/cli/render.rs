@@ -1,6 +1,6 @@
 //! `diffract render`: a scene into a file, or a sequence of pictures into numbered ones.
 
-use super::finished::{self, Frame, SequenceOrigin};
+use super::finished::{self, KeptPicture, SequenceOrigin};
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, sample_pixels,
 };
@@ -178,10 +178,10 @@ fn shots(
     for frame in sequence.frames.clone() {
         let (output, note) = (sequence.file(output, frame), origin.note(frame));
         let state = finished::frame(&output, &note)?;
-        if state == Frame::Finished {
+        if state == KeptPicture::Finished {
             continue;
         }
-        if state == Frame::Damaged {
+        if state == KeptPicture::Damaged {
             say(&format_args!("{}: the picture is damaged and is drawn again", output.display()));
         }
         let notes = captions::notes_of_frame(&notes, frame, finished::NOTE, note);
