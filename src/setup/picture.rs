@@ -93,7 +93,10 @@ impl ObjectSurface {
     /// Fails at once for heights of which no table can be made.
     fn check_heights(&self) -> Result<()> {
         match (&self.field, self.optics.method) {
-            (Some(field), Method::Table) => OrderSeries::check_heights(field, &self.optics.power_settings()?),
+            (Some(field), Method::Table) => {
+                super::check(&self.optics)?;
+                OrderSeries::check_heights(field, &self.optics.power_settings()?)
+            }
             _ => Ok(()),
         }
     }
