@@ -139,7 +139,7 @@ pub fn table(found: &[Found]) -> Result<String> {
     let mut table = Csv::new();
     let mut row = |cells: [String; 6]| {
         let shown = cells.into_iter().zip(columns).filter(|(_, shown)| *shown);
-        table.row(&shown.map(|(cell, _)| cell).collect::<Vec<_>>())
+        table.row(shown.map(|(cell, _)| cell).collect::<Vec<_>>())
     };
     row(["wavelength", "angle", "period", "response", "order", "branch"].map(str::to_owned))?;
     for of in found {
