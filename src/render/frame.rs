@@ -226,6 +226,23 @@ impl GeometryPass {
         Ok(Self { pipelines, mirroring, shadows })
     }
 
+    /// Selects the depth map of light number `light` for the next drawing, which `block` describes. The device must not be using the sets of `objects`.
+    ///
+    /// # Errors
+    /// When the device has no room for the light's first map.
+    pub fn select_shadow(
+        &mut self,
+        device: &Arc<Device>,
+        objects: &[DeviceObject],
+        light: usize,
+        block: &FrameBlock,
+    ) -> Result<()> {
+        match &mut self.shadows {
+            Some(shadows) => shadows.select(device, objects, light, block.shadow_from_world),
+            None => Ok(()),
+        }
+    }
+
     /// Records the drawing of `objects` into `geometry`, which it leaves readable by shaders, under a light that is drawn from surroundings whose specular
     /// order is `mirrored`, or under another.
     pub fn record(

@@ -704,6 +704,7 @@ impl Painter {
             let own = object.block(block, shading.specular_spread.unwrap_or_default());
             object.frame.write(&own)?;
         }
+        self.find.select_shadow(&self.device, &self.objects, pass.light, &block)?;
         self.written = Some(Written { view: view.clone(), pass: *pass, size });
         Ok(())
     }

@@ -1,5 +1,6 @@
-//! Shadows: the depth of the mesh from the light, drawn anew for every sample, so that the samples of a light with an extent add up to
-//! soft shadows. The geometry pass compares with it; its twins are `shaders/shadow.vert` and `in_shadow` of `shaders/geometry.frag`.
+//! Shadows: the depth of the mesh from each light. A map is drawn when its light has moved, not when the camera has. Samples move a light within its
+//! extent, so that they add up to soft shadows. The geometry pass compares with the map; the shaders are `shaders/shadow.vert` and `in_shadow` of
+//! `shaders/geometry.frag`.
 //!
 //! Shadows that a height field casts on itself are not modelled: Kirchhoff's approximation, on which the BRDF rests, leaves them out.
 
@@ -17,23 +18,50 @@ use crate::vk::image::{Description, Image};
 use crate::vk::pipeline::{Depth, Drawing, Pipeline};
 use ash::vk;
 use glam::{DVec3, Mat4, Vec3, Vec4};
+use std::cell::Cell;
 use std::sync::Arc;
 
-/// Side of the depth maps for a picture of `size` pixels \[texels\]. A map holds all of the mesh, of which a picture often shows a part.
+/// Returns the side of the depth maps for a picture of `size` pixels \[texels\]: two texels a pixel where the mesh fills the picture.
 fn side(size: [u32; 2]) -> u32 {
-    (4 * size[0].max(size[1])).clamp(256, 2048)
+    (2 * size[0].max(size[1])).clamp(256, 2048)
 }
 
-/// The depth map of the light that is drawn.
+/// Most depth maps that are kept. Further lights share the last.
+const MOST_MAPS: usize = 4;
+
+/// Depth maps of the lights.
 pub struct Shadows {
-    map: Image,
+    maps: Vec<DepthMap>,
+    /// Number of the map that objects read.
+    read: usize,
+    /// World to the clip space of that map, as its light stands now.
+    wanted: ClipFromWorld,
     side: u32,
     pipeline: Pipeline,
     block: Descriptors,
 }
 
+/// Columns of the matrix from the world to the clip space of a depth map.
+type ClipFromWorld = [[f32; 4]; 4];
+
+/// Depth of the mesh from one light.
+struct DepthMap {
+    image: Image,
+    /// World to its clip space when it was drawn; `None` before that.
+    drawn: Cell<Option<ClipFromWorld>>,
+}
+
+impl DepthMap {
+    fn new(device: &Arc<Device>, side: u32) -> Result<Self> {
+        let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
+        let (size, format) = ([side; 2], target::DEPTH);
+        let description = Description { name: "shadow map", format, size, layers: 1, array: false, usage };
+        Ok(Self { image: Image::new(device, &description)?, drawn: Cell::new(None) })
+    }
+}
+
 impl Shadows {
-    /// A map for the frames of `size` pixels of `objects`, which read it from now on.
+    /// Makes a map for pictures of `objects` with `size` pixels, which read it from now on.
     ///
     /// # Errors
     /// Where the device has no room.
@@ -61,23 +89,46 @@ impl Shadows {
             }),
         };
         let pipeline = Pipeline::graphics(device, shader!("shadow.vert"), None, &drawing, &[&block], 0)?;
-        let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
-        let (size, format) = ([side; 2], target::DEPTH);
-        let description = Description { name: "shadow map", format, size, layers: 1, array: false, usage };
-        let map = Image::new(device, &description)?;
-        objects.iter().for_each(|object| object.frame.read_shadow(Some(&map)));
-        Ok(Self { map, side, pipeline, block })
+        let map = DepthMap::new(device, side)?;
+        objects.iter().for_each(|object| object.frame.read_shadow(Some(&map.image)));
+        Ok(Self { maps: vec![map], read: 0, wanted: ClipFromWorld::default(), side, pipeline, block })
     }
 
-    /// Records the drawing of `objects` into the map, which it leaves readable by shaders.
+    /// Lets `objects` read the map of light number `light`, which stands as `clip_from_world` says. The device must not be using the objects' sets.
+    ///
+    /// # Errors
+    /// When the device has no room for the light's first map.
+    pub fn select(
+        &mut self,
+        device: &Arc<Device>,
+        objects: &[DeviceObject],
+        light: usize,
+        clip_from_world: ClipFromWorld,
+    ) -> Result<()> {
+        let number = light.min(MOST_MAPS - 1);
+        while self.maps.len() <= number {
+            self.maps.push(DepthMap::new(device, self.side)?);
+        }
+        if number != self.read {
+            objects.iter().for_each(|object| object.frame.read_shadow(Some(&self.maps[number].image)));
+        }
+        (self.read, self.wanted) = (number, clip_from_world);
+        Ok(())
+    }
+
+    /// Records the drawing of `objects` into the selected map, which it leaves readable by shaders, unless the map holds them already.
     pub fn record(&self, record: &Recorder<'_>, objects: &[DeviceObject]) {
+        let DepthMap { image, drawn } = &self.maps[self.read];
+        if drawn.replace(Some(self.wanted)) == Some(self.wanted) {
+            return;
+        }
         let all = record.within([self.side; 2], 0..self.side);
-        all.images(&[(&self.map, Access::Nothing, Access::DepthAttachment)]);
-        all.render(&[], Some(&self.map), |draw| {
+        all.images(&[(image, Access::Nothing, Access::DepthAttachment)]);
+        all.render(&[], Some(image), |draw| {
             draw.bind(&self.pipeline, &[&self.block]);
             objects.iter().filter(|o| o.casts_shadows).for_each(|object| object.mesh.draw(draw));
         });
-        all.images(&[(&self.map, Access::DepthAttachment, Access::ShaderRead)]);
+        all.images(&[(image, Access::DepthAttachment, Access::ShaderRead)]);
     }
 }
 
