@@ -131,6 +131,8 @@ struct EnvironmentMap {
     extent: f64,
     /// Cosine and sine of the azimuth of each column.
     azimuths: Vec<DVec2>,
+    /// Number of pixels of the file that are no radiance.
+    bounded: usize,
 }
 
 impl Environment {
@@ -154,6 +156,18 @@ impl Environment {
     /// Bytes that are no such picture, one that is not twice as wide as high, or one that holds no light.
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self> {
         EnvironmentMap::from_bytes(bytes).map(|picture| Self::showing(name, picture))
+    }
+
+    /// Returns a note about pixels of the file that are no radiance; `None` if there are none.
+    pub fn note(&self) -> Option<String> {
+        let count = self.picture.bounded;
+        let pixels = if count == 1 { "1 pixel is" } else { &format!("{count} pixels are") };
+        (count > 0).then(|| {
+            format!(
+                "{}: {pixels} negative, beyond {LARGEST_RADIANCE:.0e} or not a number; negative radiance and what is not a number count as black",
+                self.name
+            )
+        })
     }
 
     fn showing(name: &str, picture: EnvironmentMap) -> Self {
@@ -296,7 +310,7 @@ impl EnvironmentMap {
             radiance.iter().zip(&light).map(|(c, light)| brightness(c.as_dvec3()) * light).sum();
         let extent = if weighed > 0.0 { all.powi(2) / weighed } else { 0.0 };
         let (light, azimuths) = (LightSums::new(width, &light), azimuths(width));
-        Self { width, height, radiance, light, extent, azimuths }
+        Self { width, height, radiance, light, extent, azimuths, bounded: 0 }
     }
 
     /// The direction of the middle of a pixel, not turned.
@@ -343,9 +357,10 @@ impl EnvironmentMap {
         memory::ensure_room(pixels.saturating_mul(BYTES), "the surroundings")?;
         let texels = PICTURE.decode(bytes)?.into_rgb32f().into_raw();
         let bounded = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(0.0, LARGEST_RADIANCE) };
-        let colors: Vec<Vec3> =
-            texels.chunks_exact(3).map(|c| Vec3::new(c[0], c[1], c[2]).map(bounded)).collect();
-        let own = averaged(width as usize, height as usize, colors);
+        let read: Vec<Vec3> = texels.chunks_exact(3).map(|c| Vec3::new(c[0], c[1], c[2])).collect();
+        let colors: Vec<Vec3> = read.iter().map(|colour| colour.map(bounded)).collect();
+        let changed = read.iter().zip(&colors).filter(|(read, used)| read != used).count();
+        let own = EnvironmentMap { bounded: changed, ..averaged(width as usize, height as usize, colors) };
         if own.radiance.iter().all(|c| *c == Vec3::ZERO) {
             return Err(Error::failed("the surroundings are black", "give a picture that holds light"));
         }
@@ -491,6 +506,10 @@ mod tests {
         assert!((1.0..2.0).contains(&(share / square)), "{share}, {square}");
     }
 
+    fn picture_of_ones() -> image::Rgb32FImage {
+        image::Rgb32FImage::from_pixel(8, 4, image::Rgb([1.0; 3]))
+    }
+
     #[test]
     fn pictures_are_read_with_their_orientation_and_others_are_refused() {
         // One bright pixel in the middle of the right half, above the horizon: azimuth −90 degrees.
@@ -516,6 +535,15 @@ mod tests {
             assert!(error.contains(said), "{error}");
         }
         assert!(EnvironmentMap::from_bytes(b"no picture").is_err());
+        let mut doubtful = picture_of_ones();
+        for (column, value) in [f32::NAN, -1.0, f32::INFINITY].into_iter().enumerate() {
+            doubtful.put_pixel(column as u32, 1, image::Rgb([value, 1.0, 1.0]));
+        }
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image::DynamicImage::from(doubtful).write_to(&mut bytes, ImageFormat::OpenExr).unwrap();
+        let environment = Environment::from_bytes("doubtful.exr", bytes.get_ref()).unwrap();
+        assert!(environment.note().unwrap().contains("3 pixels are"), "{:?}", environment.note());
+        assert_eq!(Environment::open("sky").unwrap().note(), None);
         let header = |size: &str| format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n{size}\n").into_bytes();
         for size in ["-Y 0 +X 0", "-Y 8 +X 16", "-Y 16000 +X 32000", "-Y 2147483648 +X 4294967295"] {
             assert!(EnvironmentMap::from_bytes(&header(size)).is_err(), "{size} and no pixels");

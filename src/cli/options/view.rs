@@ -1,6 +1,7 @@
 //! How a scene is looked at and lit, and how it is displayed.
 
 use super::{Exposure, exposure};
+use crate::cli::say;
 use crate::error::{Error, Result};
 use crate::optics::color::Tone;
 use crate::scene::environment::{self, Placement};
@@ -129,6 +130,9 @@ impl ViewOptions {
             }
             None => {}
             Some(environment) => {
+                if let Some(note) = environment.note() {
+                    say(&note);
+                }
                 let old = environment.placement;
                 environment.placement = Placement::new(
                     self.rotate_environment.unwrap_or(old.rotation),
