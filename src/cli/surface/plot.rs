@@ -205,11 +205,24 @@ fn height_histogram(field: &HeightField, statistics: &Statistics) -> Panel {
     .named("normal distribution of the same Sq", Mark::dashed(curve, palette::VERMILION))
 }
 
+/// Draws the distribution of slopes.
 fn slope_histogram(field: &HeightField, statistics: &Statistics) -> Panel {
-    let angles: Vec<f64> = gradients(field).iter().map(|g| g.atan().to_degrees()).collect();
     // A few steep facets would press all others into the first bins.
     let last = (1.6 * statistics.slopes.angle_95).min(statistics.slopes.angle_max).max(1e-3);
-    let bars = histogram(angles.into_iter(), [0.0, last], last / BINS as f64, BINS);
+    let [dx, dy] = field.pixel_size();
+    // Gradient of one height code between neighbouring samples.
+    let of_code = statistics.heights.quantisation.map_or(0.0, |step| step / dx.min(dy));
+    let is_coarse = of_code > last.to_radians().tan() / BINS as f64;
+    let (bars, name) = if is_coarse {
+        let degrees = of_code.atan().to_degrees();
+        (
+            bars_of_codes(&gradients(field), of_code, last),
+            format!("slopes, in steps of a height code, {degrees:.2}°"),
+        )
+    } else {
+        let angles = gradients(field).into_iter().map(|g| g.atan().to_degrees());
+        (histogram(angles, [0.0, last], last / BINS as f64, BINS), "slopes".to_owned())
+    };
     let most = bars.iter().map(|b| b[2]).fold(0.0, f64::max);
     let (upright, rms) = (|x: f64| vec![[x, 0.0], [x, most]], statistics.slopes.sdq.atan().to_degrees());
     Panel::new(
@@ -217,12 +230,30 @@ fn slope_histogram(field: &HeightField, statistics: &Statistics) -> Panel {
         Axis::linear("probability density [1/°]", 0.0, 1.08 * most),
     )
     .titled("Distribution of slopes")
-    .named("slopes", Mark::Band { points: bars, color: palette::GREEN })
+    .named(name, Mark::Band { points: bars, color: palette::GREEN })
     .named(format!("RMS gradient Sdq, {rms:.1}°"), Mark::line(upright(rms), palette::VERMILION))
     .named(
         format!("95 % below {:.1}°", statistics.slopes.angle_95),
         Mark::dashed(upright(statistics.slopes.angle_95), palette::ORANGE),
     )
+}
+
+/// Returns the density of slope angles up to `last` \[degrees\] as the outline of a band, in bins around whole multiples of the gradient `of_code`.
+fn bars_of_codes(gradients: &[f64], of_code: f64, last: f64) -> Vec<[f64; 3]> {
+    let bins = (last.to_radians().tan() / of_code + 0.5).ceil() as usize;
+    let mut counts = vec![0.0; bins];
+    for gradient in gradients {
+        if let Some(count) = counts.get_mut((gradient / of_code + 0.5) as usize) {
+            *count += 1.0;
+        }
+    }
+    let angle = |edge: f64| (edge.max(0.0) * of_code).atan().to_degrees();
+    let bar = |(bin, count): (usize, &f64)| {
+        let edges = [bin as f64 - 0.5, bin as f64 + 0.5].map(angle);
+        let density = count / (gradients.len() as f64 * (edges[1] - edges[0]));
+        edges.map(|edge| [edge.min(last), 0.0, density])
+    };
+    counts.iter().enumerate().flat_map(bar).collect()
 }
 
 /// A round length of about a quarter of `width`.
@@ -261,6 +292,18 @@ mod tests {
                 svg.split("base64,").map(|part| part.split_once('"').map_or(part, |p| p.1)).collect();
             assert!(!words.contains("NaN") && !words.contains("inf"), "{kind:?}");
         }
+    }
+
+    #[test]
+    fn slopes_of_few_height_codes_are_no_comb() {
+        // A smooth surface of 16 codes, whose gradients are multiples of a code over the distance of samples.
+        let height = |i: usize| 0.5 * ((i % 64) as f64 * 0.31).sin() + 0.5 * ((i / 64) as f64 * 0.23).sin();
+        let codes: Vec<f64> = (0..64 * 64).map(|i| (7.5 * height(i)).round() * 0.02).collect();
+        let field = HeightField::new(64, 64, [0.1, 0.1], codes).unwrap();
+        let bars = bars_of_codes(&gradients(&field), 0.2, 30.0);
+        let area: f64 = bars.chunks(2).map(|bar| (bar[1][0] - bar[0][0]) * bar[0][2]).sum();
+        assert!((area - 1.0).abs() < 1e-9, "{area}");
+        assert!(bars.iter().all(|bar| bar[2] > 0.0), "{bars:?}");
     }
 
     #[test]
