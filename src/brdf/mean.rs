@@ -1,5 +1,6 @@
 //! The mean over coherence areas in f64, by a direct sum over the samples. See [`crate::spectra::power`] for the formula.
 
+use super::seen_part::SeenPart;
 use super::spread::{CUT, NEAREST, Spread};
 use crate::filter::Covariance;
 use crate::optics::brdf::cosine_weighted;
@@ -60,12 +61,13 @@ impl MeanBrdf<'_> {
         let columns = near(f.x, spread.xx, patch.x);
         let rows = near(f.y, spread.yy, patch.y);
         let (specular, powers) = self.order_powers(z, &columns, &rows);
+        let seen = SeenPart::new(f, &spread, around, q);
         let blurred: f64 = powers
             .iter()
             .enumerate()
             .map(|(i, power)| {
                 let m = DVec2::new(columns[i % columns.len()] as f64, rows[i / columns.len()] as f64);
-                power * spread.density(f - m / patch)
+                power * seen.share(m / patch) * spread.density(f - m / patch)
             })
             .sum();
         blurred + specular * Spread::new(Blur::of_coherence(self.sigma), around, q).density(f)

@@ -3,6 +3,7 @@
 mod direct;
 pub mod mean;
 mod mean_answers;
+mod seen_part;
 mod spread;
 pub mod tabulated;
 mod transforms;

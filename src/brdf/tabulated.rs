@@ -2,6 +2,7 @@
 //! the few orders around it.
 
 use super::mean::MeanBrdf;
+use super::seen_part::SeenPart;
 use super::spread::{CUT, NEAREST, Spread};
 use crate::budget::ErrorBudget;
 use crate::error::Result;
@@ -118,7 +119,9 @@ impl<'a> TabulatedMean<'a> {
         if !self.mean.holds(f) || z > self.series.z_max * (1.0 + 1e-9) {
             return 0.0;
         }
-        z * z * self.blurred(f, &Spread::new(self.mean.blur(), around, q), &self.polynomials_at(z))
+        let spread = Spread::new(self.mean.blur(), around, q);
+        let seen = SeenPart::new(f, &spread, around, q);
+        z * z * self.blurred(f, &spread, &seen, &self.polynomials_at(z))
     }
 
     /// Returns |c_0|² at wavenumber `q` \[µm⁻¹\], the specular order's share of the power.
@@ -136,28 +139,28 @@ impl<'a> TabulatedMean<'a> {
         t.into_iter().map(|t| t as f32).collect()
     }
 
-    /// Returns Σ_m |c_m|²/z² γ̂(f − m/T) for the polynomials `t` of z, γ̂ being `spread`.
-    fn blurred(&self, f: DVec2, spread: &Spread, t: &[f32]) -> f64 {
+    /// Returns Σ_m |c_m|²/z² γ̂(f − m/T) for the polynomials `t` of z, γ̂ being `spread`, of which the part `seen` counts.
+    fn blurred(&self, f: DVec2, spread: &Spread, seen: &SeenPart, t: &[f32]) -> f64 {
         let [width, height] = self.series.grid.patch;
         let beyond = |[x, y]: [f64; 2]| spread.beyond([x / (width * width), y / (height * height)]);
         // Blur of the first level: its points are two orders apart.
         let narrowest = (2.0 * Downsampling::EXACT.blur).powi(2);
         let orders = Pyramid::orders(&self.series);
         if beyond([narrowest; 2]).is_none() {
-            return self.sum(f, spread, t, &orders);
+            return self.sum(f, spread, seen, t, &orders);
         }
         let pyramid = self.pyramid.get_or_init(|| Pyramid::new(&self.series, Downsampling::EXACT));
         let levels = (1..pyramid.count()).rev().map(|number| pyramid.level(number, &self.series));
         let coarser = levels.filter_map(|level| Some((beyond(level.grid.variance)?, level))).next();
         match coarser {
-            Some((left, level)) => self.sum(f, &left, t, &level),
-            None => self.sum(f, spread, t, &orders),
+            Some((left, level)) => self.sum(f, &left, seen, t, &level),
+            None => self.sum(f, spread, seen, t, &orders),
         }
     }
 
     /// Sums the points of `level` under `spread` about `f`, for the polynomials `t` of z. The orders nearest to `f` always count: between
     /// those of a short patch there is nothing but what they leave.
-    fn sum(&self, f: DVec2, spread: &Spread, t: &[f32], level: &PyramidLevel<'_>) -> f64 {
+    fn sum(&self, f: DVec2, spread: &Spread, seen: &SeenPart, t: &[f32], level: &PyramidLevel<'_>) -> f64 {
         let step = level.grid.step;
         let points = DVec2::from_array(self.series.grid.patch) / DVec2::from_array(step);
         let reach = (spread.yy.sqrt() * CUT).max(NEAREST / points.y);
@@ -171,7 +174,8 @@ impl<'a> TabulatedMean<'a> {
             let count = (columns.end() - columns.start() + 1).max(0) as usize;
             spread.densities(from, 1.0 / points.x, count, |k, weight| {
                 if let Some(series) = level.at(columns.start() + k as i64, row) {
-                    sum += weight * f64::from(dot(series, t));
+                    let place = f + from + DVec2::new(k as f64 / points.x, 0.0);
+                    sum += weight * seen.share(place) * f64::from(dot(series, t));
                 }
             });
         }
@@ -330,8 +334,8 @@ mod tests {
                     let z = 2.0 * PI * q * uvw.z.abs();
                     let t = table.polynomials_at(z);
                     let f = -uvw.truncate() * q;
-                    let all = table.sum(f, &spread, &t, &Pyramid::orders(&table.series));
-                    let some = table.blurred(f, &spread, &t);
+                    let all = table.sum(f, &spread, &SeenPart::ALL, &t, &Pyramid::orders(&table.series));
+                    let some = table.blurred(f, &spread, &SeenPart::ALL, &t);
                     assert!((some / all - 1.0).abs() < 1e-5, "{name:?}, {around:?}: {some} of {all}");
                 }
             }

@@ -4,6 +4,7 @@ use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, light_by, real,
 };
 use super::{prepare, say};
+use crate::brdf::tabulated::ColourSampling;
 use crate::error::{Error, Result};
 use crate::measure::budget::MeasuredBudget;
 use crate::measure::error::{self, PixelErrors};
@@ -19,7 +20,7 @@ use crate::render::object::{ObjectData, ObjectSources};
 use crate::render::picture::{Painter, Picture};
 use crate::render::pigment::Pigment;
 use crate::render::rays::{RayObject, RayScene, RaySettings};
-use crate::render::reference_picture::{covered, displayed, reference_pixels};
+use crate::render::reference_picture::{PixelReference, covered, displayed};
 use crate::render::sampling::Sampling;
 use crate::render::shading::Shading;
 use crate::render::source::cost::Cost;
@@ -336,7 +337,11 @@ impl BenchmarkScene {
         };
         let is_covered = |pixel: &&usize| directions.iter().any(|seen| seen.view[**pixel][3] != 0.0);
         let seen: Vec<usize> = pixels.iter().filter(is_covered).copied().collect();
-        let colors = reference_pixels(&self.field, shading, &self.view, directions, &seen, &progress);
+        /// Part of the smallest tolerance of a sweep that the reference may err by.
+        const PART: f64 = 0.2;
+        let sampling = ColourSampling::within(PART * shading.tolerance.min(1e-2));
+        let colors = PixelReference::with_sampling(&self.field, shading, sampling, &progress)
+            .and_then(|reference| reference.colors(&self.view, directions, &seen, &progress));
         bar.finish_and_clear();
         let colors: BTreeMap<usize, DVec3> = seen.into_iter().zip(colors?).collect();
         Ok(pixels.iter().map(|pixel| colors.get(pixel).copied().unwrap_or(DVec3::ZERO)).collect())

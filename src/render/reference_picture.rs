@@ -7,7 +7,7 @@ use super::light_passes::{LightPass, SampleGroup};
 use super::sampling::{PixelWeights, Sampling};
 use super::shading::Shading;
 use crate::brdf::mean::MeanBrdf;
-use crate::brdf::tabulated::{SummedOrders, TabulatedMean};
+use crate::brdf::tabulated::{ColourSampling, SummedOrders, TabulatedMean};
 use crate::brdf::without_cosine;
 use crate::error::Result;
 use crate::filter::Covariance;
@@ -77,6 +77,19 @@ impl<'a> PixelReference<'a> {
     /// # Errors
     /// Where memory does not suffice; what `progress` returns.
     pub fn new(field: &'a HeightField, shading: &'a Shading, progress: Progress<'_>) -> Result<Self> {
+        Self::with_sampling(field, shading, ColourSampling::EXACT, progress)
+    }
+
+    /// Makes the reference of `field` under `shading`, whose colours of the mean are summed by `sampling`.
+    ///
+    /// # Errors
+    /// As [`PixelReference::new`].
+    pub fn with_sampling(
+        field: &'a HeightField,
+        shading: &'a Shading,
+        sampling: ColourSampling,
+        progress: Progress<'_>,
+    ) -> Result<Self> {
         let by = match (shading.windows, shading.coherence.sigma()) {
             (Windows::All, Some(sigma)) => {
                 let mean = MeanBrdf {
@@ -85,7 +98,7 @@ impl<'a> PixelReference<'a> {
                     beyond: shading.beyond,
                     reflectance: shading.reflectance.clone(),
                 };
-                By::Mean(Box::new(TabulatedMean::new(mean, SHORTEST, progress)?))
+                By::Mean(Box::new(TabulatedMean::with_sampling(mean, SHORTEST, sampling, progress)?))
             }
             (windows, _) => {
                 let windows = windows.grid().unwrap_or([1, 1]);

@@ -21,9 +21,10 @@ use glam::{DVec3, Mat4, Vec3, Vec4};
 use std::cell::Cell;
 use std::sync::Arc;
 
-/// Returns the side of the depth maps for a picture of `size` pixels \[texels\]: two texels a pixel where the mesh fills the picture.
+/// Returns the side of the depth maps for a picture of `size` pixels \[texels\]: four texels a pixel where the mesh fills the picture. Half as many put
+/// twice as many pixels beside a shadow's edge on the wrong side of it.
 fn side(size: [u32; 2]) -> u32 {
-    (2 * size[0].max(size[1])).clamp(256, 2048)
+    (4 * size[0].max(size[1])).clamp(256, 2048)
 }
 
 /// Most depth maps that are kept. Further lights share the last.

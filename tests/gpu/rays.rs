@@ -395,3 +395,32 @@ fn pictures_are_those_of_rays_in_f64() {
         }
     });
 }
+
+#[test]
+fn kept_depth_maps_change_nothing() {
+    let mut case = Case::new("plate", &["30,200,1", "60,20,1"]);
+    case.mesh = floor_below_a_roof(0.5);
+    case.view.camera = Camera::looking(Vec3::new(1.9, 0.4, 2.0), Vec3::new(0.3, 0.2, 0.0), 0.6).unwrap();
+    (case.view.centre, case.view.radius) = (case.mesh.bounds().centre, case.mesh.bounds().radius);
+    case.view.reach = case.view.radius;
+    case.shadows = true;
+    let mut views = vec![case.view.clone(); 3];
+    views[1].camera.phi += 0.1;
+    views[2].lights = vec![Light::parse("45,100,1").unwrap(), Light::parse("20,300,1").unwrap()];
+    with_device(|device| {
+        let mut kept = case.painter(device);
+        // Two views under the same lights, and two lights in turn: maps are drawn, kept, and drawn anew.
+        for view in &views {
+            for light in [0, 1, 0] {
+                let pass = LightPass::of_all(light, Sampling::ONE.sample(0));
+                let found = kept.directions_in(view, &pass).unwrap();
+                let alone = case.painter(device).directions_in(view, &pass).unwrap();
+                let pixels = found.light.iter().zip(&found.view);
+                let in_shadow =
+                    pixels.filter(|(light, view)| view[3] != 0.0 && direction(**light).z <= 0.0).count();
+                assert!(in_shadow > 100, "{in_shadow} pixels are in shadow");
+                assert!(found.light == alone.light, "light {light}");
+            }
+        }
+    });
+}

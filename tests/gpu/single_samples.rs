@@ -82,6 +82,7 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
 fn samples_of_every_surface_average_to_the_reference() {
     let many = Sampling { count: 16, seed: 3 };
     for (scene, kind, size) in [
+        ("skin", SurfaceKind::Xenopeltis, [64, 48]),
         ("snake", SurfaceKind::Elaphe, [64, 48]),
         ("sphere", SurfaceKind::Elaphe, [64, 48]),
         ("sphere", SurfaceKind::Blaze, [64, 48]),
@@ -92,13 +93,13 @@ fn samples_of_every_surface_average_to_the_reference() {
         ("cd", SurfaceKind::Cd, [64, 48]),
         ("cd", SurfaceKind::Dvd, [64, 48]),
         ("disc", SurfaceKind::Sinusoid, [64, 48]),
-        ("skin", SurfaceKind::Xenopeltis, [64, 48]),
         ("plate", SurfaceKind::Xenopeltis, [64, 48]),
     ] {
         let case = Case { scene, kind, size, tolerance: 1e-2, light: None, material: None };
         let (one, mean) = (error_of(&case, Sampling::ONE), error_of(&case, many));
         eprintln!("| {scene}, {kind:?} | {one:.4} | {mean:.4} |");
-        // Pixels of `skin` from afar average over half of all directions.
+        // Two pixels beside silhouettes of `skin` make most of it: their footprints have the specular peak 3.8 standard deviations away, where a row of taps ends
+        // at 2.8.
         let most = if scene == "skin" { 7e-2 } else { 5e-2 };
         assert!(one < most && mean < 1e-2, "{scene}, {kind:?}: {one}, {mean}");
     }

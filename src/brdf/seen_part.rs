@@ -1,0 +1,110 @@
+//! The part of a footprint in which there are directions: |u| and |v| are at most 2.
+
+use super::spread::{CUT, Spread};
+use crate::filter::Covariance;
+use glam::DVec2;
+use libm::erf;
+use std::f64::consts::SQRT_2;
+
+/// Share of each order's Gaussian that the directions of a footprint see.
+///
+/// An order at f blurred by coherence, times a footprint about g, is along each axis a Gaussian about the mean of f and g, weighed by their inverse variances.
+/// Its part within the limits is a difference of two error functions. Without a footprint all of it is within.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeenPart {
+    /// Both axes, for a footprint that reaches beyond the limits.
+    axes: Option<[SeenAxis; 2]>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct SeenAxis {
+    /// Largest frequency of a direction \[µm⁻¹\].
+    limit: f64,
+    /// Middle of the footprint \[µm⁻¹\].
+    middle: f64,
+    /// Weight of an order's frequency in the mean of both; the rest is the middle's.
+    of_order: f64,
+    /// Standard deviation about that mean \[µm⁻¹\].
+    deviation: f64,
+}
+
+impl SeenPart {
+    /// All of every order.
+    #[cfg(test)]
+    pub const ALL: Self = Self { axes: None };
+
+    /// Returns the part of the footprint `around` about the frequency `middle` \[µm⁻¹\] at wavenumber `q` \[µm⁻¹\]; `spread` is what coherence and
+    /// footprint blur together.
+    pub fn new(middle: DVec2, spread: &Spread, around: &Covariance, q: f64) -> Self {
+        let limit = 2.0 * q;
+        let axis = |middle: f64, both: f64, footprint: f64| {
+            let of_order = (footprint / both).clamp(0.0, 1.0);
+            SeenAxis { limit, middle, of_order, deviation: (of_order * (both - footprint)).max(0.0).sqrt() }
+        };
+        let axes =
+            [axis(middle.x, spread.xx, q * q * around.uu), axis(middle.y, spread.yy, q * q * around.vv)];
+        let ends_within = |axis: &SeenAxis, variance: f64| axis.middle.abs() + CUT * variance.sqrt() < limit;
+        let all = ends_within(&axes[0], q * q * around.uu) && ends_within(&axes[1], q * q * around.vv);
+        Self { axes: (!all).then_some(axes) }
+    }
+
+    /// Returns the share of an order at the frequency `order` \[µm⁻¹\], 0 to 1.
+    pub fn share(&self, order: DVec2) -> f64 {
+        match &self.axes {
+            None => 1.0,
+            Some([x, y]) => x.share(order.x) * y.share(order.y),
+        }
+    }
+}
+
+impl SeenAxis {
+    fn share(&self, order: f64) -> f64 {
+        let mean = self.of_order * order + (1.0 - self.of_order) * self.middle;
+        if self.deviation == 0.0 {
+            return if mean.abs() <= self.limit { 1.0 } else { 0.0 };
+        }
+        let below = |x: f64| 0.5 * (1.0 + erf((x - mean) / (SQRT_2 * self.deviation)));
+        below(self.limit) - below(-self.limit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectra::power::Blur;
+
+    #[test]
+    fn shares_are_those_of_a_sum_over_the_directions_that_exist() {
+        let (q, coherence) = (2.0, 0.03f64);
+        let blur = Blur { variance: [coherence.powi(2); 2] };
+        for (u, deviation) in [(1.7, 0.3), (1.95, 0.05), (-1.9, 0.5)] {
+            let around = Covariance { uu: deviation * deviation, uv: 0.0, vv: 1e-6 };
+            let middle = DVec2::new(u * q, 0.1);
+            let spread = Spread::new(blur, &around, q);
+            let seen = SeenPart::new(middle, &spread, &around, q);
+            for order in [1.2, 1.9, 2.0, 2.1, 2.6] {
+                let order = DVec2::new(order * q * f64::signum(u), 0.1);
+                let density = |x: f64, variance: f64| (-0.5 * x * x / variance).exp();
+                let places = (-40_000..=40_000).map(|i| 1e-4 * f64::from(i));
+                let product = |f: f64| {
+                    density(f - middle.x, q * q * around.uu) * density(f - order.x, blur.variance[0])
+                };
+                let within: f64 = places.map(product).sum();
+                let all: f64 = (-200_000..=200_000).map(|i| product(1e-4 * f64::from(i))).sum();
+                let found = seen.share(order);
+                assert!((found - within / all).abs() < 1e-3, "{u} {order}: {found}, {}", within / all);
+            }
+        }
+    }
+
+    #[test]
+    fn without_a_footprint_everything_is_seen() {
+        let blur = Blur { variance: [1e-3; 2] };
+        for u in [0.0, 1.3, 1.999] {
+            let around = Covariance::default();
+            let seen =
+                SeenPart::new(DVec2::new(2.0 * u, 0.0), &Spread::new(blur, &around, 2.0), &around, 2.0);
+            assert_eq!(seen.share(DVec2::new(4.2, 0.0)), 1.0, "{u}");
+        }
+    }
+}
