@@ -165,7 +165,7 @@ fn start_threads() {
 
 /// One line on stderr; where nobody listens there, that is no reason to fail.
 fn print(line: &dyn std::fmt::Display) {
-    let line = write::obeyed_by_no_terminal(&line.to_string());
+    let line = write::without_controls(&line.to_string());
     let _ = writeln!(std::io::stderr(), "diffract: {line}");
 }
 

@@ -5,14 +5,14 @@ use crate::output;
 use std::io::Write;
 use std::path::Path;
 
-/// Writes a result to stdout, with U+FFFD for what a terminal would obey.
+/// Writes a result to stdout, without control characters that a terminal would obey.
 pub fn stdout(text: &str) -> Result<()> {
     let mut stdout = std::io::stdout().lock();
-    printed(stdout.write_all(obeyed_by_no_terminal(text).as_bytes()).and_then(|()| stdout.flush()))
+    printed(stdout.write_all(without_controls(text).as_bytes()).and_then(|()| stdout.flush()))
 }
 
 /// Returns `text` with U+FFFD in place of control characters but line breaks and tabs: names of channels and files may hold any.
-pub fn obeyed_by_no_terminal(text: &str) -> String {
+pub fn without_controls(text: &str) -> String {
     text.replace(|c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t'), "\u{fffd}")
 }
 
@@ -81,6 +81,6 @@ mod tests {
 
     #[test]
     fn a_terminal_obeys_no_result() {
-        assert_eq!(obeyed_by_no_terminal("a\t\u{1b}[31mé\u{9b}K\n"), "a\t\u{fffd}[31mé\u{fffd}K\n");
+        assert_eq!(without_controls("a\t\u{1b}[31mé\u{9b}K\n"), "a\t\u{fffd}[31mé\u{fffd}K\n");
     }
 }

@@ -357,9 +357,9 @@ impl EnvironmentMap {
         memory::ensure_room(pixels.saturating_mul(BYTES), "the surroundings")?;
         let texels = PICTURE.decode(bytes)?.into_rgb32f().into_raw();
         let bounded = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(0.0, LARGEST_RADIANCE) };
-        let read: Vec<Vec3> = texels.chunks_exact(3).map(|c| Vec3::new(c[0], c[1], c[2])).collect();
-        let colors: Vec<Vec3> = read.iter().map(|colour| colour.map(bounded)).collect();
-        let changed = read.iter().zip(&colors).filter(|(read, used)| read != used).count();
+        let read = || texels.chunks_exact(3).map(Vec3::from_slice);
+        let colors: Vec<Vec3> = read().map(|colour| colour.map(bounded)).collect();
+        let changed = read().zip(&colors).filter(|(read, used)| read != *used).count();
         let own = EnvironmentMap { bounded: changed, ..averaged(width as usize, height as usize, colors) };
         if own.radiance.iter().all(|c| *c == Vec3::ZERO) {
             return Err(Error::failed("the surroundings are black", "give a picture that holds light"));
