@@ -25,7 +25,9 @@ Ellipse ellipse_of(vec3 c) {
 // The constants of src/filter/taps.rs.
 const float SPACING = 2.2;
 const float REACH = 2.8;
-const float TAPS_PER_DEVIATION = 5.729;
+const float LONG_REACH = 4.0;
+const float OVERHANG = 10.0;
+const float KEPT = 0.9775;
 const float MOST_OF_ROW = 201.0;
 const float MOST_ASIDE = 3.0;
 const float ROUND = 0.2;
@@ -72,8 +74,9 @@ Line line_of(float deviation, float tap, float most) {
     if (deviation <= ROUND * tap) {
         return Line(1.0, 0.0, 0.0, 1.0);
     }
-    float count = clamp(ceil(TAPS_PER_DEVIATION * deviation / (SPACING * tap) + 1.0), 2.0, most);
-    float h = 2.0 * REACH / count;
+    float reach = clamp(LONG_REACH - OVERHANG * tap / deviation, REACH, LONG_REACH);
+    float count = clamp(ceil(2.0 * reach * deviation / (KEPT * SPACING * tap) + 1.0), 2.0, most);
+    float h = 2.0 * reach / count;
     float fall = 0.5 * h * h, norm = 0.0, moment = 0.0;
     for (float n = -0.5 * (count - 1.0); n < 0.5 * count; n += 1.0) {
         float weight = exp(-fall * n * n);
@@ -126,7 +129,7 @@ Row row_of(Taps taps, int number) {
 
 // The least variance that a tap has to average over, so that MOST_OF_ROW taps suffice.
 float least_own(Ellipse ellipse, float blur) {
-    float part = TAPS_PER_DEVIATION / (SPACING * MOST_OF_ROW);
+    float part = 2.0 * LONG_REACH / (KEPT * SPACING * MOST_OF_ROW);
     return max(ellipse.longer * (part * part) - blur, 0.0);
 }
 

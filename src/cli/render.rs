@@ -41,7 +41,7 @@ use std::sync::Arc;
 #[command(after_help = "Examples:
   diffract render -o snake.png
   diffract render disc --surface blaze --light 20,90 --size 800x800 -o disc.png
-  diffract render --tolerance 1e-3 -o exact.exr        EXR: linear radiance, before exposure
+  diffract render --tolerance 5e-3 -o exact.exr        EXR: linear radiance, before exposure
   diffract render --exposure auto --tone neutral -o bright.png   as bright as suits it, highlights softly to white
   diffract render --samples 64 -o fine.png             smoother edges and highlights than the default 16
   diffract render --turntable 120 -o turn.png          once around the snake: turn-0000.png to turn-0119.png

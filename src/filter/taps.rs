@@ -9,10 +9,16 @@ use glam::DVec2;
 
 /// Largest distance between the taps of a row, in standard deviations of what a tap averages over.
 pub const SPACING: f64 = 2.2;
-/// Standard deviations at which the Gaussian weights of a row end. The row is stretched to the variance that the cut takes away.
+/// Standard deviations at which the Gaussian weights of a short row end. The row is stretched to the variance that the cut takes away.
 pub const REACH: f64 = 2.8;
-/// Taps of a row per standard deviation of the row and per spacing: 2 REACH/√f, where a Gaussian cut at REACH keeps the part f of its variance.
-pub const TAPS_PER_DEVIATION: f64 = 5.729;
+/// Standard deviations at which the weights of an infinitely long row end: beside silhouettes, bright orders that far away outshine the middle.
+pub const LONG_REACH: f64 = 4.0;
+/// Growth of the reach with the length of a row: a row whose standard deviation is L times that of a tap ends at LONG_REACH − OVERHANG/L. The Gaussian of the
+/// last tap itself reaches beyond short rows. A smaller value takes more taps (2.4: 1.28 times those at REACH on the default scene, 10: 1.08 times) and
+/// changes no measured error.
+const OVERHANG: f64 = 10.0;
+/// Standard deviation that a Gaussian cut at REACH keeps, relative to that of the whole.
+const KEPT: f64 = 0.9775;
 /// Largest number of taps in a row. A longer footprint is read coarser.
 pub const MOST_OF_ROW: usize = 201;
 /// Largest number of rows side by side.
@@ -26,8 +32,7 @@ pub const ROUND: f64 = 0.2;
 pub const ERROR_ALONG: f64 = 0.027;
 /// Largest relative L2 error of a single order across a footprint between two levels that no coherence blurs.
 pub const ERROR_ACROSS: f64 = 0.037;
-/// Largest relative L2 error of one sample of a picture that the rule leaves, measured on the built-in surfaces and scenes; `skin` from afar, whose
-/// footprints reach over half of all directions, errs by 0.062. Samples average it.
+/// Largest relative L2 error of one sample of a picture that the rule leaves, measured on the built-in surfaces and scenes. Samples average it.
 pub const ERROR_OF_ONE_SAMPLE: f64 = 5e-2;
 
 /// Variances of the mip level read and of the next coarser one, without coherence.
@@ -94,8 +99,9 @@ impl Line {
             return Self { count: 1, norm: 1.0, ..Self::default() };
         }
         // One more than the spacing asks for: three taps where it asks for three err by 0.07, four by 0.01.
-        let count = (TAPS_PER_DEVIATION * deviation / (SPACING * tap) + 1.0).ceil().clamp(2.0, most as f64);
-        let fall = 0.5 * (2.0 * REACH / count).powi(2);
+        let reach = (LONG_REACH - OVERHANG * tap / deviation).clamp(REACH, LONG_REACH);
+        let count = (2.0 * reach * deviation / (KEPT * SPACING * tap) + 1.0).ceil().clamp(2.0, most as f64);
+        let fall = 0.5 * (2.0 * reach / count).powi(2);
         let line = Self { count: count as usize, step: 1.0, fall, norm: 1.0 };
         let norm: f64 = line.each().map(|(_, weight)| weight).sum();
         let moment: f64 = line.each().map(|(n, weight)| weight * n * n).sum();
@@ -112,7 +118,7 @@ impl Line {
 /// Returns the least variance that a tap has to average over along `around`, so that [`MOST_OF_ROW`] taps suffice.
 pub fn least_own(around: &Covariance, blur: f64) -> f64 {
     let [longer, _] = around.axes();
-    (longer * (TAPS_PER_DEVIATION / (SPACING * MOST_OF_ROW as f64)).powi(2) - blur).max(0.0)
+    (longer * (2.0 * LONG_REACH / (KEPT * SPACING * MOST_OF_ROW as f64)).powi(2) - blur).max(0.0)
 }
 
 impl Taps {
@@ -258,12 +264,11 @@ mod tests {
             assert!((moment(2) / (length * length) - 1.0).abs() < 1e-12, "{length}");
             assert!(line.step < 1.02 * SPACING && line.count < MOST_OF_ROW, "{length}: {line:?}");
         }
-        // The number of taps a deviation follows from the part of the variance that the cut leaves.
         let density = (-0.5 * REACH * REACH).exp() / (2.0 * PI).sqrt();
         let steps = (0..100_000).map(|i| REACH * (f64::from(i) + 0.5) / 1e5);
         let within: f64 = steps.map(|x| 2.0 * (-0.5 * x * x).exp() / (2.0 * PI).sqrt() * REACH / 1e5).sum();
         let kept = 1.0 - 2.0 * REACH * density / within;
-        assert!((2.0 * REACH / kept.sqrt() / TAPS_PER_DEVIATION - 1.0).abs() < 1e-3);
+        assert!((kept.sqrt() / KEPT - 1.0).abs() < 1e-3, "{}", kept.sqrt());
     }
 
     #[test]
@@ -321,7 +326,9 @@ mod tests {
         for (name, value) in [
             ("SPACING", SPACING),
             ("REACH", REACH),
-            ("TAPS_PER_DEVIATION", TAPS_PER_DEVIATION),
+            ("LONG_REACH", LONG_REACH),
+            ("OVERHANG", OVERHANG),
+            ("KEPT", KEPT),
             ("MOST_OF_ROW", MOST_OF_ROW as f64),
             ("MOST_ASIDE", MOST_ASIDE as f64),
             ("ROUND", ROUND),

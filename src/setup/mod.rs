@@ -18,7 +18,7 @@ use crate::render::source::{Grating, Source, Table};
 use crate::spectra::amplitude::{self, Layers, compute_at};
 use crate::spectra::power::{Blur, OrderSeries, PowerSettings};
 use crate::surface::{HeightField, tiling};
-use crate::table::{ColorTable, TableSettings, bake};
+use crate::table::{ColorTable, LEAST_TOLERANCE, TableSettings, bake};
 use crate::vk::selection::Candidate;
 use std::sync::{Arc, LazyLock, Weak};
 
@@ -257,6 +257,16 @@ pub fn check(settings: &Settings) -> Result<()> {
         (Method::Table, Windows::Grid(_)) => Err(Error::usage(
             "a colour table holds the mean over all windows",
             [Remedy::AllWindows, Remedy::SpectralMethod],
+        )),
+        (Method::Table, Windows::All) if shading.tolerance < LEAST_TOLERANCE => Err(Error::usage(
+            format!(
+                "colours of a table err by about 1e-3 whatever the tolerance; the least that it keeps is {:e}",
+                LEAST_TOLERANCE
+            ),
+            match shading.purpose {
+                Purpose::Directions => [Remedy::LargerTolerance, Remedy::SpectralMethod],
+                Purpose::Picture => [Remedy::LargerTolerance, Remedy::OneWindow],
+            },
         )),
         (_, Windows::All) if shading.terms.is_some() => Err(Error::usage(
             "the number of terms is that of the expansion for one window",

@@ -33,6 +33,10 @@ use crate::surface::MAX_SIDE;
 use half::f16;
 use serde::{Deserialize, Serialize};
 
+/// Least tolerance that a table keeps. Measured on blazes of gold, silver and glass with a film, the relative L2 error of colours falls with the tolerance
+/// to 0.0010–0.0018 at 2e-3 to 3e-3, and no further: texels are 16-bit floats, and the bands of the specular order are few.
+pub const LEAST_TOLERANCE: f64 = 2e-3;
+
 /// What a table is made for.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct TableSettings {
