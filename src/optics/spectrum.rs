@@ -13,6 +13,10 @@ pub const SHORTEST: f64 = 0.380;
 pub const LONGEST: f64 = 0.780;
 /// A wavelength in the middle of the visible range \[µm\], near the peak of the eye's sensitivity at 555 nm.
 pub const MIDDLE: f64 = 0.55;
+/// Distance of wavelengths to which a user's illuminant is resolved \[nm\]: sums over wavelengths sample it a tenth of this apart. A narrower line is spread
+/// over two neighbours.
+const RESOLUTION: f64 = 0.5;
+const NM_PER_UM: f64 = 1e3;
 /// Where the blue colour function z̄ of the CIE 1931 observer peaks \[µm\], rounded: coherence blurs directions least there.
 pub const BLUE: f64 = 0.45;
 
@@ -115,6 +119,47 @@ impl<const N: usize> SpectralTable<N> {
     }
 }
 
+impl SpectralTable<1> {
+    /// Returns the table averaged onto whole multiples of `step` \[nm\] by hat functions, if some of its wavelengths are closer; otherwise itself.
+    ///
+    /// Hat functions add up to 1 and reproduce straight lines, so that the energy and the mean wavelength of each line are kept.
+    fn resolved_to(self, step: f64) -> Self {
+        let segments = || self.wavelengths.windows(2).zip(self.values.windows(2));
+        if segments().all(|(x, _)| x[1] - x[0] >= step) {
+            return self;
+        }
+        let [first, last] = [SHORTEST, LONGEST].map(|x| x * NM_PER_UM);
+        let count = ((last - first) / step).round() as usize + 1;
+        let mut powers = vec![0.0; count];
+        for (x, y) in segments() {
+            let power = |at: f64| y[0][0] + (y[1][0] - y[0][0]) * (at - x[0]) / (x[1] - x[0]);
+            let (begin, end) = (x[0].max(first), x[1].min(last));
+            let mut left = begin;
+            while left < end {
+                let cell = (((left - first) / step).floor()).min(count as f64 - 2.0);
+                let right = end.min(first + (cell + 1.0) * step);
+                // Simpson's rule is exact for the product of two straight lines.
+                for (at, weight) in [(left, 1.0), (0.5 * (left + right), 4.0), (right, 1.0)] {
+                    let energy = weight / 6.0 * (right - left) * power(at) / step;
+                    let share = (at - first) / step - cell;
+                    powers[cell as usize] += energy * (1.0 - share);
+                    powers[cell as usize + 1] += energy * share;
+                }
+                left = right;
+            }
+        }
+        // A hat at an end of the range has half the area.
+        powers[0] *= 2.0;
+        powers[count - 1] *= 2.0;
+        // One place of no power on either side; tables end at once.
+        let begin = powers.iter().position(|power| *power > 0.0).unwrap_or(0).saturating_sub(1);
+        let end = powers.iter().rposition(|power| *power > 0.0).map_or(count, |last| (last + 2).min(count));
+        let kept = begin..end.max(begin + 2).min(count);
+        let wavelengths = kept.clone().map(|i| first + i as f64 * step).collect();
+        Self { wavelengths, values: powers[kept].iter().map(|power| [*power]).collect() }
+    }
+}
+
 /// Parses a table that is part of the program; `assets/spectra` is checked by this module's tests.
 fn built_in<const N: usize>(text: &str) -> SpectralTable<N> {
     SpectralTable::parse(text)
@@ -193,7 +238,7 @@ impl Illuminant {
         if table.values.iter().any(|v| v[0] < 0.0) {
             return Err(Error::failed("an illuminant's power is negative", "give powers of at least 0"));
         }
-        let light = Self::Table(table);
+        let light = Self::Table(table.resolved_to(RESOLUTION));
         let luminance = light.luminance();
         if luminance == f64::INFINITY {
             return Err(Error::failed(
@@ -324,6 +369,35 @@ mod tests {
         assert_eq!(bare, named);
         let equal = Illuminant::E.luminance() / 100.0;
         assert!((bare.luminance() / equal - 1.0).abs() < 1e-12, "all of the visible range has power 1");
+    }
+
+    #[test]
+    fn narrow_lines_keep_their_energy_and_their_wavelength() {
+        let line = |middle: f64, half: f64| {
+            let rows = [(middle - half, 0), (middle, 1), (middle + half, 0)];
+            let text: Vec<_> = rows.iter().map(|(x, power)| format!("{x},{power}")).collect();
+            SpectralTable::<1>::parse(&text.join("\n")).unwrap().resolved_to(RESOLUTION)
+        };
+        for (middle, half) in [(632.8, 0.01), (550.0, 0.3), (589.3, 0.05), (450.25, 0.4)] {
+            let table = line(middle, half);
+            let fine = (0..40_000).map(|i| 380.0 + 0.01 * (f64::from(i) + 0.5));
+            let (mut energy, mut moment) = (0.0, 0.0);
+            for x in fine {
+                energy += 0.01 * table.at(x)[0];
+                moment += 0.01 * table.at(x)[0] * x;
+            }
+            assert!((energy / half - 1.0).abs() < 1e-9, "{middle}: {energy}");
+            assert!((moment / energy - middle).abs() < 1e-6, "{middle}: {}", moment / energy);
+            let colour = Illuminant::Table(table).white();
+            let exact = observer(middle) / observer(middle).y;
+            assert!((colour - exact).length() < 0.01 * exact.length(), "{middle}: {colour} {exact}");
+        }
+        // A spectrum that is cut off, sampled finely, and one that is coarse already.
+        let fine: String = (0..=2000).map(|i| format!("{},2\n", 400.0 + 0.1 * f64::from(i))).collect();
+        let table = SpectralTable::<1>::parse(&fine).unwrap().resolved_to(RESOLUTION);
+        assert!((table.at(500.0)[0] - 2.0).abs() < 1e-12 && (table.at(400.0)[0] - 1.0).abs() < 1e-9);
+        let coarse = SpectralTable::<1>::parse("380,1\n600,2\n").unwrap();
+        assert_eq!(coarse.clone().resolved_to(RESOLUTION), coarse);
     }
 
     #[test]

@@ -4,9 +4,8 @@
 //! wavelengths share a variance.
 
 use super::TableSettings;
-use crate::optics::quadrature::density_table;
+use crate::optics::quadrature::Wavelengths;
 use crate::optics::reflectance::MeanReflectance;
-use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::spectra::power::{Blur, OrderSeries};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -32,24 +31,20 @@ pub struct Specular {
 impl Specular {
     /// Computes the lobes of the surface of `series` in the light of `settings`.
     pub fn new(series: &OrderSeries, settings: &TableSettings) -> Self {
-        /// Wavelengths: about 1 nm apart, as the tables of the observer.
+        /// Wavelengths: about 1 nm apart, as the tables of the observer. Their weights are integrals, so that no narrow line falls between two.
         const COUNT: usize = 401;
-        let density = density_table(&settings.illuminant, COUNT);
-        let (first, last) = (1.0 / LONGEST, 1.0 / SHORTEST);
-        let step = (last - first) / (COUNT - 1) as f64;
-        let node = |i: usize| {
-            let end = if i == 0 || i == COUNT - 1 { 0.5 } else { 1.0 };
-            (first + i as f64 * step, density[i] * (step * end))
-        };
+        let wavelengths = Wavelengths::catmull_rom(&settings.illuminant, COUNT);
+        let node = |i: usize| (wavelengths.wavenumbers[i], wavelengths.weights[i]);
         let reflectance = settings.reflectance.as_ref().map(|r| (r, MeanReflectance::new(r)));
         let blur = Blur::of_coherence(series.sigma).variance[0];
         let (mut variances, mut weights) = (Vec::new(), Vec::new());
         for band in 0..BANDS {
             let nodes: Vec<(f64, DVec3)> =
                 (band * COUNT / BANDS..(band + 1) * COUNT / BANDS).map(node).collect();
-            let total: f64 = nodes.iter().map(|(_, w)| w.element_sum()).sum();
+            // Beside a narrow line some weights are negative.
+            let total: f64 = nodes.iter().map(|(_, w)| w.element_sum().max(0.0)).sum();
             let mean = |f: &dyn Fn(f64) -> f64| {
-                let weighed: f64 = nodes.iter().map(|(q, w)| f(*q) * w.element_sum()).sum();
+                let weighed: f64 = nodes.iter().map(|(q, w)| f(*q) * w.element_sum().max(0.0)).sum();
                 if total > 0.0 { weighed / total } else { f(nodes[0].0) }
             };
             variances.push(mean(&|q| blur / (q * q)));

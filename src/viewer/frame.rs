@@ -88,6 +88,15 @@ impl FrameRequest {
     }
 }
 
+/// State of the scene while a frame was drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// Camera or lights moved, and the frame had to keep to the budget.
+    Moving,
+    /// Nothing moved, and the frame took the time that it needed.
+    AtRest,
+}
+
 /// A frame on the device, ready to be presented.
 #[derive(Clone)]
 pub struct RenderedFrame {
@@ -103,6 +112,8 @@ pub struct RenderedFrame {
     pub wall_ms: f64,
     /// Whether it is the first frame of its painter, which includes one-off work of the driver.
     pub first: bool,
+    /// State of the scene for which it was drawn.
+    pub pace: Pace,
     /// Samples that it is the mean of.
     pub samples: u32,
     /// Cost of the whole picture, if it was counted.

@@ -1,5 +1,6 @@
 //! The graph of frame times.
 
+use super::frame::Pace;
 use super::style;
 use crate::measure::profile::TimeSummary;
 use egui::{Align2, Color32, FontId, Rect, Stroke, Ui, pos2, vec2};
@@ -9,27 +10,30 @@ use std::collections::VecDeque;
 const FRAMES: usize = 120;
 /// Frame times of the thesis' shader on the GPU of its day \[ms\], from 15 to 5 frames a second.
 const THESIS: [f64; 2] = [1e3 / 15.0, 1e3 / 5.0];
+/// Strength of the bars of frames at rest, which keep to no budget.
+const AT_REST: f32 = 0.45;
 /// Ends of the logarithmic axis \[ms\].
 const AXIS: [f64; 2] = [4.0, 20_000.0];
 
 /// The times of the most recent frames.
 #[derive(Clone, Debug, Default)]
 pub struct History {
-    times: VecDeque<f64>,
+    frames: VecDeque<(f64, Pace)>,
 }
 
 impl History {
     /// Adds a frame that took `milliseconds`.
-    pub fn push(&mut self, milliseconds: f64) {
-        if self.times.len() == FRAMES {
-            self.times.pop_front();
+    pub fn push(&mut self, milliseconds: f64, pace: Pace) {
+        if self.frames.len() == FRAMES {
+            self.frames.pop_front();
         }
-        self.times.push_back(milliseconds);
+        self.frames.push_back((milliseconds, pace));
     }
 
-    /// Median and 95th percentile \[ms\]; `None` before the first frame.
-    pub fn summary(&self) -> Option<TimeSummary> {
-        let times: Vec<f64> = self.times.iter().copied().collect();
+    /// Returns median and 95th percentile \[ms\] of the frames of `pace`; `None` before the first one.
+    pub fn summary(&self, pace: Pace) -> Option<TimeSummary> {
+        let times: Vec<f64> =
+            self.frames.iter().filter(|frame| frame.1 == pace).map(|frame| frame.0).collect();
         (!times.is_empty()).then(|| TimeSummary::of(&times))
     }
 }
@@ -62,13 +66,14 @@ pub fn show(ui: &mut Ui, history: &History, budget: f64) {
     let budget_line = [pos2(rect.left(), y(budget)), pos2(rect.right(), y(budget))];
     painter.extend(egui::Shape::dashed_line(&budget_line, Stroke::new(1.0, style::FAINT), 3.0, 3.0));
     let step = rect.width() / FRAMES as f32;
-    let first = FRAMES - history.times.len();
-    for (index, &ms) in history.times.iter().enumerate() {
+    let first = FRAMES - history.frames.len();
+    for (index, &(ms, pace)) in history.frames.iter().enumerate() {
         let x = rect.left() + (first + index) as f32 * step;
         let bar = Rect::from_min_max(pos2(x, y(ms)), pos2(x + (step - 0.5).max(1.0), rect.bottom()));
-        painter.rect_filled(bar, 0.0, color(ms));
+        let strength = if pace == Pace::Moving { 1.0 } else { AT_REST };
+        painter.rect_filled(bar, 0.0, color(ms).gamma_multiply(strength));
     }
-    let caption = "band: 5 to 15 fps as in the thesis; dashes: budget";
+    let caption = "band: 5 to 15 fps as in the thesis; dashes: budget; pale: at rest";
     ui.label(egui::RichText::new(caption).size(10.0).color(style::BAND_TEXT));
 }
 
@@ -88,9 +93,12 @@ mod tests {
     #[test]
     fn the_history_forgets_and_the_axis_is_logarithmic() {
         let mut history = History::default();
-        assert!(history.summary().is_none());
-        (0..500).for_each(|i| history.push(f64::from(i)));
-        assert_eq!((history.times.len(), history.times[0]), (FRAMES, 380.0));
+        assert!(history.summary(Pace::Moving).is_none());
+        (0..500).for_each(|i| history.push(f64::from(i), Pace::Moving));
+        assert_eq!((history.frames.len(), history.frames[0].0), (FRAMES, 380.0));
+        history.push(2000.0, Pace::AtRest);
+        let p50 = |pace| history.summary(pace).unwrap().p50;
+        assert!(p50(Pace::Moving) < 500.0 && p50(Pace::AtRest) == 2000.0);
         let steps = [height(100.0) - height(10.0), height(1000.0) - height(100.0)];
         assert!((steps[0] - steps[1]).abs() < 1e-6 && height(0.0) == 0.0 && height(1e9) == 1.0);
         assert!(color(50.0) != color(100.0) && color(100.0) != color(300.0));

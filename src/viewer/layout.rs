@@ -179,7 +179,7 @@ mod tests {
         for size in [LARGE, [640.0, 480.0]] {
             let mut hand = Hand::new(size, 1.0);
             for (heading, row) in
-                [("Scene", "exposure"), ("What it costs", "frame time"), ("Lights", "light 1")]
+                [("Scene", "exposure"), ("What it costs", "frame, moving"), ("Lights", "light 1")]
             {
                 let at = panel(&hand, size);
                 assert!(hand.sweep(at).contains(row));

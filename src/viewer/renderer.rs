@@ -3,7 +3,7 @@
 use super::compare::{Compare, Side};
 use super::difference;
 use super::error_probe::{self, ProbeTask};
-use super::frame::{FrameRequest, LoadedScene, PictureCost, RenderedFrame};
+use super::frame::{FrameRequest, LoadedScene, Pace, PictureCost, RenderedFrame};
 use super::inset::{self, Inset, InsetRequest};
 use super::inspector::reading::Reading;
 use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply, Task};
@@ -247,6 +247,7 @@ impl Renderer {
             gpu_ms: time.gpu,
             wall_ms: time.wall,
             first,
+            pace: if request.moving { Pace::Moving } else { Pace::AtRest },
             samples: 1,
             cost,
             exposure: measured,
@@ -279,6 +280,7 @@ impl Renderer {
             gpu_ms: 0.0,
             wall_ms: start.elapsed().as_secs_f64() * 1e3,
             first: false,
+            pace: Pace::AtRest,
             samples,
             cost: None,
             exposure: None,

@@ -49,6 +49,21 @@ fn colours_agree_with_the_reference_and_come_from_the_cache_the_next_time() {
 }
 
 #[test]
+fn a_table_of_a_laser_agrees_with_the_reference() {
+    let sandbox = Sandbox::new();
+    sandbox.write("q.csv", queries());
+    // Narrower than the distance of wavelengths in any sum.
+    sandbox.write("laser.csv", "wavelength,power\n380,0\n632.75,0\n632.8,1\n632.85,0\n780,0\n");
+    let laser = ["--illuminant", "laser.csv"];
+    let exact = ask(&sandbox, &[&laser[..], &["--method", "reference"]].concat());
+    let found = ask(&sandbox, &[&laser[..], &["--method", "table", "--tolerance", "1e-2"]].concat());
+    assert!(error(&found, &exact) <= 1e-2, "{}", error(&found, &exact));
+    let [x, y] = [0, 1].map(|i| exact.iter().skip(i).step_by(3).sum::<f64>());
+    let pure = diffract::optics::spectrum::observer(632.8);
+    assert!((x / y / (pure.x / pure.y) - 1.0).abs() < 5e-3, "{}", x / y);
+}
+
+#[test]
 fn what_a_table_cannot_do_is_refused_with_the_reason() {
     // Some devices would have room for a large one.
     let sandbox = Sandbox::new().with("DIFFRACT_DEVICE_MASK", "memory=4GiB");

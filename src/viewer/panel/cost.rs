@@ -5,6 +5,7 @@ use super::rows::{self, FRAMES, quantity, value};
 use super::section;
 use crate::render::source::Extent;
 use crate::viewer::error_probe::ProbeStatus;
+use crate::viewer::frame::Pace;
 use crate::viewer::model::{Model, SaveAs};
 use crate::viewer::{graph, style};
 use egui::{Align, Layout, RichText, Ui};
@@ -25,11 +26,13 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 
 fn times_and_sizes(ui: &mut Ui, model: &Model) {
     let mib = |bytes: f64| format!("{:.0} MiB", bytes / f64::from(1 << 20));
-    let frame = model.pacing.history.summary().map_or("none yet".to_owned(), |s| {
-        let fps = 1e3 / s.p50.max(1e-3);
-        format!("{} p50, {} p95, {fps:.1} fps", time(s.p50), time(s.p95))
-    });
-    value(ui, &rows::FRAME, frame);
+    for (row, pace) in [(&rows::FRAME_MOVING, Pace::Moving), (&rows::FRAME_AT_REST, Pace::AtRest)] {
+        let frame = model.pacing.history.summary(pace).map_or("none yet".to_owned(), |s| {
+            let fps = 1e3 / s.p50.max(1e-3);
+            format!("{} p50, {} p95, {fps:.1} fps", time(s.p50), time(s.p95))
+        });
+        value(ui, row, frame);
+    }
     if let Some(own) = &model.sources.own {
         let Extent { layers, size: [width, height], bytes } = own.source().extent();
         value(ui, &rows::TEXTURE, format!("{layers} of {width} × {height} texels, {}", mib(bytes as f64)));

@@ -108,7 +108,8 @@ rows! {
     ADD_LIGHT = SettingRow::setting("add a light", "--light", "A point of the sky that shines on the whole scene.");
     ADD_LAMP = SettingRow::setting("add a lamp", "--light sphere:", "A sphere that shines, above the scene.");
     DEVICE = SettingRow::setting("device", "--device, --present", "The device that draws, and how frames reach the display.");
-    FRAME = SettingRow::other("frame time", "Time from the request of a frame to its picture: median and 95th percentile of the last 120.");
+    FRAME_MOVING = SettingRow::other("frame, moving", "Time from the request of a frame to its picture while camera or lights move: median and 95th percentile of the last 120 frames.");
+    FRAME_AT_REST = SettingRow::other("frame, at rest", "The same while nothing moves: each frame is drawn whole, however long that takes.");
     TEXTURE = SettingRow::other("texture", "Size of the spectra or colours on the device.");
     READS = SettingRow::other("texture reads", "Texture reads of a covered pixel, with the number of terms and wavelengths that they are summed from.");
     MEMORY = SettingRow::other("memory", "Device memory that the program takes.");

@@ -214,7 +214,7 @@ impl ViewerWindow {
         // Neither does what stands in for the user's own setting.
         let own = self.model.sources.own.as_ref().is_some_and(|own| own.number == frame.number);
         if frame.gpu_ms > 0.0 && own {
-            self.model.pacing.history.push(frame.wall_ms);
+            self.model.pacing.history.push(frame.wall_ms, frame.pace);
             self.model.pacing.quality.record(frame.quality, frame.wall_ms, frame.first);
         }
         let former = self.model.frame.take();
