@@ -151,10 +151,11 @@ impl SpectralTable<1> {
         // A hat at an end of the range has half the area.
         powers[0] *= 2.0;
         powers[count - 1] *= 2.0;
-        // One place of no power on either side; tables end at once.
-        let begin = powers.iter().position(|power| *power > 0.0).unwrap_or(0).saturating_sub(1);
-        let end = powers.iter().rposition(|power| *power > 0.0).map_or(count, |last| (last + 2).min(count));
-        let kept = begin..end.max(begin + 2).min(count);
+        // The places given, and one beyond them on either side: hats reach there.
+        let place = |x: f64| ((x - first) / step).clamp(0.0, count as f64 - 1.0);
+        let [given, end] = self.ends().map(place);
+        let begin = (given.floor() as usize).saturating_sub(1).min(count - 2);
+        let kept = begin..(end.ceil() as usize + 2).min(count);
         let wavelengths = kept.clone().map(|i| first + i as f64 * step).collect();
         Self { wavelengths, values: powers[kept].iter().map(|power| [*power]).collect() }
     }
