@@ -87,11 +87,49 @@ pub struct Made {
     pub note: Option<Error>,
 }
 
-/// Data that is still in use somewhere, for requests that share it.
+/// Data that is still in use somewhere, for requests that share it, and the series that the last table was baked from.
 #[derive(Default)]
 pub struct InUse {
     layers: Known<Layers>,
     tables: Known<ColorTable>,
+    series: Option<KeptSeries>,
+}
+
+/// Series that the next table of the same surface is baked from, too: under another light, of another tolerance.
+struct KeptSeries {
+    // Of everything but the error.
+    key: Key,
+    // Error that it was asked for.
+    asked: f64,
+    series: Arc<OrderSeries>,
+}
+
+impl InUse {
+    /// Most bytes of series that are kept.
+    const MOST_KEPT: usize = 64 << 20;
+
+    /// Returns the series of `field` under `settings`: the kept one if making it anew would give the same, else a new one.
+    fn series(
+        &mut self,
+        field: &HeightField,
+        settings: &PowerSettings,
+        progress: &Progress<'_>,
+    ) -> Result<Arc<OrderSeries>> {
+        let key = Key::new(&ColorTable::FORMAT, &PowerSettings { error: 0.0, ..*settings }, field)?;
+        // Making takes ever more terms until the measured error suffices.
+        let serves = |kept: &&KeptSeries| {
+            kept.key == key && kept.asked >= settings.error && kept.series.error <= settings.error
+        };
+        if let Some(kept) = self.series.as_ref().filter(serves) {
+            return Ok(kept.series.clone());
+        }
+        self.series = None;
+        let series = Arc::new(OrderSeries::new(field, settings, &|done, of| progress("orders", done, of))?);
+        if size_of_val(series.coefficients()) <= Self::MOST_KEPT {
+            self.series = Some(KeptSeries { key, asked: settings.error, series: series.clone() });
+        }
+        Ok(series)
+    }
 }
 
 /// Data of one kind by its key, as long as it is in use.
@@ -152,7 +190,8 @@ fn layers(
         memory_limit: amplitude::cache::memory_limit(&own),
         cached: settings.cached,
     };
-    let make = || compute_at(field, &own, settings.shift, &|done, of| progress("spectra", done, of));
+    let make =
+        |_: &mut InUse| compute_at(field, &own, settings.shift, &|done, of| progress("spectra", done, of));
     wanted.obtain(in_use, |in_use| &mut in_use.layers, make)
 }
 
@@ -172,8 +211,8 @@ fn table(
         cached: settings.cached,
     };
     let powers = settings.power_settings()?;
-    let make = || {
-        let series = OrderSeries::new(field, &powers, &|done, of| progress("orders", done, of))?;
+    let make = |in_use: &mut InUse| {
+        let series = in_use.series(field, &powers, progress)?;
         bake(&series, &own, &|done, of| progress("colours", done, of))
     };
     wanted.obtain(in_use, |in_use| &mut in_use.tables, make)
@@ -197,7 +236,7 @@ impl Wanted {
         &self,
         in_use: &mut InUse,
         known: impl Fn(&mut InUse) -> &mut Known<T>,
-        make: impl FnOnce() -> Result<T>,
+        make: impl FnOnce(&mut InUse) -> Result<T>,
     ) -> Result<(Arc<T>, Option<Error>)> {
         if let Some(data) = find(known(in_use), &self.key) {
             return Ok((data, None));
@@ -207,7 +246,7 @@ impl Wanted {
         let (data, note) = match kept {
             Some(data) => (data, None),
             None => {
-                let made = make()?;
+                let made = make(in_use)?;
                 let outcome = store.map_or(Ok(()), |store| store.save_kept(&self.key, &made));
                 let name = self.name;
                 (made, outcome.err().map(|e| e.at(format!("{name} cannot be kept for next time"))))

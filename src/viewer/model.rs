@@ -578,11 +578,17 @@ impl Model {
         if is_one { Sampling::ONE } else { self.settings.sampling() }
     }
 
-    /// The quality of the next frame.
+    /// Returns the quality of the next frame.
     pub fn quality(&self) -> Quality {
+        let shown = self.sources.shown();
+        let is_shown = |frame: &RenderedFrame| shown.is_some_and(|(shown, _)| shown.number == frame.number);
         match (&self.frame, self.pacing.moving) {
             // The first frame appears at once, at low resolution, even while moving.
             (None, _) => Quality::FIRST,
+            // A preview shows its colours at once, too, and leaves the machine to what it stands for.
+            (Some(frame), moving) if shown.is_some_and(|(_, stage)| stage != Stage::Own) => {
+                if moving || !is_shown(frame) { Quality::FIRST } else { Quality::PREVIEW }
+            }
             (_, false) => Quality::WHOLE,
             // A comparison always shows the two settings that it names.
             _ => self.pacing.quality.moving(|detail| {

@@ -44,6 +44,9 @@ impl Quality {
     /// For the very first frame, which should appear at once.
     pub const FIRST: Self = Self { detail: Detail::Full, divisor: LARGEST_DIVISOR };
 
+    /// For pictures that stand in for those of the user's setting while it is prepared.
+    pub const PREVIEW: Self = Self { detail: Detail::Full, divisor: 2 };
+
     /// Pixels to render for a picture of `size`.
     pub fn size(self, size: [u32; 2]) -> [u32; 2] {
         size.map(|n| n.div_ceil(self.divisor))

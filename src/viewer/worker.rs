@@ -3,6 +3,7 @@
 use super::frame::LoadedScene;
 use super::prepared::{Prepared, ROLES, Role};
 use crate::error::{Error, Result};
+use crate::filter::FootprintSizes;
 use crate::render::frame::View;
 use crate::render::object::ObjectSources;
 use crate::render::sampling::Sampling;
@@ -25,7 +26,7 @@ pub struct Request {
     pub number: u64,
     /// The height field.
     pub surface: SurfaceSource,
-    /// The settings.
+    /// The settings. Footprints of 0 are replaced by those that the picture has.
     pub settings: setup::Settings,
     /// The picture that it is for, whose footprints set how fine the source has to be.
     pub picture: Option<RequestedPicture>,
@@ -273,8 +274,10 @@ impl Preparer {
     ) -> Result<ObjectSources> {
         let RequestedPicture { views, size, sampling, .. } = picture;
         let surface = match &self.device {
-            Some(device) => surface.seen(device, mesh, views, *size, sampling)?,
-            None => surface.clone(),
+            Some(device) if surface.optics.footprints == FootprintSizes::default() => {
+                surface.seen(device, mesh, views, *size, sampling)?
+            }
+            _ => surface.clone(),
         };
         surface.sources(views, &mut |own| self.source(own, note, progress))
     }

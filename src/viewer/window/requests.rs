@@ -121,7 +121,10 @@ impl ViewerWindow {
                 }
                 let (surface, lights) = (settings.surface.clone(), settings.lights.clone());
                 let method = settings.method(&settings.optics);
-                let settings = setup::Settings::new(method, shading);
+                let mut settings = setup::Settings::new(method, shading);
+                if role == Role::Preview {
+                    settings.footprints = compare::PREVIEWED;
+                }
                 let picture = self.requested_picture(&lights);
                 if role == Role::Own {
                     let view = self.view_under(&lights);
