@@ -580,14 +580,19 @@ impl Model {
 
     /// Returns the quality of the next frame.
     pub fn quality(&self) -> Quality {
+        self.quality_after(self.frame.as_ref().map(|frame| frame.number))
+    }
+
+    /// Returns the quality of the frame after one of the setting of this number.
+    fn quality_after(&self, frame: Option<u64>) -> Quality {
         let shown = self.sources.shown();
-        let is_shown = |frame: &RenderedFrame| shown.is_some_and(|(shown, _)| shown.number == frame.number);
-        match (&self.frame, self.pacing.moving) {
+        match (frame, self.pacing.moving) {
             // The first frame appears at once, at low resolution, even while moving.
             (None, _) => Quality::FIRST,
             // A preview shows its colours at once, too, and leaves the machine to what it stands for.
-            (Some(frame), moving) if shown.is_some_and(|(_, stage)| stage != Stage::Own) => {
-                if moving || !is_shown(frame) { Quality::FIRST } else { Quality::PREVIEW }
+            (Some(number), moving) if shown.is_some_and(|(_, stage)| stage != Stage::Own) => {
+                let is_shown = shown.is_some_and(|(shown, _)| shown.number == number);
+                if moving || !is_shown { Quality::FIRST } else { Quality::PREVIEW }
             }
             (_, false) => Quality::WHOLE,
             // A comparison always shows the two settings that it names.
@@ -649,6 +654,21 @@ mod tests {
         model.return_to_start();
         show(&mut model, "sphere");
         assert_eq!(model.settings.exposure, model.loaded.scene.exposure);
+    }
+
+    #[test]
+    fn previews_are_drawn_at_low_resolution_first_and_the_users_own_picture_whole() {
+        let mut model = model();
+        let prepared = Arc::new(Prepared { number: 7, ..Prepared::pigment_alone().unwrap() });
+        model.sources.pigment = Some(prepared.clone());
+        assert_eq!(model.quality_after(None), Quality::FIRST);
+        assert_eq!(model.quality_after(Some(6)), Quality::FIRST, "another picture stands there");
+        assert_eq!(model.quality_after(Some(7)), Quality::PREVIEW);
+        model.pacing.moving = true;
+        assert_eq!(model.quality_after(Some(7)), Quality::FIRST);
+        model.pacing.moving = false;
+        model.sources.own = Some(prepared);
+        assert_eq!(model.quality_after(Some(6)), Quality::WHOLE);
     }
 
     #[test]
