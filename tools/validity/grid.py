@@ -1,0 +1,129 @@
+"""Points of the table and their rigorous and scalar orders.
+
+Lengths are in wavelengths. `solve` doubles the number of Fourier coefficients until the shares of the orders keep, and tells by how much they
+changed; a point that does not settle is left out.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+import scalar
+from cmethod import efficiencies
+from elaphe import rough
+from profiles import blaze, lamellar, sinusoid
+
+# Aluminium at 550 nm (Rakić 1995); the refractive index of the default material.
+MATERIALS = {"metal": 0.958 + 6.69j, "dielectric": 1.5}
+PERIODS = [0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 12.5, 20.0]
+HEIGHTS = [0.05, 0.1, 0.2, 0.35, 0.6, 1.0]
+ANGLES = [0, 30, 45, 60, 75]
+# Random profiles: the height is that of a sinusoid of the same RMS.
+ROUGH_PERIODS = [0.8, 1.5, 3.0, 5.0]
+ROUGH_HEIGHTS = [0.1, 0.2, 0.4, 0.8]
+ROUGH_ANGLES = [0, 45, 60, 75]
+MEMBERS = 20
+# The number of coefficients is doubled for one profile of an ensemble in so many, and serves the others.
+JUDGED = 5
+# Largest height over period.
+STEEPEST, ROUGH_STEEPEST = 0.6, 0.35
+# Allowed change of a share over all reflected light, and of the energy, when the number of coefficients doubles.
+TOLERANCE = 5e-4
+# Fourier coefficients beyond those of the orders that propagate in the denser medium, at first; the most in all.
+EXTRA, MOST = 20, 330
+
+
+@dataclass(frozen=True)
+class Point:
+    """A grating, or an ensemble of profiles, in light of one direction."""
+
+    kind: str
+    material: str
+    period: float
+    height: float
+    angle: float
+
+
+@dataclass(frozen=True)
+class Orders:
+    """Orders of a point: numbers, sines, rigorous and scalar shares {"te", "tm", "mean"}, the change by doubling and the error of the energy, both
+    over the reflected light. Of an ensemble the shares are means over it."""
+
+    order: np.ndarray
+    sine: np.ndarray
+    rigorous: dict
+    scalar: dict
+    change: float
+    energy: float
+
+
+def points():
+    """Returns the points of the table."""
+    gratings = product(["sinusoid", "blaze", "lamellar"], MATERIALS, PERIODS, HEIGHTS, ANGLES)
+    found = [Point(*p) for p in gratings if p[3] <= STEEPEST * p[2]]
+    ensembles = product(["rough"], MATERIALS, ROUGH_PERIODS, ROUGH_HEIGHTS, ROUGH_ANGLES)
+    return found + [Point(*p) for p in ensembles if p[3] <= ROUGH_STEEPEST * p[2]]
+
+
+def length_of_rough(period):
+    """Returns the length of random profiles: eight periods, fewer where they are long, because costs grow as its cube."""
+    return max(min(8 * period, 16.0), 4 * period)
+
+
+def solve(curve, sine, index):
+    """Returns orders of `curve` and the number of coefficients that sufficed, half that of the orders; None where doubling the number up to `MOST`
+    does not settle them."""
+    size = 2 * int(np.ceil(1.5 * curve.period)) + 1 + EXTRA
+    found = efficiencies(curve, sine, index, size)
+    while 2 * size <= MOST:
+        before, found = found, efficiencies(curve, sine, index, 2 * size)
+        total = min(share.sum() for share in found.reflected.values())
+        change = max(abs(found.reflected[p] - before.reflected[p]).max() for p in ["te", "tm"]) / total
+        if max(change, found.energy / total) <= TOLERANCE:
+            return compared(curve, sine, index, found, change), size
+        size *= 2
+    return None
+
+
+def compared(curve, sine, index, found, change):
+    """Returns rigorous orders with those of scalar theory."""
+    total = min(share.sum() for share in found.reflected.values())
+    rigorous = dict(found.reflected, mean=(found.reflected["te"] + found.reflected["tm"]) / 2)
+    predicted = scalar.shares(curve, sine, index, found.orders)
+    return Orders(found.orders, found.sine, rigorous, predicted, change, found.energy / total)
+
+
+def curves(point):
+    """Returns the profiles of a point and the signs of the directions that light comes from."""
+    if point.kind == "rough":
+        length = length_of_rough(point.period)
+        return [rough(point.period, point.height, length, seed) for seed in range(MEMBERS)], [1]
+    profile = {"sinusoid": sinusoid, "blaze": blaze, "lamellar": lamellar}[point.kind]
+    both = point.kind == "blaze" and point.angle > 0
+    return [profile(point.period, point.height)], [1, -1] if both else [1]
+
+
+def orders(point):
+    """Returns the orders of a point: a list over the directions of light, of the mean over an ensemble; None where a profile does not settle."""
+    profiles, signs = curves(point)
+    found = []
+    for sign in signs:
+        sine, index = sign * np.sin(np.radians(point.angle)), MATERIALS[point.material]
+        judged = [solve(curve, sine, index) for curve in profiles[::JUDGED]]
+        if None in judged:
+            return None
+        members = [member for member, _ in judged]
+        size = max(size for _, size in judged)
+        others = [curve for i, curve in enumerate(profiles) if i % JUDGED]
+        members += [compared(curve, sine, index, efficiencies(curve, sine, index, size), 0.0) for curve in others]
+        found.append(mean(members))
+    return found
+
+
+def mean(members):
+    """Returns the mean over the orders of an ensemble."""
+    average = lambda name: {p: np.mean([getattr(m, name)[p] for m in members], axis=0) for p in ["te", "tm", "mean"]}
+    first = members[0]
+    worst = [max(getattr(m, name) for m in members) for name in ["change", "energy"]]
+    return Orders(first.order, first.sine, average("rigorous"), average("scalar"), *worst)
