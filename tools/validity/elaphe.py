@@ -25,18 +25,20 @@ def spectrum(heights, spacing):
 
 
 def rough(period, height, length, seed):
-    """Returns a random Gaussian profile, repeated after `length`. Of the ensemble, the RMS height σ is height/√8, that of a sinusoid of full height
-    `height`, and 2πσ over the RMS slope is `period`."""
+    """Returns a random Gaussian profile, repeated after `length`. Of the ensemble, the mean period weighted by the power of the slope, Σ P f / Σ P f²,
+    is `period`, and the RMS slope is that of a sinusoid of this period and of full height `height`."""
     frequency, density = np.loadtxt(SPECTRUM, delimiter=",", skiprows=1).T
     # Cycles over the length that the frequencies of the table become. Each harmonic has the power of the interval around it.
-    cycles = frequency / np.sqrt(np.sum(density * frequency**2) / np.sum(density)) * length / period
+    cycles = frequency * np.sum(density * frequency) / np.sum(density * frequency**2) * length / period
     below = np.concatenate([[0], np.cumsum(density)])
     edges = np.concatenate([cycles, [2 * cycles[-1] - cycles[-2]]])
     m = np.arange(1, int(edges[-1]) + 1)
-    power = np.interp(m + 0.5, edges, below) - np.interp(m - 0.5, edges, below)
-    real, imaginary = np.random.default_rng(seed).standard_normal((2, len(m)))
-    amplitude = height / np.sqrt(8) * np.sqrt(power / power.sum()) * (real + 1j * imaginary)
     k = 2j * np.pi * m / length
+    power = np.interp(m + 0.5, edges, below) - np.interp(m - 0.5, edges, below)
+    rms = np.sqrt(np.sum(power * abs(k) ** 2))
+    slope = 2 * np.pi / period * height / np.sqrt(8)
+    real, imaginary = np.random.default_rng(seed).standard_normal((2, len(m)))
+    amplitude = slope / rms * np.sqrt(power) * (real + 1j * imaginary)
 
     def series(coefficients):
         return lambda x: (np.exp(np.multiply.outer(x, k)) @ coefficients).real

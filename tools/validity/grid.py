@@ -16,8 +16,9 @@ from profiles import blaze, lamellar, sinusoid
 
 # Aluminium at 550 nm (Rakić 1995); the refractive index of the default material.
 MATERIALS = {"metal": 0.958 + 6.69j, "dielectric": 1.5}
-PERIODS = [0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 8.0, 12.5, 20.0]
-HEIGHTS = [0.05, 0.1, 0.2, 0.35, 0.6, 1.0]
+PERIODS = [0.7, 1.05, 1.5, 2.2, 3.3, 5.0, 8.0, 12.5, 20.0]
+# Waves in a metal fall by e^(−2πkH) over the height H: beyond 0.8 they leave the range of 64-bit floats.
+HEIGHTS = {"metal": [0.05, 0.1, 0.2, 0.35, 0.6, 0.8], "dielectric": [0.05, 0.1, 0.2, 0.35, 0.6, 1.0]}
 ANGLES = [0, 30, 45, 60, 75]
 # Random profiles: the height is that of a sinusoid of the same RMS.
 ROUGH_PERIODS = [0.8, 1.5, 3.0, 5.0]
@@ -60,10 +61,14 @@ class Orders:
 
 def points():
     """Returns the points of the table."""
-    gratings = product(["sinusoid", "blaze", "lamellar"], MATERIALS, PERIODS, HEIGHTS, ANGLES)
-    found = [Point(*p) for p in gratings if p[3] <= STEEPEST * p[2]]
-    ensembles = product(["rough"], MATERIALS, ROUGH_PERIODS, ROUGH_HEIGHTS, ROUGH_ANGLES)
-    return found + [Point(*p) for p in ensembles if p[3] <= ROUGH_STEEPEST * p[2]]
+    found = []
+    for kind, (material, heights) in product(["sinusoid", "blaze", "lamellar"], HEIGHTS.items()):
+        grid = product(PERIODS, heights, ANGLES)
+        found += [Point(kind, material, p, h, a) for p, h, a in grid if h <= STEEPEST * p]
+    for material in MATERIALS:
+        grid = product(ROUGH_PERIODS, ROUGH_HEIGHTS, ROUGH_ANGLES)
+        found += [Point("rough", material, p, h, a) for p, h, a in grid if h <= ROUGH_STEEPEST * p]
+    return found
 
 
 def length_of_rough(period):
@@ -114,7 +119,7 @@ def orders(point):
         if None in judged:
             return None
         members = [member for member, _ in judged]
-        size = max(size for _, size in judged)
+        size = 3 * max(size for _, size in judged) // 2
         others = [curve for i, curve in enumerate(profiles) if i % JUDGED]
         members += [compared(curve, sine, index, efficiencies(curve, sine, index, size), 0.0) for curve in others]
         found.append(mean(members))
