@@ -186,7 +186,10 @@ fn info_tells_what_scalar_theory_errs_by_on_a_material() {
     };
     let long = ["sinusoid", "--height", "100nm", "--material"];
     let [metal, glass] = ["aluminium", "glass"].map(|m| of(&[&long[..], &[m]].concat()));
-    assert!(metal.starts_with("diffracted orders err by ") && metal.contains("sinusoid on metal, period 3.6 λ"), "{metal}");
+    assert!(
+        metal.starts_with("diffracted orders err by ") && metal.contains("sinusoid on metal, period 3.6 λ"),
+        "{metal}"
+    );
     assert!(glass.contains(" % at 75°") && glass.contains("on dielectric"), "{glass}");
     assert_ne!(metal, glass);
     assert!(of(&["cd"]).starts_with("not known: RMS slopes in two directions"));

@@ -1,6 +1,6 @@
 """Measures what changes of scalar theory would bring, from the orders that `table.py --work DIR` kept: `python alternatives.py DIR`.
 
-Prints medians over the points of the grid, of the share of the diffracted light that is put elsewhere [%].
+Prints medians over sinusoids of the grid, of the share of the diffracted light that is put elsewhere [%].
 """
 
 import sys
@@ -11,6 +11,10 @@ import numpy as np
 import grid
 import scalar
 import table
+
+
+# Heights of the sinusoids [wavelengths].
+HEIGHTS = [0.1, 0.35]
 
 
 def lit(curve, sine):
@@ -67,12 +71,12 @@ def main():
             for angle in grid.ANGLES[1:]:
                 columns = []
                 for point in grid.points():
-                    chosen = point.kind != "rough" and (point.material, point.angle) == (material, angle)
+                    chosen = (point.kind, point.material, point.angle) == ("sinusoid", material, angle) and point.height in HEIGHTS
                     if not chosen or not shortest <= point.period <= longest:
                         continue
                     for found in table.orders_of(point, folder) or []:
                         sine = found.sine[found.order == 0][0]
-                        curve = grid.curves(point)[0][0]
+                        curve = grid.curves(point)[0]
                         arguments = (curve, sine, index, found.order)
                         ways = [("mean", "te"), ("te", "te"), ("mean", "tm"), ("tm", "tm"), ("mean", "mean")]
                         errors = [misplaced(found, found.scalar[a], b) for a, b in ways]

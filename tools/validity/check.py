@@ -33,7 +33,7 @@ OPTIONS = {"metal": ["--material", "aluminium"], "dielectric": []}
 
 def looked_up(diffract, kind, material, period, height):
     """Returns {angle: error} that the program tells of a height field of the grating."""
-    curve = grid.curves(grid.Point(kind, material, period, height, 0))[0][0]
+    curve = grid.curves(grid.Point(kind, material, period, height, 0))[0]
     repeats, columns, rows = 8, 1024, 16
     spacing = repeats * period / columns
     x = (np.arange(columns) + 0.5) * spacing

@@ -4,6 +4,7 @@
 """
 
 import sys
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ def spectrum(heights, spacing):
     return centres, np.array([power[abs(frequency - f) <= STEP / 2].mean() for f in centres])
 
 
+@lru_cache(maxsize=64)
 def rough(period, height, length, seed):
     """Returns a random Gaussian profile, repeated after `length`. Of the ensemble, the mean period weighted by the power of the slope, Σ P f / Σ P f²,
     is `period`, and the RMS slope is that of a sinusoid of this period and of full height `height`."""

@@ -20,17 +20,20 @@ PERIODS = [0.7, 1.05, 1.5, 2.2, 3.3, 5.0, 8.0, 12.5, 20.0]
 # Waves in a metal fall by e^(−2πkH) over the height H: beyond 0.8 they leave the range of 64-bit floats.
 HEIGHTS = {"metal": [0.05, 0.1, 0.2, 0.35, 0.6, 0.8], "dielectric": [0.05, 0.1, 0.2, 0.35, 0.6, 1.0]}
 ANGLES = [0, 30, 45, 60, 75]
+# Up to this period two directions, so many degrees to both sides, are averaged over: with few orders, single directions meet narrow resonances
+# (Wood's anomalies).
+SPREAD, LONGEST_SPREAD = 2, 5.0
 # Random profiles: the height is that of a sinusoid of the same RMS.
-ROUGH_PERIODS = [0.8, 1.5, 3.0, 5.0]
-ROUGH_HEIGHTS = [0.1, 0.2, 0.4, 0.8]
+ROUGH_PERIODS = [0.8, 1.5, 3.0]
+ROUGH_HEIGHTS = [0.1, 0.2, 0.4]
 ROUGH_ANGLES = [0, 45, 60, 75]
-MEMBERS = 20
+MEMBERS = 10
 # The number of coefficients is doubled for one profile of an ensemble in so many, and serves the others.
 JUDGED = 5
 # Largest height over period.
 STEEPEST, ROUGH_STEEPEST = 0.6, 0.35
 # Allowed change of a share over all reflected light, and of the energy, when the number of coefficients doubles.
-TOLERANCE = 5e-4
+TOLERANCE, ROUGH_TOLERANCE = 5e-4, 2e-3
 # Fourier coefficients beyond those of the orders that propagate in the denser medium, at first; the most in all.
 EXTRA, MOST = 20, 330
 
@@ -76,7 +79,7 @@ def length_of_rough(period):
     return max(min(8 * period, 16.0), 4 * period)
 
 
-def solve(curve, sine, index):
+def solve(curve, sine, index, tolerance):
     """Returns orders of `curve` and the number of coefficients that sufficed, half that of the orders; None where doubling the number up to `MOST`
     does not settle them."""
     size = 2 * int(np.ceil(1.5 * curve.period)) + 1 + EXTRA
@@ -85,7 +88,7 @@ def solve(curve, sine, index):
         before, found = found, efficiencies(curve, sine, index, 2 * size)
         total = min(share.sum() for share in found.reflected.values())
         change = max(abs(found.reflected[p] - before.reflected[p]).max() for p in ["te", "tm"]) / total
-        if max(change, found.energy / total) <= TOLERANCE:
+        if max(change, found.energy / total) <= tolerance:
             return compared(curve, sine, index, found, change), size
         size *= 2
     return None
@@ -100,26 +103,35 @@ def compared(curve, sine, index, found, change):
 
 
 def curves(point):
-    """Returns the profiles of a point and the signs of the directions that light comes from."""
+    """Returns the profiles of a point."""
     if point.kind == "rough":
         length = length_of_rough(point.period)
-        return [rough(point.period, point.height, length, seed) for seed in range(MEMBERS)], [1]
+        return [rough(point.period, point.height, length, seed) for seed in range(MEMBERS)]
     profile = {"sinusoid": sinusoid, "blaze": blaze, "lamellar": lamellar}[point.kind]
+    return [profile(point.period, point.height)]
+
+
+def directions(point):
+    """Returns sin θ_i of the directions of light that a point averages over. A blaze is lit from both sides."""
     both = point.kind == "blaze" and point.angle > 0
-    return [profile(point.period, point.height)], [1, -1] if both else [1]
+    if point.kind == "rough" or point.period > LONGEST_SPREAD:
+        angles = [point.angle, -point.angle] if both else [point.angle]
+    else:
+        angles = [point.angle - SPREAD, (point.angle + SPREAD) * (-1 if both else 1)]
+    return list(np.sin(np.radians(angles)))
 
 
 def orders(point):
     """Returns the orders of a point: a list over the directions of light, of the mean over an ensemble; None where a profile does not settle."""
-    profiles, signs = curves(point)
+    profiles, index = curves(point), MATERIALS[point.material]
+    tolerance = ROUGH_TOLERANCE if point.kind == "rough" else TOLERANCE
     found = []
-    for sign in signs:
-        sine, index = sign * np.sin(np.radians(point.angle)), MATERIALS[point.material]
-        judged = [solve(curve, sine, index) for curve in profiles[::JUDGED]]
+    for sine in directions(point):
+        judged = [solve(curve, sine, index, tolerance) for curve in profiles[::JUDGED]]
         if None in judged:
             return None
         members = [member for member, _ in judged]
-        size = 3 * max(size for _, size in judged) // 2
+        size = max(size for _, size in judged)
         others = [curve for i, curve in enumerate(profiles) if i % JUDGED]
         members += [compared(curve, sine, index, efficiencies(curve, sine, index, size), 0.0) for curve in others]
         found.append(mean(members))

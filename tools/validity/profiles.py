@@ -52,7 +52,7 @@ def derivative(values, period):
 
 def from_graph(period, height, slope):
     """Returns the curve of `height`(x), whose derivative is `slope`(x), by arc length."""
-    fine = np.linspace(0, period, 16 * SAMPLES + 1)
+    fine = np.linspace(0, period, 4 * SAMPLES + 1)
     speed = np.sqrt(1 + slope(fine) ** 2)
     arc = np.concatenate([[0], np.cumsum((speed[1:] + speed[:-1]) / 2)])
     t = np.arange(SAMPLES) * period / SAMPLES

@@ -26,7 +26,8 @@ def errors(directions, polarisation):
         counts = (np.sqrt(1 - found.sine**2) >= SMALLEST_COSINE) & (found.order != 0)
         rigorous = found.rigorous[polarisation][counts]
         relative.append(abs(found.scalar[polarisation][counts] / rigorous - 1))
-        light.append(rigorous / max(rigorous.sum(), 1e-300) / len(directions))
+        light.append(rigorous / max(rigorous.sum(), 1e-300))
+    light = [share / sum(len(l) > 0 for l in light) for share in light]
     return np.concatenate(relative), np.concatenate(light)
 
 

@@ -51,7 +51,7 @@ class CMethod(unittest.TestCase):
             for polarisation, shares in found.reflected.items():
                 total = shares.sum()
                 for order, share in zip(found.orders, shares):
-                    self.assertLess(abs(share - rcwa[polarisation][order]), 1e-2 * total, (curve.height, order))
+                    self.assertLess(abs(share - rcwa[polarisation][order]), 5e-3 * total, (curve.height, order))
 
     def test_flat_mirrors_have_fresnels_reflectance(self):
         cos = np.sqrt(1 - 0.36)

@@ -159,7 +159,7 @@ mod tests {
             |relief, reflectance: &Reflectance| ScalarTheory::new(relief, reflectance).line().to_owned();
         let glass = Reflectance::default();
         for (relief, word) in [
-            (sinusoid(1.0, 0.9), "steeper"),
+            (sinusoid(1.0, 0.9), "steeper than"),
             (sinusoid(10.0, 3.0), "higher"),
             (sinusoid(0.4, 0.05), "shorter"),
             (Relief::Crossed([0.3, 0.2]), "two directions"),

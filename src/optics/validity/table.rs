@@ -127,7 +127,15 @@ pub fn errors(grooves: &Grooves, class: MaterialClass, wavelength: f64) -> Resul
     };
     let found: Vec<AngleErrors> = angles.iter().filter_map(at_angle).collect();
     if found.is_empty() {
-        return Err(format!("height over period {:.2}, steeper than what was computed", height / period));
+        let steepest = rows.iter().map(|row| row.height / row.period).fold(0.0, f64::max);
+        return Err(if height / period > steepest {
+            format!(
+                "height over period {:.2}, steeper than the {steepest:.2} that was computed",
+                height / period
+            )
+        } else {
+            format!("no solution for a period of {period:.2} λ and a height of {height:.2} λ")
+        });
     }
     Ok(found)
 }
