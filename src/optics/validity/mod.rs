@@ -10,7 +10,7 @@ use super::reflectance::Reflectance;
 use super::spectrum::MIDDLE;
 use crate::error::Result;
 use crate::surface::HeightField;
-use crate::surface::statistics::{Grooves, Relief};
+use crate::surface::statistics::{ProfileShape, Relief};
 use serde::Serialize;
 use table::{AngleErrors, MaterialClass};
 
@@ -20,7 +20,7 @@ pub struct ScalarTheory {
     /// [`Self::line`], for people.
     line: String,
     /// The profile that was looked up.
-    grooves: Option<Grooves>,
+    grooves: Option<ProfileShape>,
     /// Errors by the angle of incidence; empty where they are not known.
     errors: Vec<AngleErrors>,
 }
@@ -75,7 +75,7 @@ impl ScalarTheory {
 }
 
 /// Returns what was looked up, in words.
-fn described(grooves: &Grooves, reflectance: &Reflectance) -> String {
+fn described(grooves: &ProfileShape, reflectance: &Reflectance) -> String {
     let [period, height] = [grooves.period, grooves.height].map(|length| length / MIDDLE);
     let [profile, material] =
         [grooves.profile.name(), MaterialClass::of(reflectance).map_or("", MaterialClass::name)];
@@ -133,7 +133,7 @@ mod tests {
 
     fn sinusoid(period: f64, height: f64) -> Relief {
         let [period, height] = [period, height].map(|length| length * MIDDLE);
-        Relief::Grooves(Grooves { profile: ProfileKind::Sinusoid, period, height })
+        Relief::Grooves(ProfileShape { profile: ProfileKind::Sinusoid, period, height })
     }
 
     fn at(theory: &ScalarTheory, angle: f64) -> f64 {

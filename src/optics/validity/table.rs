@@ -2,7 +2,7 @@
 
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::MIDDLE;
-use crate::surface::statistics::Grooves;
+use crate::surface::statistics::ProfileShape;
 use serde::Serialize;
 use std::sync::LazyLock;
 
@@ -10,6 +10,9 @@ use std::sync::LazyLock;
 const TABLE: &str = include_str!("../../../assets/validity/table.csv");
 /// Errors below this are not told apart: an error that changes its sign passes 0, and reading beside that place would promise too much.
 const SMALLEST: f64 = 0.01;
+
+/// Longer periods err by no more than this one \[wavelengths\].
+const LONG_ENOUGH: f64 = 3.0;
 
 /// Materials that behave alike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,7 +73,7 @@ pub struct AngleErrors {
 }
 
 /// A point of the table.
-struct Row {
+struct TablePoint {
     kind: &'static str,
     material: &'static str,
     /// In wavelengths.
@@ -79,21 +82,25 @@ struct Row {
     errors: AngleErrors,
 }
 
-static ROWS: LazyLock<Vec<Row>> = LazyLock::new(|| TABLE.lines().skip(1).filter_map(row).collect());
+static ROWS: LazyLock<Vec<TablePoint>> = LazyLock::new(|| TABLE.lines().skip(1).filter_map(row).collect());
 
-fn row(line: &'static str) -> Option<Row> {
+fn row(line: &'static str) -> Option<TablePoint> {
     let mut words = line.split(',');
     let (kind, material) = (words.next()?, words.next()?);
     let mut number = || words.next()?.parse::<f64>().ok();
     let [period, height, angle] = [number()?, number()?, number()?];
     let [mean, te, tm] = [number()?, number()?, number()?].map(|percent| (percent / 100.0).max(SMALLEST));
-    Some(Row { kind, material, period, height, errors: AngleErrors { angle, mean, te, tm } })
+    Some(TablePoint { kind, material, period, height, errors: AngleErrors { angle, mean, te, tm } })
 }
 
 /// Returns the errors of `grooves` in light of `wavelength` \[µm\] by the angle of incidence, or why they are not known. Periods above those of the
 /// table are taken for its longest, and heights below for its lowest: errors are not larger there.
-pub fn errors(grooves: &Grooves, class: MaterialClass, wavelength: f64) -> Result<Vec<AngleErrors>, String> {
-    let rows: Vec<&Row> = ROWS
+pub fn errors(
+    grooves: &ProfileShape,
+    class: MaterialClass,
+    wavelength: f64,
+) -> Result<Vec<AngleErrors>, String> {
+    let rows: Vec<&TablePoint> = ROWS
         .iter()
         .filter(|row| row.kind == grooves.profile.name() && row.material == class.name())
         .collect();
@@ -101,11 +108,14 @@ pub fn errors(grooves: &Grooves, class: MaterialClass, wavelength: f64) -> Resul
     let heights = axis(rows.iter().map(|row| row.height));
     let angles = axis(rows.iter().map(|row| row.errors.angle));
     let [period, height] = [grooves.period, grooves.height].map(|length| length / wavelength);
-    let (Some(shortest), Some(highest)) = (periods.first(), heights.last()) else {
+    let ([shortest, .., longest], [.., highest]) = (&periods[..], &heights[..]) else {
         return Err("nothing was computed for this profile".to_owned());
     };
     if period < *shortest {
         return Err(format!("period {period:.2} λ, shorter than the {shortest} λ that were computed"));
+    }
+    if period > *longest && *longest < LONG_ENOUGH {
+        return Err(format!("period {period:.2} λ, longer than the {longest} λ that were computed"));
     }
     if height > *highest {
         return Err(format!("height {height:.2} λ, higher than the {highest} λ that were computed"));
@@ -181,12 +191,12 @@ mod tests {
     #[test]
     fn points_of_the_table_are_returned_and_between_them_the_geometric_mean() {
         let error = |period: f64, height: f64| {
-            let grooves = Grooves { profile: ProfileKind::Sinusoid, period, height };
+            let grooves = ProfileShape { profile: ProfileKind::Sinusoid, period, height };
             let found = errors(&grooves, MaterialClass::Dielectric, 1.0).unwrap();
             found.iter().find(|e| e.angle == 60.0).unwrap().mean
         };
         let row = |period: f64, height: f64| {
-            let is_it = |r: &&Row| {
+            let is_it = |r: &&TablePoint| {
                 (r.kind, r.material, r.period, r.height, r.errors.angle)
                     == ("sinusoid", "dielectric", period, height, 60.0)
             };

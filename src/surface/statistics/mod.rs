@@ -18,7 +18,7 @@ pub use line_periods::line_periods;
 pub use notes::notes;
 pub(in crate::surface) use periods::wave_vector;
 pub use periods::{Period, dominant_periods};
-pub use relief::{Grooves, ProfileKind, Relief};
+pub use relief::{ProfileKind, ProfileShape, Relief};
 pub use slopes::Slopes;
 pub use texture::Texture;
 

@@ -40,7 +40,7 @@ impl ProfileKind {
 
 /// Grooves in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Grooves {
+pub struct ProfileShape {
     /// The profile across them.
     pub profile: ProfileKind,
     /// Period \[µm\]; of a rough profile the mean of 1/f weighted by the power of the slope, Σ P f / Σ P f².
@@ -57,7 +57,7 @@ pub enum Relief {
     /// A mirror.
     Flat,
     /// Grooves in one direction.
-    Grooves(Grooves),
+    Grooves(ProfileShape),
     /// Slopes in two directions: the larger and the smaller RMS slope of the principal axes.
     Crossed([f64; 2]),
     /// More than half of the variance has fewer than three periods over the field, whose copies do not join.
@@ -79,7 +79,7 @@ const LAMELLAR_ENDS: f64 = 0.7;
 
 /// Sums over a spectrum.
 #[derive(Clone, Copy, Default)]
-struct Moments {
+struct SpectralMoments {
     /// Σ P: the variance \[µm²\].
     variance: f64,
     /// Σ P over frequencies of less than [`FEWEST_CYCLES`] \[µm²\].
@@ -92,7 +92,7 @@ struct Moments {
     strongest: (f64, [usize; 2]),
 }
 
-impl Moments {
+impl SpectralMoments {
     fn new(spectrum: &SurfaceSpectrum) -> Self {
         let part = |sums: &mut Self, i: usize, j: usize, weight: f64| {
             let [x, y] = spectrum.frequency(i, j);
@@ -148,7 +148,7 @@ impl Relief {
         let joins = tiles(&part).verdict == Verdict::Tiles;
         let spectrum =
             if joins { SurfaceSpectrum::of_one_period(&part)? } else { SurfaceSpectrum::windowed(&part)? };
-        let moments = Moments::new(&spectrum);
+        let moments = SpectralMoments::new(&spectrum);
         if moments.variance.sqrt() <= ROUNDING * low.abs().max(high.abs()) {
             return Ok(Self::Flat);
         }
@@ -164,7 +164,12 @@ impl Relief {
 }
 
 /// Returns the grooves of a field with this spectrum, of one period or windowed.
-fn grooves(field: &HeightField, spectrum: &SurfaceSpectrum, moments: &Moments, is_period: bool) -> Grooves {
+fn grooves(
+    field: &HeightField,
+    spectrum: &SurfaceSpectrum,
+    moments: &SpectralMoments,
+    is_period: bool,
+) -> ProfileShape {
     let (power, place) = moments.strongest;
     let [frequency, share] = if is_period {
         let [x, y] = spectrum.frequency(place[0], place[1]);
@@ -174,7 +179,7 @@ fn grooves(field: &HeightField, spectrum: &SurfaceSpectrum, moments: &Moments, i
         [x.hypot(y), amplitude(spectrum, place).powi(2) / 2.0 / moments.variance]
     };
     let sq = moments.variance.sqrt();
-    let periodic = |profile, height_over_sq: f64| Grooves {
+    let periodic = |profile, height_over_sq: f64| ProfileShape {
         profile,
         period: 1.0 / frequency,
         height: height_over_sq * sq,
@@ -183,7 +188,7 @@ fn grooves(field: &HeightField, spectrum: &SurfaceSpectrum, moments: &Moments, i
         let period = moments.first / moments.second;
         let [x, y] = principal_slopes(field);
         let height = 2.0 * SQRT_2 * x.hypot(y) * period / TAU;
-        return Grooves { profile: ProfileKind::Rough, period, height };
+        return ProfileShape { profile: ProfileKind::Rough, period, height };
     }
     if share_of_ends(field) >= LAMELLAR_ENDS {
         periodic(ProfileKind::Lamellar, 2.0)
