@@ -2,16 +2,17 @@
 
 use super::options::OpticsOptions;
 use crate::optics::coherence::{Coherence, Windows};
-use crate::optics::validity::Validity;
+use crate::optics::reflectance::Reflectance;
+use crate::optics::validity::ScalarTheory;
 use crate::picture_file::{Notes, quoted};
 use crate::scene::FarLight;
 use crate::setup::Method;
 use crate::surface::HeightField;
 use std::ffi::OsString;
 
-/// What a picture of `field` that this process draws says of itself.
-pub fn notes(field: &HeightField) -> Notes {
-    Notes::new(command(std::env::args_os(), None), Validity::note(field))
+/// Returns the notes of a picture that this process draws of `field`, which reflects by `reflectance`.
+pub fn notes(field: &HeightField, reflectance: &Reflectance) -> Notes {
+    Notes::new(command(std::env::args_os(), None), ScalarTheory::note(field, reflectance))
 }
 
 /// `notes` of the same process, for picture number `frame` of a sequence, which says `more` under the name `name`.

@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::files::Files;
 use crate::measure::error;
 use crate::optics::nufft;
+use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::SHORTEST;
 use crate::picture_file::{self, Notes, PictureFormat};
 use crate::render::exposure;
@@ -151,6 +152,14 @@ struct PictureWork<'a> {
     measured: bool,
 }
 
+impl PictureWork<'_> {
+    /// Returns the reflectance of the first object.
+    fn reflectance(&self) -> Reflectance {
+        let first = self.surfaces.first();
+        first.map_or_else(Reflectance::default, |surface| surface.optics.shading.reflectance.clone())
+    }
+}
+
 /// A picture that is to be drawn.
 struct Shot {
     view: View,
@@ -167,7 +176,7 @@ fn shots(
     view: &View,
     work: &PictureWork<'_>,
 ) -> Result<Vec<Shot>> {
-    let notes = captions::notes(work.field);
+    let notes = captions::notes(work.field, &work.reflectance());
     let Some(sequence) = sequence else {
         return Ok(vec![Shot { view: view.clone(), output: output.to_owned(), notes, is_sealed: false }]);
     };

@@ -14,11 +14,15 @@ use super::write;
 use crate::error::{Error, Result};
 use crate::figure;
 use crate::files::Files;
+use crate::optics::material::Material;
+use crate::optics::reflectance::Reflectance;
+use crate::optics::validity::ScalarTheory;
 use crate::surface::files::write::ScanFormat;
 use crate::surface::files::{Topography, image};
 use crate::surface::synth::{self, Spec, SurfaceKind};
 use crate::surface::{Statistics, SurfaceSource};
 use crate::{output, units};
+use clap::builder::{OsStringValueParser, TypedValueParser};
 use clap::{Args, Subcommand};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -46,6 +50,9 @@ pub struct Info {
     json: bool,
     #[command(flatten)]
     surface: SurfaceOptions,
+    /// What the surface is made of, for the errors of scalar theory: as in `render` [default: refractive index 1.5]
+    #[arg(long, value_name = "NAME|FILE", value_parser = OsStringValueParser::new().try_map(Material::from_name_or_file))]
+    material: Option<Material>,
     /// A figure of the heights, profiles, spectra, distributions and the predicted colours: .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -95,12 +102,22 @@ pub fn run(command: &Command) -> Result<()> {
     }
 }
 
+impl Info {
+    /// Returns the reflectance that the options ask for.
+    fn reflectance(&self) -> Reflectance {
+        self.material
+            .clone()
+            .map_or_else(Reflectance::default, |material| Reflectance::Fresnel { material, film: None })
+    }
+}
+
 fn info(arguments: &Info) -> Result<()> {
     if let Some(path) = &arguments.plot {
         figure::FigureFormat::of(path)?;
     }
     let name = arguments.surface_name.as_deref();
-    Files::new().reads(arguments.surface.files(name)).writes(&arguments.plot).check()?;
+    let material = arguments.reflectance().file();
+    Files::new().reads(arguments.surface.files(name)).reads(&material).writes(&arguments.plot).check()?;
     let source = arguments.surface.source(name, None, "elaphe")?;
     let scan = arguments.surface.read(&source)?;
     if arguments.json {
@@ -110,10 +127,11 @@ fn info(arguments: &Info) -> Result<()> {
         report::lines(&scan).iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect();
     let field = source.prepare(scan.into_field()?)?;
     let statistics = Statistics::of(&field)?;
+    let theory = ScalarTheory::of_field(&field, &arguments.reflectance())?;
     if let Some(path) = &arguments.plot {
-        plot::figure(&source, &field, &statistics)?.save(path)?;
+        plot::figure(&source, &field, &statistics, &theory)?.save(path)?;
     }
-    write::stdout(&(file + &describe::text(&source, &field, &statistics)?))
+    write::stdout(&(file + &describe::text(&source, &field, &statistics, &theory)?))
 }
 
 /// Prints the report as JSON. Without a step it is about the heights as they are, with their gaps.
@@ -128,10 +146,11 @@ fn report(arguments: &Info, source: &SurfaceSource, scan: Topography) -> Result<
         Err(e) => return Err(e),
     };
     let statistics = Statistics::of(&field)?;
+    let theory = ScalarTheory::of_field(&field, &arguments.reflectance())?;
     if let Some(path) = &arguments.plot {
-        plot::figure(source, &field, &statistics)?.save(path)?;
+        plot::figure(source, &field, &statistics, &theory)?.save(path)?;
     }
-    write::stdout(&report.with_statistics(source, &field, statistics)?.json()?)
+    write::stdout(&report.with_statistics(source, &field, statistics, theory)?.json()?)
 }
 
 fn synthesise(arguments: &Synth) -> Result<()> {

@@ -10,7 +10,7 @@ use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply, Task};
 use super::prepared::Prepared;
 use super::quality::{Detail, Quality};
 use crate::error::{Error, Result};
-use crate::optics::validity::Validity;
+use crate::optics::validity::ScalarTheory;
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::object::objects;
@@ -410,7 +410,9 @@ impl Renderer {
                         })?
                         .ok_or_else(|| Error::failed("the window was closed", "save the picture again"))?;
                 }
-                let scalar_theory = Validity::note(&request.own.field);
+                let own = &request.own;
+                let note = || ScalarTheory::note(&own.field, &own.shading().reflectance);
+                let scalar_theory = own.scalar_theory().unwrap_or_else(note);
                 Ok(RenderReply::Picture(Ok((Box::new(slot.painter.picture()?), scalar_theory))))
             }
             Job::Samples(request) => Ok(RenderReply::Samples(Box::new(ProbeTask {

@@ -10,6 +10,7 @@ use crate::render::sampling::Sampling;
 use crate::render::source::Source;
 use crate::scene::Mesh;
 use crate::setup::{self, InUse, ObjectSurface};
+use crate::surface::statistics::Relief;
 use crate::surface::{HeightField, SurfaceSource};
 use crate::vk::device::Device;
 use crate::vk::selection::Candidate;
@@ -143,6 +144,7 @@ impl Worker {
             limits: limits.clone(),
             device,
             field: None,
+            relief: None,
             of_objects: Vec::new(),
             in_use: InUse::default(),
         };
@@ -179,6 +181,8 @@ struct Preparer {
     device: Option<Arc<Device>>,
     // The last height field, for requests that share it.
     field: Option<(SurfaceSource, Arc<HeightField>)>,
+    // The shape of the last height field that was measured.
+    relief: Option<(Arc<HeightField>, Relief)>,
     // Those of the scene's other objects.
     of_objects: Vec<(SurfaceSource, Arc<HeightField>)>,
     in_use: InUse,
@@ -230,8 +234,21 @@ impl Preparer {
             }
             None => (own.sources(&[], &mut |own| self.source(own, &mut note, progress))?, Vec::new()),
         };
-        let prepared = Prepared { number: request.number, field, sources, others };
+        let relief = self.relief(&field, request.role);
+        let prepared = Prepared { number: request.number, field, sources, others, relief };
         Ok((Arc::new(prepared), note))
+    }
+
+    /// Returns the shape of `field`, measured once for each field, and for the user's own picture alone.
+    fn relief(&mut self, field: &Arc<HeightField>, role: Role) -> Option<Relief> {
+        if let Some((of, relief)) = &self.relief
+            && Arc::ptr_eq(of, field)
+        {
+            return Some(*relief);
+        }
+        let measured = (role == Role::Own).then(|| Relief::of(field).ok()).flatten()?;
+        self.relief = Some((field.clone(), measured));
+        Some(measured)
     }
 
     /// What the objects beside the first of a scene are shaded from.

@@ -151,7 +151,8 @@ fn info_tells_what_a_cropped_blaze_lacks_and_draws_a_page() {
     let period = row(&info, "dominant period").replace("um ± ", "");
     let [length, uncertainty] = [0, 1].map(|i| period.split(' ').nth(i).unwrap().parse::<f64>().unwrap());
     assert!((length - 2.5).abs() <= 2.0 * uncertainty && uncertainty < 0.05, "{info}");
-    assert!(row(&info, "scalar theory").contains("angles of orders are exact"), "{info}");
+    let theory = row(&info, "scalar theory");
+    assert!(theory.contains(" %") && theory.contains("blaze on dielectric, period 4.5 λ"), "{theory}");
     assert!(info.contains("\nnote                      seams: copies do not join"), "{info}");
     let page = String::from_utf8(sandbox.read("page.svg")).unwrap();
     assert!(page.contains("Power spectrum") && page.contains("Prepared by: crop 11um"), "no page");
@@ -174,4 +175,32 @@ fn a_scan_of_one_sample_or_one_line_is_a_surface() {
             assert!(brdf.is_finite() && brdf >= 0.0, "{columns} x {rows}, {method}: {csv}");
         }
     }
+}
+
+#[test]
+fn info_tells_what_scalar_theory_errs_by_on_a_material() {
+    let sandbox = Sandbox::new();
+    let of = |arguments: &[&str]| {
+        let info = sandbox.run2(&["surface", "info"], arguments).done();
+        row(&info, "scalar theory").to_owned()
+    };
+    let long = ["sinusoid", "--height", "100nm", "--material"];
+    let [metal, glass] = ["aluminium", "glass"].map(|m| of(&[&long[..], &[m]].concat()));
+    assert!(
+        metal.starts_with("diffracted orders err by ") && metal.contains("sinusoid on metal, period 3.6 λ"),
+        "{metal}"
+    );
+    assert!(glass.contains(" % at 75°") && glass.contains("on dielectric"), "{glass}");
+    assert_ne!(metal, glass);
+    assert!(of(&["cd"]).starts_with("not known: RMS slopes in two directions"));
+    let json = sandbox.run(["surface", "info", "sinusoid", "--json", "--material", "aluminium"]).done();
+    let report: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let theory = &report["scalar_theory"];
+    assert!(theory["line"].as_str().unwrap().starts_with("diffracted orders err by "), "{theory}");
+    assert!((theory["grooves"]["period_m"].as_f64().unwrap() / 2e-6 - 1.0).abs() < 1e-3, "{theory}");
+    let errors = theory["errors"].as_array().unwrap();
+    assert_eq!(errors[0]["angle_deg"], 0.0);
+    assert!(errors.iter().all(|e| ["mean", "te", "tm"].iter().all(|name| e[name].as_f64().unwrap() > 0.0)));
+    let refused = sandbox.run(["surface", "info", "--material", "no.csv"]).refused(1);
+    assert!(refused.contains("no.csv"), "{refused}");
 }

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::optics::coherence::{Beyond, SUNLIGHT_LENGTH};
 use crate::optics::sampling;
 use crate::optics::spectrum::SHORTEST;
-use crate::optics::validity::Validity;
+use crate::optics::validity::ScalarTheory;
 use crate::setup;
 use crate::spectra::amplitude::expansion::HeightScale;
 use crate::spectra::amplitude::expansion::taylor::{F32_ROUNDOFF, terms_for, thesis_bound};
@@ -17,12 +17,18 @@ use crate::surface::{HeightField, Statistics, SurfaceSource};
 /// A name and what stands behind it.
 type Line = (&'static str, String);
 
-/// `field`, which `source` gave, line by line.
-pub fn text(source: &SurfaceSource, field: &HeightField, statistics: &Statistics) -> Result<String> {
+/// `field`, which `source` gave, line by line, with the errors of scalar theory that `theory` has for it.
+pub fn text(
+    source: &SurfaceSource,
+    field: &HeightField,
+    statistics: &Statistics,
+    theory: &ScalarTheory,
+) -> Result<String> {
     let mut lines = grid(source, field, statistics);
     lines.extend(distributions(statistics));
     lines.extend(spectrum(statistics));
-    lines.extend(optics(field, statistics));
+    lines.push(("scalar theory", theory.line().to_owned()));
+    lines.extend(optics(field));
     lines.extend(notes(field, statistics)?.into_iter().map(|note| ("note", note)));
     Ok(lines.iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect())
 }
@@ -120,17 +126,13 @@ fn dominant(period: &Period) -> String {
     )
 }
 
-fn optics(field: &HeightField, statistics: &Statistics) -> Vec<Line> {
+fn optics(field: &HeightField) -> Vec<Line> {
     let held = sampling::limit(field.pixel_size(), SHORTEST).map_or("all".to_owned(), |limit| {
         format!("|{}| up to {:.2}; all need {} between samples", limit.axis, limit.largest, nm(limit.needed))
     });
     let half_range = HeightScale::of(field).half_range;
     let x = largest_z(SHORTEST) * half_range;
-    let mut lines = vec![
-        ("scalar theory", Validity::of(statistics).line()),
-        ("directions held at 380 nm", held),
-        ("largest phase k|w|a", format!("{x:.2}")),
-    ];
+    let mut lines = vec![("directions held at 380 nm", held), ("largest phase k|w|a", format!("{x:.2}"))];
     lines.extend([1e-1, 1e-2, 1e-3].map(|tolerance| ("orders of the mean", power_cost(field, tolerance))));
     for tolerance in [1e-1, 1e-2, 1e-3, 1e-4] {
         let bound = match terms_for(x, tolerance, F32_ROUNDOFF) {

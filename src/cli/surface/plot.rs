@@ -4,7 +4,7 @@ use super::hemisphere;
 use crate::error::Result;
 use crate::figure::{Axis, AxisScale, ColorMap, ColorScale, Figure, Mark, Panel, Raster, palette};
 use crate::optics::spectrum::{LONGEST, SHORTEST};
-use crate::optics::validity::Validity;
+use crate::optics::validity::ScalarTheory;
 use crate::surface::prepare;
 use crate::surface::statistics::picture::{self, PlotGrid, histogram};
 use crate::surface::statistics::slopes::gradients;
@@ -19,7 +19,12 @@ const BINS: usize = 120;
 const PANEL: [f64; 2] = [600.0, 470.0];
 
 /// The page of `field`, which `source` gave.
-pub fn figure(source: &SurfaceSource, field: &HeightField, statistics: &Statistics) -> Result<Figure> {
+pub fn figure(
+    source: &SurfaceSource,
+    field: &HeightField,
+    statistics: &Statistics,
+    theory: &ScalarTheory,
+) -> Result<Figure> {
     let spectrum = SurfaceSpectrum::windowed(&analysed_part(field))?;
     let name = std::path::Path::new(&source.name)
         .file_name()
@@ -38,10 +43,15 @@ pub fn figure(source: &SurfaceSource, field: &HeightField, statistics: &Statisti
     Ok(figure
         .row(vec![profile(field), radial(&spectrum, statistics)])
         .row(vec![height_histogram(field, statistics), slope_histogram(field, statistics)])
-        .caption(caption(source, field, statistics) + "\n" + &colours))
+        .caption(caption(source, field, statistics, theory) + "\n" + &colours))
 }
 
-fn caption(source: &SurfaceSource, field: &HeightField, statistics: &Statistics) -> String {
+fn caption(
+    source: &SurfaceSource,
+    field: &HeightField,
+    statistics: &Statistics,
+    theory: &ScalarTheory,
+) -> String {
     let [width, height] = field.patch_size();
     let h = &statistics.heights;
     format!(
@@ -56,7 +66,7 @@ fn caption(source: &SurfaceSource, field: &HeightField, statistics: &Statistics)
         h.sku,
         statistics.slopes.sdq,
         statistics.tiling.verdict.words(),
-        Validity::of(statistics).line()
+        theory.line()
     )
 }
 
@@ -274,7 +284,9 @@ mod tests {
         for kind in SurfaceKind::ALL {
             let source = SurfaceSource::built_in(kind);
             let field = source.load().unwrap();
-            let svg = figure(&source, &field, &Statistics::of(&field).unwrap()).unwrap().svg().unwrap();
+            let theory = ScalarTheory::of_field(&field, &Default::default()).unwrap();
+            let svg =
+                figure(&source, &field, &Statistics::of(&field).unwrap(), &theory).unwrap().svg().unwrap();
             for word in [
                 "Heights",
                 "Power spectrum",

@@ -1,6 +1,7 @@
 //! What is in a file: its channels for people, everything as JSON.
 
 use crate::error::{Error, Result};
+use crate::optics::validity::ScalarTheory;
 use crate::setup;
 use crate::surface::files::plausible::in_words;
 use crate::surface::files::{FileSummary, ScanOrigin, Topography, choose};
@@ -35,6 +36,7 @@ pub struct SurfaceReport {
     beyond: Option<&'static str>,
     notes: Vec<String>,
     statistics: Option<Statistics>,
+    scalar_theory: Option<ScalarTheory>,
 }
 
 impl SurfaceReport {
@@ -56,10 +58,11 @@ impl SurfaceReport {
             beyond: None,
             notes: Vec::new(),
             statistics: None,
+            scalar_theory: None,
         }
     }
 
-    /// With the steps of `source`, the `statistics` of `field` that they gave, and what `--beyond` is for it unless it is given.
+    /// With the steps of `source`, the `statistics` of `field` that they gave, the errors of scalar theory, and what `--beyond` is unless it is given.
     ///
     /// # Errors
     /// Heights so large that their sums are not finite numbers.
@@ -68,12 +71,14 @@ impl SurfaceReport {
         source: &SurfaceSource,
         field: &HeightField,
         statistics: Statistics,
+        scalar_theory: ScalarTheory,
     ) -> Result<Self> {
         Ok(Self {
             prepare: source.prepare.iter().map(PreparationStep::to_string).collect(),
             beyond: Some(setup::beyond_of(field).name()),
             notes: notes(field, &statistics)?,
             statistics: Some(statistics),
+            scalar_theory: Some(scalar_theory),
             ..self
         })
     }

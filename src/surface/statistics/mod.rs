@@ -8,6 +8,7 @@ mod line_periods;
 mod notes;
 pub mod periods;
 pub mod picture;
+mod relief;
 pub mod slopes;
 pub mod spectrum;
 mod texture;
@@ -17,6 +18,7 @@ pub use line_periods::line_periods;
 pub use notes::notes;
 pub(in crate::surface) use periods::wave_vector;
 pub use periods::{Period, dominant_periods};
+pub use relief::{ProfileKind, ProfileShape, Relief};
 pub use slopes::Slopes;
 pub use texture::Texture;
 

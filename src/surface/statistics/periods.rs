@@ -164,7 +164,7 @@ fn is_summit(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> bool {
 /// For one sinusoid under a Hann window the ratio α of the amplitudes at the larger neighbour and at the peak gives the distance exactly,
 /// δ = (2α − 1)/(α + 1) [Grandke 1983, "Interpolation algorithms for discrete Fourier transforms of weighted signals"]; the window is a
 /// product, so that each axis has its own.
-fn refined(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> [f64; 2] {
+pub(super) fn refined(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> [f64; 2] {
     let [i, j] = place.map(|n| n as isize);
     let at = |di: isize, dj: isize| spectrum.value(i + di, j + dj).norm();
     let offset = |below: f64, above: f64, peak: f64| {
@@ -182,7 +182,7 @@ fn refined(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> [f64; 2] {
 }
 
 /// Amplitude of the sinusoid whose power is that of the main lobe around `place`: A²/2 is twice the power of one sign's lobe.
-fn amplitude(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> f64 {
+pub(super) fn amplitude(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> f64 {
     let [i, j] = place.map(|n| n as isize);
     let reach = |samples: usize| {
         let reach = (LOBE as isize).min((samples as isize - 1) / 2);

@@ -109,7 +109,7 @@ impl SurfaceSpectrum {
     }
 
     /// Folds `part` of (f_x number, f_y number, weight) over all frequencies but 0.
-    fn sum<T: Send>(
+    pub(super) fn sum<T: Send>(
         &self,
         zero: impl Fn() -> T + Sync + Send,
         part: impl Fn(&mut T, usize, usize, f64) + Sync,

@@ -115,6 +115,7 @@ rows! {
     MEMORY = SettingRow::other("memory", "Device memory that the program takes.");
     BOUND = SettingRow::other("error bound", "Relative error that the settings promise, root mean square.");
     MEASURED = SettingRow::other("measured error", "Relative error of random pixels of this picture against the direct sum in f64.  [E]");
+    SCALAR_THEORY = SettingRow::other("scalar theory", "Error of the brightness of orders against rigorous optics, by the angle of incidence.");
     FPS = SettingRow::setting("frame rate", "--fps", "Frames a second to keep while something moves, by leaving work out. continuous: draw all the time.  [space]");
 }
 

@@ -1,0 +1,204 @@
+//! Errors of scalar theory for a surface, looked up in a table of rigorous efficiencies.
+//!
+//! The optics takes each point of the surface for a part of its tangent plane (the Kirchhoff approximation) and light for a scalar wave.
+//! `tools/validity` compares it with the C method [Chandezon et al. 1982, J. Opt. Soc. Am. 72, 839] for grooves in one direction, light in the
+//! plane across them; `docs/VALIDITY.md` has the results. The angles of the orders follow from the period alone and are exact.
+
+mod table;
+
+use super::reflectance::Reflectance;
+use super::spectrum::MIDDLE;
+use crate::error::Result;
+use crate::surface::HeightField;
+use crate::surface::statistics::{ProfileShape, Relief};
+use serde::Serialize;
+use table::{AngleErrors, MaterialClass};
+
+/// Errors of scalar theory for a surface in light of [`MIDDLE`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ScalarTheory {
+    /// [`Self::line`], for people.
+    line: String,
+    /// The profile that was looked up.
+    grooves: Option<ProfileShape>,
+    /// Errors by the angle of incidence; empty where they are not known.
+    errors: Vec<AngleErrors>,
+}
+
+impl ScalarTheory {
+    /// Looks up a surface of this shape, which reflects like this.
+    pub fn new(relief: Relief, reflectance: &Reflectance) -> Self {
+        let known =
+            |grooves| Ok((grooves, table::errors(&grooves, MaterialClass::of(reflectance)?, MIDDLE)?));
+        let found = match relief {
+            Relief::Flat => {
+                let line = "diffracted orders err by 0 %: a mirror has none".to_owned();
+                return Self { line, grooves: None, errors: Vec::new() };
+            }
+            Relief::Crossed([larger, smaller]) => Err(format!(
+                "RMS slopes in two directions, {larger:.2} and {smaller:.2}; computed for grooves in one direction"
+            )),
+            Relief::FewPeriods => {
+                Err("fewer than three periods over the field, whose copies do not join".to_owned())
+            }
+            Relief::Grooves(grooves) => known(grooves),
+        };
+        match found {
+            Ok((grooves, errors)) => {
+                let line = format!("{}; {}", by_angle(&errors), described(&grooves, reflectance));
+                Self { line, grooves: Some(grooves), errors }
+            }
+            Err(reason) => {
+                let line = format!("not known: {reason}; angles of orders are exact");
+                Self { line, grooves: None, errors: Vec::new() }
+            }
+        }
+    }
+
+    /// Measures `field` and looks it up.
+    ///
+    /// # Errors
+    /// Where the memory does not hold the spectrum.
+    pub fn of_field(field: &HeightField, reflectance: &Reflectance) -> Result<Self> {
+        Ok(Self::new(Relief::of(field)?, reflectance))
+    }
+
+    /// [`Self::line`] of `field` for a picture's metadata, or why there is none.
+    pub fn note(field: &HeightField, reflectance: &Reflectance) -> String {
+        Self::of_field(field, reflectance).map_or_else(|e| format!("not known: {e}"), |found| found.line)
+    }
+
+    /// The line of `surface info` and of a picture's metadata.
+    pub fn line(&self) -> &str {
+        &self.line
+    }
+}
+
+/// Returns what was looked up, in words.
+fn described(grooves: &ProfileShape, reflectance: &Reflectance) -> String {
+    let [period, height] = [grooves.period, grooves.height].map(|length| length / MIDDLE);
+    let [profile, material] =
+        [grooves.profile.name(), MaterialClass::of(reflectance).map_or("", MaterialClass::name)];
+    format!(
+        "mean weighted by light, {profile} on {material}, period {period:.1} λ, height {height:.2} λ at {:.0} nm; angles of orders are exact",
+        MIDDLE * 1e3
+    )
+}
+
+/// Returns the errors of unpolarised light in words: those up to an angle together while they hardly differ.
+fn by_angle(errors: &[AngleErrors]) -> String {
+    /// Errors below this share, or below [`ALIKE`] times the first of a group, are told together.
+    const SMALL: f64 = 0.02;
+    const ALIKE: f64 = 1.5;
+    let mut groups: Vec<(f64, f64, f64)> = Vec::new(); // first angle, last angle, largest error
+    let mut limit = 0.0;
+    for e in errors {
+        match groups.last_mut() {
+            Some((_, last, largest)) if e.mean <= limit => (*last, *largest) = (e.angle, largest.max(e.mean)),
+            _ => {
+                limit = (ALIKE * e.mean).max(SMALL);
+                groups.push((e.angle, e.angle, e.mean));
+            }
+        }
+    }
+    let words = groups.iter().map(|(first, last, error)| match (first == last, *first == 0.0) {
+        (true, _) => format!("{} at {first}°", percent(*error)),
+        (false, true) => format!("{} up to {last}°", percent(*error)),
+        (false, false) => format!("{} from {first}° to {last}°", percent(*error)),
+    });
+    format!("diffracted orders err by {}", words.collect::<Vec<_>>().join(", "))
+}
+
+/// Returns a share in whole percent, rounded up; more than all is told as such.
+fn percent(share: f64) -> String {
+    if share > 1.0 {
+        "more than 100 %".to_owned()
+    } else {
+        format!("{:.0} %", (share * 100.0).ceil().max(1.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::material::Material;
+    use crate::optics::reflectance::Film;
+    use crate::surface::statistics::ProfileKind;
+    use crate::surface::synth::{Spec, SurfaceKind, generate};
+
+    fn metal() -> Reflectance {
+        let material = Material::from_name_or_file("aluminium").unwrap();
+        Reflectance::Fresnel { material, film: None }
+    }
+
+    fn sinusoid(period: f64, height: f64) -> Relief {
+        let [period, height] = [period, height].map(|length| length * MIDDLE);
+        Relief::Grooves(ProfileShape { profile: ProfileKind::Sinusoid, period, height })
+    }
+
+    fn at(theory: &ScalarTheory, angle: f64) -> f64 {
+        theory.errors.iter().find(|e| e.angle == angle).unwrap().mean
+    }
+
+    #[test]
+    fn long_shallow_sinusoids_err_little_and_dielectrics_more_at_grazing_angles() {
+        let [metal, glass] =
+            [metal(), Reflectance::default()].map(|r| ScalarTheory::new(sinusoid(9.0, 0.25), &r));
+        assert!(at(&metal, 0.0) < 0.02 && at(&metal, 60.0) < 0.04, "{metal:?}");
+        assert!(at(&glass, 0.0) < 0.02 && at(&glass, 75.0) > 0.2, "{glass:?}");
+        assert!(metal.line().starts_with("diffracted orders err by 1 % up to "), "{metal:?}");
+        assert!(
+            metal.line().contains("sinusoid on metal, period 9.0 λ, height 0.25 λ at 550 nm"),
+            "{metal:?}"
+        );
+    }
+
+    #[test]
+    fn what_was_not_computed_is_not_known() {
+        let line =
+            |relief, reflectance: &Reflectance| ScalarTheory::new(relief, reflectance).line().to_owned();
+        let glass = Reflectance::default();
+        for (relief, word) in [
+            (sinusoid(1.0, 0.9), "steeper than"),
+            (sinusoid(10.0, 3.0), "higher"),
+            (sinusoid(0.4, 0.05), "shorter"),
+            (Relief::Crossed([0.3, 0.2]), "two directions"),
+            (Relief::FewPeriods, "three periods"),
+        ] {
+            let line = line(relief, &glass);
+            assert!(line.starts_with("not known: ") && line.contains(word), "{line}");
+        }
+        let film = Some(Film { thickness: 0.1, index: 1.7 });
+        let silicon = Material::from_name_or_file("silicon").unwrap();
+        for (reflectance, word) in [
+            (Reflectance::Fresnel { material: Material::constant(1.5), film }, "film"),
+            (Reflectance::Fresnel { material: silicon, film: None }, "refractive indices"),
+            (Reflectance::Schlick(1.5), "Fresnel"),
+        ] {
+            let line = line(sinusoid(5.0, 0.2), &reflectance);
+            assert!(line.starts_with("not known: ") && line.contains(word), "{line}");
+        }
+    }
+
+    #[test]
+    fn angles_with_like_errors_are_told_together() {
+        let errors = |means: &[(f64, f64)]| -> Vec<AngleErrors> {
+            means.iter().map(|&(angle, mean)| AngleErrors { angle, mean, te: mean, tm: mean }).collect()
+        };
+        let line = by_angle(&errors(&[(0.0, 0.021), (30.0, 0.01), (45.0, 0.03), (60.0, 0.114), (75.0, 1.4)]));
+        assert_eq!(line, "diffracted orders err by 3 % up to 45°, 12 % at 60°, more than 100 % at 75°");
+        let line = by_angle(&errors(&[(30.0, 0.1), (45.0, 0.12)]));
+        assert_eq!(line, "diffracted orders err by 12 % from 30° to 45°");
+    }
+
+    #[test]
+    fn built_in_surfaces_have_a_line_and_a_mirror_errs_by_nothing() {
+        for kind in SurfaceKind::ALL {
+            let field = generate(&Spec { patch: Some([20.0; 2]), ..Spec::new(kind) }).unwrap();
+            let line = ScalarTheory::note(&field, &metal());
+            let known = line.starts_with("diffracted orders err by ") && line.contains(" %");
+            assert!(known || line.starts_with("not known: "), "{kind:?}: {line}");
+            assert_eq!(line.contains("mirror"), kind == SurfaceKind::Flat, "{kind:?}: {line}");
+        }
+    }
+}

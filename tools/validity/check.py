@@ -1,0 +1,75 @@
+"""Compares the errors that `diffract surface info` looks up for gratings outside of the grid with those of the solver. `python check.py DIFFRACT`."""
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+import grid
+import table
+
+# Kind, material, period and height in wavelengths.
+GRATINGS = [
+    ("sinusoid", "metal", 2.7, 0.15),
+    ("sinusoid", "metal", 6.4, 0.28),
+    ("sinusoid", "dielectric", 4.1, 0.13),
+    ("sinusoid", "dielectric", 10.0, 0.45),
+    ("blaze", "metal", 4.0, 0.5),
+    ("blaze", "dielectric", 2.6, 0.25),
+    ("blaze", "dielectric", 9.5, 0.4),
+    ("lamellar", "metal", 2.9, 0.14),
+    ("lamellar", "dielectric", 6.2, 0.27),
+    ("lamellar", "dielectric", 1.8, 0.08),
+]
+# Wavelength of the look-up [µm].
+WAVELENGTH = 0.55
+# Errors below this count as this, as in the look-up.
+SMALLEST = 0.01
+OPTIONS = {"metal": ["--material", "aluminium"], "dielectric": []}
+
+
+def looked_up(diffract, kind, material, period, height):
+    """Returns {angle: error} that the program tells of a height field of the grating."""
+    curve = grid.curves(grid.Point(kind, material, period, height, 0))[0]
+    repeats, columns, rows = 8, 1024, 16
+    spacing = repeats * period / columns
+    x = (np.arange(columns) + 0.5) * spacing
+    profile = np.interp(x, curve.x, curve.z, period=period) * WAVELENGTH * 1e-6
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "grating.npy"
+        np.save(path, np.tile(profile, (rows, 1)))
+        pixel = f"{spacing * WAVELENGTH * 1e3}nm"
+        command = [diffract, "surface", "info", path, "--pixel-size", pixel, "--json", *OPTIONS[material]]
+        theory = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)["scalar_theory"]
+    if theory["grooves"] and theory["grooves"]["profile"] != kind:
+        print(f"{kind} is taken for {theory['grooves']['profile']}", file=sys.stderr)
+    return {error["angle_deg"]: error["mean"] for error in theory["errors"]}
+
+
+def main():
+    angles = grid.ANGLES
+    print("| grating | material | period/λ | height/λ | " + " | ".join(f"{a}°" for a in angles) + " |")
+    print("| --- | --- | ---: | ---: |" + " ---: |" * len(angles))
+    within = total = gratings = 0
+    for kind, material, period, height in GRATINGS:
+        told = looked_up(sys.argv[1], kind, material, period, height)
+        cells, hits = [], []
+        for angle in angles:
+            directions = grid.orders(grid.Point(kind, material, period, height, angle))
+            if directions is None or angle not in told:
+                cells.append("not known")
+                continue
+            solved = float(np.sum(np.multiply(*table.errors(directions, "mean"))))
+            ratio = told[angle] / max(solved, SMALLEST)
+            hits.append(0.5 <= ratio <= 2)
+            cells.append(f"{100 * told[angle]:.1f} / {100 * solved:.1f}" + ("" if hits[-1] else " *"))
+        within, total, gratings = within + sum(hits), total + len(hits), gratings + all(hits)
+        print(f"| {kind} | {material} | {period} | {height} | " + " | ".join(cells) + " |")
+    print(f"\nLook-up / solver, %. Within a factor of two: {within} of {total} points, all angles of {gratings} of {len(GRATINGS)} gratings.")
+
+
+if __name__ == "__main__":
+    main()

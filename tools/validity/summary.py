@@ -1,0 +1,32 @@
+"""Prints the tables of docs/VALIDITY.md from `assets/validity/table.csv`."""
+
+import csv
+
+import grid
+import table
+
+# Height of the gratings that are shown [wavelengths].
+HEIGHT = 0.2
+
+
+def main():
+    rows = {}
+    for r in csv.DictReader(table.TABLE.open()):
+        rows[r["kind"], r["material"], *(float(r[name]) for name in ["period", "height", "angle"])] = float(r["mean"])
+
+    def cell(*point):
+        errors = [rows.get((*point, float(angle))) for angle in grid.ROUGH_ANGLES]
+        return " / ".join("–" if e is None else f"{e:.2g}" if e < 99.5 else f"{e:.0f}" for e in errors)
+
+    print("| | " + " | ".join(f"{p}" for p in grid.PERIODS) + " |\n| --- |" + " --- |" * len(grid.PERIODS))
+    for kind in ["sinusoid", "blaze", "lamellar"]:
+        for material in grid.MATERIALS:
+            print(f"| {kind}, {material} | " + " | ".join(cell(kind, material, p, HEIGHT) for p in grid.PERIODS) + " |")
+    print("\n| | " + " | ".join(f"{h}" for h in grid.ROUGH_HEIGHTS) + " |\n| --- |" + " --- |" * len(grid.ROUGH_HEIGHTS))
+    for material in grid.MATERIALS:
+        for p in grid.ROUGH_PERIODS:
+            print(f"| {p} λ, {material} | " + " | ".join(cell("rough", material, p, h) for h in grid.ROUGH_HEIGHTS) + " |")
+
+
+if __name__ == "__main__":
+    main()
