@@ -565,13 +565,6 @@ mod tests {
     }
 
     #[test]
-    fn the_default_snake_is_about_a_metre_long() {
-        let scene = Scene::open("snake").unwrap();
-        let length = crate::scene::snake::length() * scene.unit;
-        assert!((0.9..1.1).contains(&length), "{length} m");
-    }
-
-    #[test]
     fn wrong_scenes_are_refused_by_line() {
         let wrong = |text: &str| Scene::parse(text, Path::new("")).unwrap_err().to_string();
         assert!(wrong("mesh = 3\n").contains("line 1"), "{}", wrong("mesh = 3\n"));
