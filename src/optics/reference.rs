@@ -77,13 +77,6 @@ impl<'a> Reference<'a> {
             .collect()
     }
 
-    /// f·cos θ_i \[sr⁻¹\] at `wavelength` \[µm\] from |P|² \[µm⁴\].
-    pub(super) fn cosine_weighted_of(&self, pair: &Pair, wavelength: f64, power: f64) -> f64 {
-        let area = self.coherence.area(self.field.patch_size());
-        let reflectance = self.reflectance.at(wavelength, pair.cos_half_angle());
-        reflectance * brdf::cosine_weighted(pair, wavelength, area, power)
-    }
-
     /// XYZ of f·cos θ_i \[sr⁻¹\] under `illuminant`, normalised to 1 for a perfect mirror image of the light.
     ///
     /// # Errors

@@ -124,21 +124,8 @@ impl Shading {
         ))
     }
 
-    /// What layers have to be made for, for wavelengths from `shortest` \[µm\] on `device`.
-    ///
-    /// # Errors
-    /// For settings that layers cannot do.
-    pub fn layer_settings(&self, shortest: f64, device: &Candidate) -> Result<LayerSettings> {
-        let Coherence::Gaussian { length } = self.coherence else {
-            return Err(Error::usage(
-                "a window is Gaussian, and a finite grating has none",
-                Remedy::GaussianCoherence,
-            ));
-        };
-        self.windowed_settings(length / 4.0, shortest, device)
-    }
-
-    /// The same through a Gaussian of standard deviation `sigma` \[µm\], or, where that is infinite, of one period alone.
+    /// Returns the settings of layers for wavelengths from `shortest` \[µm\] on `device`, through a Gaussian of standard deviation `sigma` \[µm\], or
+    /// of one period alone if that is infinite.
     ///
     /// # Errors
     /// For what layers cannot do.

@@ -15,11 +15,11 @@ pub mod obj;
 pub mod object;
 mod polygon;
 pub mod primitives;
+mod scene_document;
 pub mod scene_file;
 mod scene_options;
 mod scene_writer;
 pub mod snake;
-
 mod tangents;
 
 pub use background::Background;

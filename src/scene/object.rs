@@ -59,7 +59,7 @@ impl Default for Pose {
 
 impl Pose {
     /// The mesh where it stands.
-    fn place(&self, mesh: Mesh) -> Result<Mesh> {
+    pub(super) fn place(&self, mesh: Mesh) -> Result<Mesh> {
         if *self == Self::default() {
             return Ok(mesh);
         }
@@ -96,87 +96,6 @@ impl Grooves {
     /// The picture, where there is one.
     pub fn file(&self) -> Option<&PathBuf> {
         if let Self::Map(file) = self { Some(file) } else { None }
-    }
-}
-
-/// An object in a scene file.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct FileObject {
-    mesh: String,
-    #[serde(default)]
-    up: Up,
-    part: Option<String>,
-    position: Option<Triple<f32>>,
-    rotation: Option<Triple<Angle>>,
-    size: Option<f32>,
-    surface: Option<String>,
-    pixel_size: Option<String>,
-    height: Option<String>,
-    #[serde(default)]
-    prepare: Vec<String>,
-    grooves: Option<String>,
-    material: Option<String>,
-    film: Option<String>,
-    #[serde(default = "black")]
-    base_color: Triple<f32>,
-    pigment: Option<PathBuf>,
-}
-
-/// An angle with its unit \[degrees\].
-#[derive(Clone, Copy, Deserialize)]
-#[serde(try_from = "String")]
-struct Angle(f64);
-
-impl TryFrom<String> for Angle {
-    type Error = String;
-
-    fn try_from(text: String) -> std::result::Result<Self, String> {
-        units::angle(&text).map(Self).map_err(|e| e.to_string())
-    }
-}
-
-impl FileObject {
-    /// The object; names of files start from `folder`.
-    pub fn open(self, folder: &Path, progress: &Progress<'_>) -> Result<Object> {
-        let Triple(base_color) = self.base_color;
-        check_colors(base_color.map(f64::from))?;
-        let pose = Pose {
-            position: self.position.map_or(Vec3::ZERO, |Triple(position)| position.into()),
-            rotation: self.rotation.map_or([0.0; 3], |Triple(angles)| angles.map(|Angle(angle)| angle)),
-            size: self.size.unwrap_or(1.0),
-        };
-        if !(pose.position.is_finite() && pose.size.is_finite() && pose.size > 0.0) {
-            return Err(Error::failed(
-                "an object has no place or size",
-                "give finite numbers, and a size above 0",
-            ));
-        }
-        let mesh_source = MeshSource::named(&self.mesh, self.up, self.part, folder);
-        let surface = self.surface.as_deref().map(|name| -> Result<SurfaceSource> {
-            Ok(SurfaceSource {
-                name: surface_name(name, folder).into_os_string(),
-                pixel_size: self.pixel_size.as_deref().map(units::length_pair).transpose()?,
-                height: self.height.as_deref().map(units::length).transpose()?,
-                channel: None,
-                prepare: steps(&self.prepare)?,
-                seed: 1,
-            })
-        });
-        Ok(Object {
-            mesh: pose.place(open_mesh(&mesh_source, progress)?)?,
-            mesh_source,
-            pose,
-            surface: surface.transpose()?,
-            grooves: self
-                .grooves
-                .as_deref()
-                .map_or(Ok(Grooves::Along), |text| Grooves::parse(text, folder))?,
-            reflectance: reflectance(self.material.as_deref(), self.film.as_deref(), folder)?,
-            base_color: base_color.into(),
-            pigment: self.pigment.map(|p| folder.join(p)),
-            is_ground: false,
-        })
     }
 }
 
@@ -270,24 +189,6 @@ pub enum Up {
     Y,
     /// The third one.
     Z,
-}
-
-/// Exactly three numbers; an array of three would take the first three of more.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(try_from = "Vec<T>")]
-pub(super) struct Triple<T: Copy>(pub [T; 3]);
-
-impl<T: Copy> TryFrom<Vec<T>> for Triple<T> {
-    type Error = String;
-
-    fn try_from(numbers: Vec<T>) -> std::result::Result<Self, String> {
-        let count = numbers.len();
-        numbers.try_into().map(Self).map_err(|_| format!("{count} numbers where 3 belong"))
-    }
-}
-
-pub(super) fn black() -> Triple<f32> {
-    Triple([0.0; 3])
 }
 
 /// Meshes that scene files can name instead of a file.

@@ -6,15 +6,17 @@ use super::environment::{self, Environment, Placement};
 use super::light::Light;
 use super::mesh::Bounds;
 use super::object::{
-    FileObject, Grooves, MAX_OBJECTS, MeshSource, Object, Triple, Up, black, check_colors, open_mesh,
-    reflectance, steps, surface_name,
+    Grooves, MAX_OBJECTS, MeshSource, Object, Pose, Up, check_colors, open_mesh, reflectance, steps,
+    surface_name,
 };
+use super::scene_document::{Angle, EnvironmentDocument, ObjectDocument, SceneDocument, Triple};
 use super::scene_options::{self, FileOptions};
 use super::{Mesh, Progress};
 use crate::error::{Error, Result};
 use crate::input;
 use crate::optics::color::Tone;
 use crate::optics::reflectance::Reflectance;
+use crate::surface::SurfaceSource;
 use crate::surface::prepare::PreparationStep;
 use crate::surface::synth::SurfaceKind;
 use crate::units;
@@ -39,7 +41,7 @@ const UNIT: f64 = 1e6;
 const METRES_PER_MICROMETRE: f64 = 1e-6;
 
 /// A scene: everything that a picture shows, before any option changes it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// The mesh, in a world whose up is +z.
     pub mesh: Mesh,
@@ -89,62 +91,8 @@ pub struct Scene {
     pub around: Bounds,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct FileScene {
-    mesh: String,
-    #[serde(default)]
-    up: Up,
-    part: Option<String>,
-    surface: String,
-    pixel_size: Option<String>,
-    height: Option<String>,
-    #[serde(default)]
-    prepare: Vec<String>,
-    #[serde(default = "black")]
-    base_color: Triple<f32>,
-    pigment: Option<PathBuf>,
-    grooves: Option<String>,
-    ground: Option<Triple<f32>>,
-    material: Option<String>,
-    film: Option<String>,
-    #[serde(default)]
-    exposure: FileExposure,
-    #[serde(default)]
-    tone: ToneName,
-    #[serde(default)]
-    background: Background,
-    scale: Option<String>,
-    environment: Option<FileEnvironment>,
-    #[serde(default = "yes")]
-    shadows: bool,
-    camera: FileCamera,
-    lights: Vec<String>,
-    #[serde(default)]
-    objects: Vec<FileObject>,
-    #[serde(default)]
-    options: FileOptions,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct FileCamera {
-    eye: Triple<f32>,
-    target: Triple<f32>,
-    field_of_view: String,
-}
-
-/// Surroundings: `sky`, `studio` or a picture, and how they stand.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct FileEnvironment {
-    name: String,
-    rotation: Option<String>,
-    #[serde(default)]
-    exposure: f64,
-}
-
-impl FileEnvironment {
+impl EnvironmentDocument {
+    /// Opens the surroundings; names of files start from `folder`.
     fn open(&self, folder: &Path) -> Result<Environment> {
         let name = if environment::is_built_in(&self.name) {
             self.name.clone().into()
@@ -158,57 +106,47 @@ impl FileEnvironment {
     }
 }
 
-/// Exposure: a number of stops, or `"auto"`.
-#[derive(Clone, Copy, Deserialize, Default)]
-#[serde(try_from = "toml::Value")]
-struct FileExposure {
-    stops: f64,
-    is_auto: bool,
-}
-
-impl TryFrom<toml::Value> for FileExposure {
-    type Error = &'static str;
-
-    fn try_from(value: toml::Value) -> std::result::Result<Self, Self::Error> {
-        match value {
-            toml::Value::Integer(stops) => Ok(Self { stops: stops as f64, is_auto: false }),
-            toml::Value::Float(stops) => Ok(Self { stops, is_auto: false }),
-            toml::Value::String(word) if word == "auto" => Ok(Self { stops: 0.0, is_auto: true }),
-            _ => Err("the exposure is neither a number of stops nor \"auto\""),
+impl ObjectDocument {
+    /// Opens the object; names of files start from `folder`.
+    fn open(self, folder: &Path, progress: &Progress<'_>) -> Result<Object> {
+        let Triple(base_color) = self.base_color;
+        check_colors(base_color.map(f64::from))?;
+        let pose = Pose {
+            position: self.position.0.into(),
+            rotation: self.rotation.0.map(|Angle(angle)| angle),
+            size: self.size,
+        };
+        if !(pose.position.is_finite() && pose.size.is_finite() && pose.size > 0.0) {
+            return Err(Error::failed(
+                "an object has no place or size",
+                "give finite numbers, and a size above 0",
+            ));
         }
-    }
-}
-
-/// The name of a tone.
-#[derive(Clone, Copy, Deserialize, Default)]
-#[serde(try_from = "String")]
-struct ToneName(Tone);
-
-impl TryFrom<String> for ToneName {
-    type Error = String;
-
-    fn try_from(name: String) -> std::result::Result<Self, String> {
-        Tone::from_name(&name).map(Self).map_err(|e| e.to_string())
-    }
-}
-
-fn yes() -> bool {
-    true
-}
-
-impl<'de> Deserialize<'de> for Background {
-    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
-        use serde::de::Error;
-        match toml::Value::deserialize(from)? {
-            toml::Value::String(name) if name == "surroundings" => Ok(Self::Surroundings),
-            toml::Value::String(name) => Err(D::Error::custom(format!(
-                "the background `{name}` is neither a colour nor \"surroundings\""
-            ))),
-            color => {
-                let color = Triple::deserialize(color).map_err(D::Error::custom)?;
-                Ok(Self::Color(color.0.into()))
-            }
-        }
+        let mesh_source = MeshSource::named(&self.mesh, self.up, self.part, folder);
+        let surface = self.surface.as_deref().map(|name| -> Result<SurfaceSource> {
+            Ok(SurfaceSource {
+                name: surface_name(name, folder).into_os_string(),
+                pixel_size: self.pixel_size.as_deref().map(units::length_pair).transpose()?,
+                height: self.height.as_deref().map(units::length).transpose()?,
+                channel: None,
+                prepare: steps(&self.prepare)?,
+                seed: 1,
+            })
+        });
+        Ok(Object {
+            mesh: pose.place(open_mesh(&mesh_source, progress)?)?,
+            mesh_source,
+            pose,
+            surface: surface.transpose()?,
+            grooves: self
+                .grooves
+                .as_deref()
+                .map_or(Ok(Grooves::Along), |text| Grooves::parse(text, folder))?,
+            reflectance: reflectance(self.material.as_deref(), self.film.as_deref(), folder)?,
+            base_color: base_color.into(),
+            pigment: self.pigment.map(|p| folder.join(p)),
+            is_ground: false,
+        })
     }
 }
 
@@ -269,7 +207,7 @@ impl Scene {
     }
 
     fn read(text: &str, folder: &Path, progress: &Progress<'_>) -> Result<Self> {
-        let file: FileScene = toml::from_str(text).map_err(|e| {
+        let file: SceneDocument = toml::from_str(text).map_err(|e| {
             let line =
                 e.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
             Error::failed(format!("line {line}: {}", e.message()), remedy(e.message()))
@@ -365,7 +303,7 @@ impl Scene {
 
 /// The objects of a scene file beside its first, which has this `mesh`, and the ground where it has a color; and what is around all but the ground.
 fn objects(
-    objects: Vec<FileObject>,
+    objects: Vec<ObjectDocument>,
     mesh: &Mesh,
     ground: Option<[f32; 3]>,
     folder: &Path,
@@ -377,7 +315,7 @@ fn objects(
             format!("give at most {}", MAX_OBJECTS - 2),
         ));
     }
-    let open = |(i, object): (usize, FileObject)| {
+    let open = |(i, object): (usize, ObjectDocument)| {
         object.open(folder, progress).map_err(|e| e.at(format!("object {}", i + 1)))
     };
     let mut objects = objects.into_iter().enumerate().map(open).collect::<Result<Vec<_>>>()?;
@@ -562,13 +500,6 @@ mod tests {
             let error = scene(head, more).unwrap_err().to_string();
             assert!(error.contains(said), "{more}: {error}");
         }
-    }
-
-    #[test]
-    fn the_default_snake_is_about_a_metre_long() {
-        let scene = Scene::open("snake").unwrap();
-        let length = crate::scene::snake::length() * scene.unit;
-        assert!((0.9..1.1).contains(&length), "{length} m");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
@@ -41,6 +42,16 @@ pub(super) fn words(options: FileOptions, folder: &Path) -> Result<Vec<[String; 
 impl<'de> Deserialize<'de> for OptionValue {
     fn deserialize<D: Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
         from.deserialize_any(ValueVisitor)
+    }
+}
+
+/// Numbers are written as texts, which read as the same words.
+impl Serialize for OptionValue {
+    fn serialize<S: Serializer>(&self, into: S) -> std::result::Result<S::Ok, S::Error> {
+        let (Self::Text(word) | Self::Number(word)) = self else {
+            return Err(serde::ser::Error::custom("an option is neither a text nor a number"));
+        };
+        into.serialize_str(word)
     }
 }
 

@@ -1,86 +1,22 @@
 //! Scenes as the text of a scene file, which reads as the same scene.
 
+use super::Camera;
 use super::environment;
-use super::object::{Grooves, Object, Up};
+use super::object::{Grooves, Object};
+use super::scene_document::{
+    Angle, CameraDocument, EnvironmentDocument, ObjectDocument, SceneDocument, SceneExposure, ToneName,
+    Triple,
+};
 use super::scene_file::Scene;
-use super::{Background, Camera};
+use super::scene_options::OptionValue;
 use crate::error::{Error, Result};
 use crate::optics::material::Material;
 use crate::optics::reflectance::Reflectance;
 use glam::Vec3;
-use serde::Serialize;
 use std::path::Path;
 
-/// A scene file in the order in which it is read best. Twin of `FileScene` in `scene_file.rs`.
-#[derive(Serialize)]
-struct WrittenScene {
-    scale: String,
-    mesh: String,
-    up: Up,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    part: Option<String>,
-    surface: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pixel_size: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    height: Option<String>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    prepare: Vec<String>,
-    base_color: [f64; 3],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pigment: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    grooves: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    material: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    film: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    ground: Option<[f64; 3]>,
-    exposure: f64,
-    tone: &'static str,
-    background: toml::Value,
-    shadows: bool,
-    lights: Vec<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    environment: Option<WrittenEnvironment>,
-    camera: WrittenCamera,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    objects: Vec<WrittenObject>,
-    #[serde(skip_serializing_if = "toml::Table::is_empty")]
-    options: toml::Table,
-}
-
-/// Twin of `FileObject` in `object.rs`.
-#[derive(Serialize)]
-struct WrittenObject {
-    mesh: String,
-    up: Up,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    part: Option<String>,
-    position: [f64; 3],
-    rotation: [String; 3],
-    size: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    surface: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pixel_size: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    height: Option<String>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    prepare: Vec<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    grooves: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    material: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    film: Option<String>,
-    base_color: [f64; 3],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pigment: Option<String>,
-}
-
-impl WrittenObject {
+impl ObjectDocument {
+    /// Returns the document of `object` in a scene file in `folder`.
     fn of(object: &Object, folder: &Path) -> Result<Self> {
         let path = |path: &Path| named_from(path, folder);
         let surface = object.surface.as_ref();
@@ -89,9 +25,9 @@ impl WrittenObject {
             mesh: path(&object.mesh_source.name)?,
             up: object.mesh_source.up,
             part: object.mesh_source.part.clone(),
-            position: shortest(object.pose.position),
-            rotation: object.pose.rotation.map(|angle| format!("{angle}deg")),
-            size: shortest(Vec3::splat(object.pose.size))[0],
+            position: Triple(object.pose.position.to_array()),
+            rotation: Triple(object.pose.rotation.map(Angle)),
+            size: object.pose.size,
             surface: surface.map(|surface| path(Path::new(&surface.name))).transpose()?,
             pixel_size: surface.and_then(|surface| surface.pixel_size).map(micrometres),
             height: surface.and_then(|surface| surface.height).map(|height| format!("{height}um")),
@@ -99,7 +35,7 @@ impl WrittenObject {
             grooves: grooves(&object.grooves, folder)?,
             material,
             film,
-            base_color: shortest(object.base_color),
+            base_color: Triple(object.base_color.to_array()),
             pigment: object.pigment.as_deref().map(path).transpose()?,
         })
     }
@@ -133,20 +69,6 @@ fn micrometres([x, y]: [f64; 2]) -> String {
     format!("{x}umx{y}um")
 }
 
-#[derive(Serialize)]
-struct WrittenCamera {
-    eye: [f64; 3],
-    target: [f64; 3],
-    field_of_view: String,
-}
-
-#[derive(Serialize)]
-struct WrittenEnvironment {
-    name: String,
-    rotation: String,
-    exposure: f64,
-}
-
 impl Scene {
     /// The text of a scene file in `folder` that reads as this scene. Files that lie in the folder are named from there, others from the root.
     ///
@@ -160,10 +82,10 @@ impl Scene {
         let options = self.options.iter().map(|[name, value]| {
             let is_file = Path::new(value).is_file();
             let value = if is_file { path(Path::new(value))? } else { value.clone() };
-            Ok((name.clone(), toml::Value::String(value)))
+            Ok((name.clone(), OptionValue::Text(value)))
         });
-        let file = WrittenScene {
-            scale: format!("{} m", significant(self.unit)),
+        let file = SceneDocument {
+            scale: Some(format!("{} m", significant(self.unit))),
             mesh: path(&self.mesh_source.name)?,
             up: self.mesh_source.up,
             part: self.mesh_source.part.clone(),
@@ -171,18 +93,15 @@ impl Scene {
             pixel_size: self.pixel_size.map(micrometres),
             height: self.full_height.map(|height| format!("{height}um")),
             prepare: self.prepare.iter().map(ToString::to_string).collect(),
-            base_color: shortest(self.base_color),
+            base_color: Triple(self.base_color.to_array()),
             pigment: self.pigment.as_deref().map(path).transpose()?,
             grooves: grooves(&self.grooves, folder)?,
             material,
             film,
-            ground: ground.first().map(|ground| shortest(ground.base_color)),
-            exposure: self.exposure,
-            tone: self.tone.name(),
-            background: match self.background {
-                Background::Surroundings => "surroundings".into(),
-                Background::Color(color) => color.to_array().to_vec().into(),
-            },
+            ground: ground.first().map(|ground| Triple(ground.base_color.to_array())),
+            exposure: SceneExposure { stops: self.exposure, is_auto: self.auto_exposure },
+            tone: ToneName(self.tone),
+            background: self.background,
             shadows: self.shadows,
             lights: self.lights.iter().map(|light| light.to_text(path)).collect::<Result<_>>()?,
             environment: self
@@ -193,16 +112,16 @@ impl Scene {
                     let is_built_in = environment::is_built_in(name);
                     let name = if is_built_in { name.clone() } else { path(Path::new(name))? };
                     let (rotation, exposure) =
-                        (format!("{}deg", own.placement.rotation), own.placement.exposure);
-                    Ok::<_, Error>(WrittenEnvironment { name, rotation, exposure })
+                        (Some(format!("{}deg", own.placement.rotation)), own.placement.exposure);
+                    Ok::<_, Error>(EnvironmentDocument { name, rotation, exposure })
                 })
                 .transpose()?,
-            camera: WrittenCamera {
-                eye: shortest(eye_of(&self.camera)),
-                target: shortest(self.camera.target),
+            camera: CameraDocument {
+                eye: Triple(eye_of(&self.camera).to_array()),
+                target: Triple(self.camera.target.to_array()),
                 field_of_view: format!("{}deg", degrees(self.camera.field_of_view)),
             },
-            objects: objects.into_iter().map(|o| WrittenObject::of(o, folder)).collect::<Result<_>>()?,
+            objects: objects.into_iter().map(|o| ObjectDocument::of(o, folder)).collect::<Result<_>>()?,
             options: options.collect::<Result<_>>()?,
         };
         toml::to_string(&file).map_err(|e| {
@@ -224,11 +143,6 @@ fn named_from(path: &Path, folder: &Path) -> Result<String> {
         .to_str()
         .map(str::to_owned)
         .ok_or_else(|| Error::failed(format!("the name {} is not UTF-8", path.display()), "rename the file"))
-}
-
-/// The numbers with no more digits than it takes to tell them from other 32-bit floats.
-fn shortest(v: Vec3) -> [f64; 3] {
-    v.to_array().map(|x| x.to_string().parse().unwrap_or_else(|_| x.into()))
 }
 
 /// `x` to twelve digits: what a length loses on the way to metres and back is left out.
@@ -268,6 +182,7 @@ mod tests {
     use super::*;
     use crate::optics::color::Tone;
     use crate::optics::reflectance::Film;
+    use crate::scene::Background;
     use crate::scene::environment::Placement;
     use crate::scene::scene_file::BUILT_IN;
     use crate::scene::{Environment, Light};
@@ -359,5 +274,57 @@ mod tests {
         let elsewhere = tempfile::tempdir().unwrap();
         let text = scene.to_toml(elsewhere.path()).unwrap();
         assert_eq!(read(&text, elsewhere.path()).surface, scene.surface);
+    }
+
+    #[test]
+    fn a_written_scene_reads_as_an_equal_scene() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in [
+            ("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n"),
+            ("lamp.csv", "400,1\n700,1\n"),
+            ("scan.png", "x"),
+        ] {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        let text = r#"
+            scale = "104mm"
+            mesh = "square.obj"
+            surface = "scan.png"
+            pixel_size = "0.1umx0.2um"
+            height = "0.4347um"
+            prepare = ["level rows", "crop 40um"]
+            base_color = [0.1, 0.7, 0.3]
+            pigment = "scan.png"
+            grooves = "12.5deg"
+            material = "gold"
+            film = "120nm:1.7"
+            ground = [0.5, 0.4, 0.3]
+            exposure = "auto"
+            tone = "neutral"
+            background = "surroundings"
+            shadows = false
+            lights = ["sun:30,-40,2.5@lamp.csv", "rectangle:0.4x0.2:0,-1,1"]
+            environment = { name = "studio", rotation = "40.5deg", exposure = -2 }
+            camera = { eye = [1.0, 0.0, 1.5], target = [0.02, 0.0, 0.0], field_of_view = "35deg" }
+            options = { tolerance = 0.02, seed = 18446744073709551615, illuminant = "lamp.csv" }
+            [[objects]]
+            mesh = "plate"
+            up = "z"
+            position = [0.1, 2.3, -1.7]
+            rotation = ["12.3deg", "0deg", "-7deg"]
+            size = 0.3
+            surface = "blaze"
+            height = "0.43um"
+            [[objects]]
+            mesh = "sphere"
+            grooves = "radial"
+        "#;
+        let scene = read(text, folder.path());
+        let written = scene.to_toml(folder.path()).unwrap();
+        let again = read(&written, folder.path());
+        assert!(again == scene, "{written}");
+        assert!(again.auto_exposure && again.objects.len() == 3, "{written}");
+        let moved = written.replace("position = [0.1,", "position = [0.2,");
+        assert!(moved != written && read(&moved, folder.path()) != scene, "{written}");
     }
 }

@@ -44,7 +44,8 @@ fn errors(found: &[DVec3], exact: &[DVec3]) -> [f64; 3] {
 
 /// Layers of `field` for pictures.
 fn layers(device: &Device, field: &HeightField, shading: &Shading) -> Layers {
-    let settings = shading.layer_settings(0.38, device.candidate()).unwrap();
+    let sigma = shading.coherence.sigma().unwrap();
+    let settings = shading.windowed_settings(sigma, 0.38, device.candidate()).unwrap();
     compute(field, &settings, &|_, _| Ok(())).unwrap()
 }
 

@@ -147,7 +147,8 @@ fn what_is_left_out_first_while_moving_costs_the_least_error() {
     let coarse = Shading { tolerance: 1e-1, ..own.clone() };
     with_device(|device| {
         let drawn = |shading: &Shading| {
-            let settings = shading.layer_settings(0.38, device.candidate()).unwrap();
+            let sigma = shading.coherence.sigma().unwrap();
+            let settings = shading.windowed_settings(sigma, 0.38, device.candidate()).unwrap();
             let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
             let mut painter =
                 Painter::new(device, &window(&layers), shading, &scene.mesh, &Pigment::white(), SIZE)

@@ -73,31 +73,6 @@ pub fn cosine_weighted_xyz(
     Ok(colours)
 }
 
-/// f·cos θ_i \[sr⁻¹\] of many directions at `wavelength` \[µm\], as [`Reference::cosine_weighted_spectrum`] gives them one by one. A few
-/// directions are left to it.
-///
-/// # Errors
-/// Where memory does not suffice.
-pub fn cosine_weighted(reference: &Reference<'_>, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>> {
-    let q = 1.0 / wavelength;
-    let counts: Vec<usize> = pairs.iter().map(|pair| usize::from(pair.above_horizon())).collect();
-    if is_little(reference, &counts, wavelength) {
-        return Ok(pairs.iter().map(|p| reference.cosine_weighted_spectrum(p, q, 0.0, 1)[0]).collect());
-    }
-    let basis = HeightBasis::new(reference.field(), 4.0 * PI * q);
-    let reach = reach_of(pairs, wavelength);
-    let mut sums = vec![0.0; pairs.len()];
-    let [n, m] = reference.windows();
-    for shift in shifts(reference) {
-        let spectra = Spectra::new(reference.field(), reference.coherence(), shift, reach, &basis)?;
-        sums.par_iter_mut().zip(pairs).filter(|(_, pair)| pair.above_horizon()).for_each(|(sum, pair)| {
-            let power = spectra.power(pair.uvw(), q, 0.0, 1)[0];
-            *sum += reference.cosine_weighted_of(pair, wavelength, power) / f64::from(n * m);
-        });
-    }
-    Ok(sums)
-}
-
 /// Where the windows that `reference` averages over stand \[µm\].
 fn shifts(reference: &Reference<'_>) -> Vec<[f64; 2]> {
     let ([n, m], patch) = (reference.windows(), reference.field().patch_size());

@@ -5,7 +5,7 @@ use super::audit::{Audit, FAINT, PLANES};
 use super::coefficients::Coefficients;
 use super::kernel::{Interpolation, Transformed};
 use super::pairs::PairRule;
-use super::plan::{TransformPlan, bands_of, too_large};
+use super::plan::{axes, bands_of, too_large};
 use super::settings::LayerSettings;
 use super::texels::Texels;
 use super::transform::{TermPair, Transformer};
@@ -187,7 +187,7 @@ impl<'a> LayersWork<'a> {
         let scale = HeightScale::of(field);
         let z_max = largest_z(settings.shortest_wavelength);
         let (interpolation, interpolation_error) = interpolation(settings)?;
-        let TransformPlan { plane: [x, y] } = TransformPlan::new(field, settings, interpolation, shift)?;
+        let [x, y] = axes(field, settings, interpolation, shift)?;
         if settings.basis == Basis::Taylor && settings.terms.is_none() {
             // Refuses what is hopeless before any work.
             terms_for(z_max * scale.half_range, settings.budget.expansion, F32_ROUNDOFF)?;

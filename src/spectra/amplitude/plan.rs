@@ -1,4 +1,4 @@
-//! Which frequencies are transformed, how finely, and whether there is room for it.
+//! The frequencies that are transformed, their spacing, and the memory that the transforms take.
 
 use super::kernel::Interpolation;
 use super::settings::LayerSettings;
@@ -7,60 +7,49 @@ use crate::error::{Error, Remedy, Result};
 use crate::memory;
 use crate::surface::HeightField;
 
-/// The transforms' axes for `settings`.
-pub(super) struct TransformPlan {
-    /// Of the whole plane.
-    pub plane: [PaddedAxis; 2],
+/// Returns the axes of the whole plane for spectra that are read by `interpolation`, checked against the memory limit of `settings` before any of it
+/// is taken.
+pub(super) fn axes(
+    field: &HeightField,
+    settings: &LayerSettings,
+    interpolation: Interpolation,
+    shift: [f64; 2],
+) -> Result<[PaddedAxis; 2]> {
+    let band = bands_of(field, settings.shortest_wavelength);
+    let samples = Samples::of(field, shift);
+    let sigma = settings.sigma;
+    // The axes are as long as the window: a window that does not fit is refused before they are made.
+    let extent = |axis: usize| if sigma.is_finite() { sigma } else { samples[axis].period() };
+    let texels = |axis: usize| 2.0 * band[axis] * interpolation.ratios[axis] * extent(axis);
+    let plane = if settings.basis.is_real() { 0.5 } else { 1.0 };
+    let bytes = texels(0) * texels(1) * plane * 8.0 * settings.terms.unwrap_or(2) as f64;
+    if bytes > settings.memory_limit as f64 {
+        return Err(too_large(bytes, settings));
+    }
+    let axis = |i: usize| {
+        let length = interpolation.ratios[i] * extent(i);
+        PaddedAxis::new(&samples[i], sigma, length, Some(interpolation.kernels[i]), band[i])
+    };
+    let axes = [axis(0), axis(1)];
+    let longest = axes.iter().map(PaddedAxis::kept).max().unwrap_or(0);
+    if longest > settings.side_limit {
+        return Err(Error::failed(
+            format!("the spectra would be {} texels long, the device holds {}", longest, settings.side_limit),
+            [Remedy::ShorterCoherence, Remedy::LargerTolerance, Remedy::ReferenceMethod],
+        ));
+    }
+    ensure_room(&axes, &samples, settings).map(|()| axes)
 }
 
-impl TransformPlan {
-    /// The axes for spectra that are read by `interpolation`, checked against the memory limit of `settings` before any of it is taken.
-    pub fn new(
-        field: &HeightField,
-        settings: &LayerSettings,
-        interpolation: Interpolation,
-        shift: [f64; 2],
-    ) -> Result<Self> {
-        let band = bands_of(field, settings.shortest_wavelength);
-        let own = Samples::of(field, shift);
-        let sigma = settings.sigma;
-        // Whether it fits is known before the axes, which are as long as the window, are made.
-        let extent = |axis: usize| if sigma.is_finite() { sigma } else { own[axis].period() };
-        let texels = |axis: usize| 2.0 * band[axis] * interpolation.ratios[axis] * extent(axis);
-        let plane = if settings.basis.is_real() { 0.5 } else { 1.0 };
-        let bytes = texels(0) * texels(1) * plane * 8.0 * settings.terms.unwrap_or(2) as f64;
-        if bytes > settings.memory_limit as f64 {
-            return Err(too_large(bytes, settings));
-        }
-        let axis = |i: usize| {
-            let length = interpolation.ratios[i] * extent(i);
-            PaddedAxis::new(&own[i], sigma, length, Some(interpolation.kernels[i]), band[i])
-        };
-        let plan = Self { plane: [axis(0), axis(1)] };
-        let longest = plan.plane.iter().map(PaddedAxis::kept).max().unwrap_or(0);
-        if longest > settings.side_limit {
-            return Err(Error::failed(
-                format!(
-                    "the spectra would be {} texels long, the device holds {}",
-                    longest, settings.side_limit
-                ),
-                [Remedy::ShorterCoherence, Remedy::LargerTolerance, Remedy::ReferenceMethod],
-            ));
-        }
-        plan.checked(&own, settings).map(|()| plan)
-    }
-
-    /// Fails where the host has no room for the transforms of `settings`, whose rooms are kept from one to the next. The layers
-    /// ask for theirs as they are made.
-    fn checked(&self, own: &[Samples; 2], settings: &LayerSettings) -> Result<()> {
-        // Real functions share a spectrum.
-        let spectra = if settings.basis.is_real() { 1 } else { 2 };
-        let [x, y] = &self.plane;
-        let transforms = Transformer::memory(x, y, &own[1], spectra);
-        // Beside them, every height once more, in units of their range.
-        let heights = (own[0].count * own[1].count * size_of::<f64>()) as u64;
-        memory::ensure_room(transforms.saturating_add(heights), "the Fourier transforms")
-    }
+/// Fails if the host has no room for the transforms of `settings`, whose buffers are kept from one to the next. The layers ask for theirs as they
+/// are made.
+fn ensure_room([x, y]: &[PaddedAxis; 2], samples: &[Samples; 2], settings: &LayerSettings) -> Result<()> {
+    // Real functions share a spectrum.
+    let spectra = if settings.basis.is_real() { 1 } else { 2 };
+    let transforms = Transformer::memory(x, y, &samples[1], spectra);
+    // Beside them, every height once more, in units of their range.
+    let heights = (samples[0].count * samples[1].count * size_of::<f64>()) as u64;
+    memory::ensure_room(transforms.saturating_add(heights), "the Fourier transforms")
 }
 
 pub(super) fn too_large(bytes: f64, settings: &LayerSettings) -> Error {

@@ -41,16 +41,19 @@ impl SkinGrid {
     }
 }
 
-/// Collects grids as OBJ text: short decimals, texture coordinates shared, faces counted back from the end.
+/// Collects grids as OBJ text: short decimals, shared texture coordinates, faces with absolute indices.
 #[derive(Default)]
 pub struct ObjText {
     text: String,
     uvs: HashMap<String, usize>,
+    /// Positions written so far; as many normals.
+    count: usize,
 }
 
 impl ObjText {
     pub fn new(header: &str) -> Self {
-        Self { text: header.lines().map(|line| format!("# {line}\n")).collect(), uvs: HashMap::new() }
+        let text = header.lines().map(|line| format!("# {line}\n")).collect();
+        Self { text, ..Self::default() }
     }
 
     /// Starts a named object.
@@ -73,13 +76,15 @@ impl ObjText {
                 let k = j * c + i;
                 self.text.push('f');
                 for at in [k, k + 1, k + c + 1, k + c] {
-                    let back = n - at;
+                    // Indices of OBJ files start at 1.
+                    let index = self.count + at + 1;
                     // Writing to a String cannot fail.
-                    let _ = write!(self.text, " -{back}/{}/-{back}", uvs[at]);
+                    let _ = write!(self.text, " {index}/{}/{index}", uvs[at]);
                 }
                 self.text.push('\n');
             }
         }
+        self.count += n;
     }
 
     pub fn finish(self) -> String {
@@ -144,13 +149,15 @@ mod tests {
     }
 
     #[test]
-    fn a_flat_grid_is_written_with_shared_texture_coordinates_and_faces_from_the_end() {
+    fn a_flat_grid_is_written_with_shared_texture_coordinates_and_absolute_indices() {
         let grid = SkinGrid::sample([2, 2], |x, y| DVec3::new(x, y, 0.0), |x, _| DVec2::new(x, 0.0));
         let mut text = ObjText::new("flat");
+        text.push(&grid);
         text.push(&grid);
         let text = text.finish();
         assert!(text.starts_with("# flat\nvt 0 0\nvt 1 0\nv 0 0 0\nv 1 0 0\n"), "{text}");
         assert!(text.contains("vn 0 0 1\n"));
-        assert!(text.ends_with("f -4/1/-4 -3/2/-3 -1/2/-1 -2/1/-2\n"), "{text}");
+        assert!(text.contains("f 1/1/1 2/2/2 4/2/4 3/1/3\n"), "{text}");
+        assert!(text.ends_with("f 5/1/5 6/2/6 8/2/8 7/1/7\n"), "{text}");
     }
 }

@@ -1,0 +1,230 @@
+//! The document of a scene file: its keys and their forms, read and written by one definition.
+
+use super::background::Background;
+use super::object::Up;
+use super::scene_options::FileOptions;
+use crate::optics::color::Tone;
+use crate::units;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// Scene file, with its keys in the order in which it is written. Tables stand behind plain values, as TOML needs it.
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SceneDocument {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scale: Option<String>,
+    pub mesh: String,
+    #[serde(default)]
+    pub up: Up,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub part: Option<String>,
+    pub surface: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pixel_size: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub height: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub prepare: Vec<String>,
+    #[serde(default)]
+    pub base_color: Triple<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pigment: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grooves: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub film: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground: Option<Triple<f32>>,
+    #[serde(default)]
+    pub exposure: SceneExposure,
+    #[serde(default)]
+    pub tone: ToneName,
+    #[serde(default)]
+    pub background: Background,
+    #[serde(default = "yes")]
+    pub shadows: bool,
+    pub lights: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub environment: Option<EnvironmentDocument>,
+    pub camera: CameraDocument,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub objects: Vec<ObjectDocument>,
+    #[serde(default, skip_serializing_if = "FileOptions::is_empty")]
+    pub options: FileOptions,
+}
+
+/// Object of a scene file.
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ObjectDocument {
+    pub mesh: String,
+    #[serde(default)]
+    pub up: Up,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub part: Option<String>,
+    #[serde(default)]
+    pub position: Triple<f32>,
+    #[serde(default)]
+    pub rotation: Triple<Angle>,
+    #[serde(default = "one")]
+    pub size: f32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pixel_size: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub height: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub prepare: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grooves: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub film: Option<String>,
+    #[serde(default)]
+    pub base_color: Triple<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pigment: Option<String>,
+}
+
+/// Camera of a scene file.
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CameraDocument {
+    pub eye: Triple<f32>,
+    pub target: Triple<f32>,
+    pub field_of_view: String,
+}
+
+/// Surroundings of a scene file: `sky`, `studio` or a picture, with rotation and exposure.
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EnvironmentDocument {
+    pub name: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<String>,
+    #[serde(default)]
+    pub exposure: f64,
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn one() -> f32 {
+    1.0
+}
+
+/// Exactly three values; serde's arrays of three would take the first three of more.
+#[derive(Clone, Copy, Default, Deserialize, Serialize)]
+#[serde(try_from = "Vec<T>", into = "Vec<T>")]
+#[serde(bound(serialize = "T: Copy + Serialize", deserialize = "T: Copy + Deserialize<'de>"))]
+pub(super) struct Triple<T: Copy>(pub [T; 3]);
+
+impl<T: Copy> TryFrom<Vec<T>> for Triple<T> {
+    type Error = String;
+
+    fn try_from(numbers: Vec<T>) -> Result<Self, String> {
+        let count = numbers.len();
+        numbers.try_into().map(Self).map_err(|_| format!("{count} numbers where 3 belong"))
+    }
+}
+
+impl<T: Copy> From<Triple<T>> for Vec<T> {
+    fn from(Triple(values): Triple<T>) -> Self {
+        values.to_vec()
+    }
+}
+
+/// Angle with its unit \[degrees\].
+#[derive(Clone, Copy, Default, Deserialize, Serialize)]
+#[serde(try_from = "String", into = "String")]
+pub(super) struct Angle(pub f64);
+
+impl TryFrom<String> for Angle {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        units::angle(&text).map(Self).map_err(|e| e.to_string())
+    }
+}
+
+impl From<Angle> for String {
+    fn from(Angle(degrees): Angle) -> Self {
+        format!("{degrees}deg")
+    }
+}
+
+/// Exposure: a number of stops, or `"auto"`.
+#[derive(Clone, Copy, Deserialize, Default, Serialize)]
+#[serde(try_from = "toml::Value", into = "toml::Value")]
+pub(super) struct SceneExposure {
+    pub stops: f64,
+    pub is_auto: bool,
+}
+
+impl TryFrom<toml::Value> for SceneExposure {
+    type Error = &'static str;
+
+    fn try_from(value: toml::Value) -> Result<Self, Self::Error> {
+        match value {
+            toml::Value::Integer(stops) => Ok(Self { stops: stops as f64, is_auto: false }),
+            toml::Value::Float(stops) => Ok(Self { stops, is_auto: false }),
+            toml::Value::String(word) if word == "auto" => Ok(Self { stops: 0.0, is_auto: true }),
+            _ => Err("the exposure is neither a number of stops nor \"auto\""),
+        }
+    }
+}
+
+impl From<SceneExposure> for toml::Value {
+    fn from(exposure: SceneExposure) -> Self {
+        if exposure.is_auto { "auto".into() } else { exposure.stops.into() }
+    }
+}
+
+/// Name of a tone.
+#[derive(Clone, Copy, Deserialize, Default, Serialize)]
+#[serde(try_from = "String", into = "String")]
+pub(super) struct ToneName(pub Tone);
+
+impl TryFrom<String> for ToneName {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        Tone::from_name(&name).map(Self).map_err(|e| e.to_string())
+    }
+}
+
+impl From<ToneName> for String {
+    fn from(ToneName(tone): ToneName) -> Self {
+        tone.name().to_owned()
+    }
+}
+
+impl<'de> Deserialize<'de> for Background {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        use serde::de::Error;
+        match toml::Value::deserialize(from)? {
+            toml::Value::String(name) if name == "surroundings" => Ok(Self::Surroundings),
+            toml::Value::String(name) => Err(D::Error::custom(format!(
+                "the background `{name}` is neither a colour nor \"surroundings\""
+            ))),
+            color => {
+                let color = Triple::deserialize(color).map_err(D::Error::custom)?;
+                Ok(Self::Color(color.0.into()))
+            }
+        }
+    }
+}
+
+impl Serialize for Background {
+    fn serialize<S: Serializer>(&self, into: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Surroundings => into.serialize_str("surroundings"),
+            Self::Color(color) => Triple(color.to_array()).serialize(into),
+        }
+    }
+}
