@@ -30,6 +30,8 @@ const COLUMNS: [&str; 16] = [
     "light_x", "light_y", "light_z", "viewer_x", "viewer_y", "viewer_z", "dx_u", "dx_v", "dy_u", "dy_v",
     "exact_r", "exact_g", "exact_b", "table_r", "table_g", "table_b",
 ];
+/// Part of the median colour below which a direction has no error of its own: between orders, and beyond what the samples hold, surfaces are dark.
+const FAINT: f64 = 1e-2;
 /// Columns of a file of answers.
 const ANSWER: [&str; 3] = ["r", "g", "b"];
 
@@ -174,26 +176,24 @@ impl PortErrors {
     /// Errors that a right port keeps: texture units of GPUs interpolate with 8 bits between texels, and sums are of 32-bit floats.
     pub const RIGHT: Self = Self { relative_l2: 5e-3, own_rms: 1e-2, own_p99: 3e-2 };
 
-    /// Returns the errors of pairs of a colour and what it should be. Directions in which both are dark have no error of their own.
+    /// Returns the errors of pairs of a colour and what it should be. Directions fainter than [`FAINT`] of the median colour count as that bright.
     fn of(colours: impl Iterator<Item = (DVec3, DVec3)>) -> Self {
-        let (mut error, mut all) = (0.0, 0.0);
-        let mut own = Vec::new();
-        for (found, expected) in colours {
-            let (apart, size) = ((found - expected).length_squared(), expected.length_squared());
-            error += apart;
-            all += size;
-            // A number that is not finite is as wrong as can be.
-            let relative = if apart.is_finite() { (apart / size).sqrt() } else { f64::INFINITY };
-            own.push(if apart == 0.0 { 0.0 } else { relative });
-        }
+        let colours: Vec<(DVec3, DVec3)> = colours.collect();
+        let mut sizes: Vec<f64> = colours.iter().map(|(_, expected)| expected.length()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let faintest =
+            (FAINT * sizes.get(sizes.len() / 2).copied().unwrap_or_default()).max(f64::MIN_POSITIVE);
+        // A number that is not finite is as wrong as can be.
+        let finite = |x: f64| if x.is_finite() { x } else { f64::INFINITY };
+        let apart = |(found, expected): &(DVec3, DVec3)| finite((*found - *expected).length());
+        let error: f64 = colours.iter().map(|pair| apart(pair).powi(2)).sum();
+        let all: f64 = sizes.iter().map(|size| size * size).sum();
+        let own = |pair: &(DVec3, DVec3)| apart(pair) / pair.1.length().max(faintest);
+        let mut own: Vec<f64> = colours.iter().map(own).collect();
         own.sort_by(f64::total_cmp);
         let count = own.len().max(1);
         Self {
-            relative_l2: if error.is_finite() {
-                (error / all.max(f64::MIN_POSITIVE)).sqrt()
-            } else {
-                f64::INFINITY
-            },
+            relative_l2: (error / all.max(f64::MIN_POSITIVE)).sqrt(),
             own_rms: (own.iter().map(|e| e * e).sum::<f64>() / count as f64).sqrt(),
             own_p99: own.get((count * 99 / 100).min(count - 1)).copied().unwrap_or_default(),
         }

@@ -3,9 +3,13 @@
 use crate::sandbox::Sandbox;
 
 /// A small export of a small surface, which takes a second.
-const EXPORT: [&str; 10] = [
+const EXPORT: [&str; 14] = [
     "export",
     "small.png",
+    "--pixel-size",
+    "83.3333333nm",
+    "--height",
+    "137.4nm",
     "-o",
     "material",
     "--coherence",
@@ -73,17 +77,21 @@ fn an_export_that_cannot_be_is_refused_before_any_work() {
     sandbox.write("other/thesis.txt", "x");
     let before = sandbox.content();
     let refused = |more: &[&str], code: i32, what: &str| {
-        let line = sandbox.run2(&["export", "small.png"], more).refused(code);
+        let line = sandbox.run2(&EXPORT[..6], more).refused(code);
         assert!(line.contains(what), "{more:?}: {line}");
     };
     refused(&["-o", "file"], 2, "not a folder");
     refused(&["-o", "other"], 2, "other content");
     refused(&["-o", "none/material"], 1, "cannot create a folder in none");
     refused(&["-o", "m", "--footprint", "1"], 2, "footprint");
-    refused(&["-o", "m", "--budget", "10B"], 1, "10 bytes; allow more bytes");
+    refused(
+        &["-o", "m", "--footprint", "0.2", "--coherence", "gaussian:8um", "--budget", "10B"],
+        1,
+        "10 bytes; allow more bytes",
+    );
     refused(&["-o", "m", "--method", "spectral"], 2, "--method table");
     refused(&["-o", "m", "--windows", "1x1"], 2, "--windows all");
-    refused(&["-o", "m", "--coherence", "grating:3x3"], 2, "--coherence gaussian:LENGTH");
+    refused(&["-o", "m", "--coherence", "grating:3x3", "--windows", "all"], 2, "--coherence gaussian:LENGTH");
     refused(&["--check", "other"], 2, "--check");
     assert!(sandbox.run(["export", "--check", "other"]).refused(1).contains("no such file"));
     assert_eq!(sandbox.content(), before);
