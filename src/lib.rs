@@ -14,6 +14,7 @@ pub mod cache;
 #[cfg(feature = "vulkan")]
 pub mod cli;
 pub mod error;
+pub mod export;
 pub mod fft_size;
 pub mod figure;
 pub mod files;

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// What each module at the top of `src/` may import: the table of floors in `docs/ARCHITECTURE.md`.
-const FLOORS: [(&str, &[&str]); 25] = [
+const FLOORS: [(&str, &[&str]); 26] = [
     ("error", &[]),
     ("filter", &[]),
     ("units", &["error"]),
@@ -32,6 +32,13 @@ const FLOORS: [(&str, &[&str]); 25] = [
     ),
     ("brdf", &["spectra", "budget", "filter", "optics", "surface", "error", "memory"]),
     ("table", &["spectra", "budget", "brdf", "filter", "cache", "optics", "surface", "error", "memory"]),
+    (
+        "export",
+        &[
+            "budget", "table", "brdf", "spectra", "filter", "cache", "optics", "surface", "error", "input",
+            "memory", "output", "random",
+        ],
+    ),
     (
         "render",
         &[
@@ -81,6 +88,7 @@ const FLOORS: [(&str, &[&str]); 25] = [
         "cli",
         &[
             "budget",
+            "export",
             "viewer",
             "measure",
             "setup",

@@ -8,6 +8,7 @@ mod captions;
 mod devices;
 mod eval;
 mod evaluation;
+mod export;
 mod finished;
 #[cfg(feature = "viewer")]
 mod last_view;
@@ -76,6 +77,8 @@ enum Command {
     Eval(eval::Arguments),
     /// The hemisphere of one light direction, as a picture
     Brdf(brdf::Arguments),
+    /// The material for other programs: a colour table that they can read
+    Export(export::Arguments),
     /// Peak angles against the grating equation
     Peaks(peaks::Arguments),
     /// Frame times against the 5 to 15 fps target, and what the device could do
@@ -143,6 +146,7 @@ fn run(arguments: Arguments) -> Result<()> {
         Command::Render(arguments) => render::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Brdf(arguments) => brdf::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Peaks(arguments) => peaks::run(&arguments),
         Command::Profile(arguments) => profile::run(&arguments),
         Command::Trade(arguments) => trade::run(&arguments),

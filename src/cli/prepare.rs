@@ -105,7 +105,8 @@ pub fn for_each_window(
     opened.get().map_or(Ok(()), |device| finish(device))
 }
 
-fn show(bar: &ProgressBar, what: &'static str, done: usize, of: usize) -> Result<()> {
+/// Shows on `bar` how much of `what` is done.
+pub fn show(bar: &ProgressBar, what: &'static str, done: usize, of: usize) -> Result<()> {
     bar.set_message(what);
     bar.set_length(of as u64);
     bar.set_position(done as u64);

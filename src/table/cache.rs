@@ -37,7 +37,7 @@ impl Kept for ColorTable {
 
 /// Whether `header` is such as this program makes: what follows divides by its numbers, counts with them and makes textures of its sizes.
 /// The check sum finds accidents; it does not know who wrote it.
-fn is_sound(header: &TableHeader) -> bool {
+pub(super) fn is_sound(header: &TableHeader) -> bool {
     let TableHeader {
         grid,
         basis,

@@ -136,6 +136,17 @@ impl ColorTable {
         Self { header, levels }
     }
 
+    /// Returns the table of `header` and `levels` that came from outside; `None` if they are not such as this program makes, or if a number is not finite.
+    pub fn from_parts(header: TableHeader, levels: Vec<Vec<f16>>) -> Option<Self> {
+        let numbers =
+            |level: usize| header.grid.side_of(level).pow(2) * header.basis.layers() * basis::PER_TEXEL;
+        let is_whole = cache::is_sound(&header)
+            && levels.len() == header.grid.levels
+            && levels.iter().enumerate().all(|(level, held)| held.len() == numbers(level))
+            && levels.iter().flatten().all(|number| number.is_finite());
+        is_whole.then_some(Self { header, levels })
+    }
+
     /// Bytes of all levels.
     pub fn bytes(&self) -> usize {
         self.levels.iter().map(|level| level.len() * size_of::<f16>()).sum()

@@ -9,6 +9,7 @@ mod cache;
 mod devices;
 mod display;
 mod eval;
+mod export;
 mod faults;
 mod hostile_files;
 mod hostile_options;

@@ -3,11 +3,12 @@
 use crate::sandbox::Sandbox;
 
 /// Every command and what its help has to mention.
-pub const COMMANDS: [(&[&str], &str); 17] = [
+pub const COMMANDS: [(&[&str], &str); 18] = [
     (&["view"], "--fps"),
     (&["render"], "--exposure"),
     (&["eval"], "--queries"),
     (&["brdf"], "--light"),
+    (&["export"], "--footprint"),
     (&["peaks"], "--angles"),
     (&["profile"], "--frames"),
     (&["trade"], "--quick"),

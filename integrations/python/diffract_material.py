@@ -1,0 +1,211 @@
+"""Reads a material that `diffract export` wrote, by Python's standard library alone.
+
+    material = Material("skin")
+    rgb = material.rgb(light, viewer, (dx, dy))
+
+`python3 diffract_material.py FOLDER > answers.csv` answers the directions of FOLDER/conformance.csv;
+`diffract export --check FOLDER --answers answers.csv` compares the answers with the table.
+
+The function is written to be read and ported; docs/EXPORT.md explains it step by step.
+"""
+
+import csv
+import json
+import math
+import pathlib
+import struct
+import sys
+
+LARGEST_W = 2.0
+# Rule for the taps of a footprint.
+SPACING = 2.2
+REACH = 2.8
+TAPS_PER_DEVIATION = 5.729
+MOST_OF_ROW = 201
+MOST_ASIDE = 3
+ROUND = 0.2
+BEND = 0.5
+# XYZ to linear sRGB, IEC 61966-2-1.
+TO_SRGB = (
+    (3.240969941904521, -1.537383177570094, -0.498610760293003),
+    (-0.969243636280880, 1.875967501507721, 0.041555057407176),
+    (0.055630079696994, -0.203976958888977, 1.056971514242879),
+)
+
+
+class Texels:
+    """Levels of an RGBA16F array in a KTX2 file."""
+
+    def __init__(self, path):
+        self.data = data = pathlib.Path(path).read_bytes()
+        if data[:12] != b"\xabKTX 20\xbb\r\n\x1a\n":
+            raise ValueError(f"{path} is no KTX2 file")
+        form, _, self.side, _, _, self.layers, _, levels, packed = struct.unpack_from("<9I", data, 12)
+        if form != 97 or packed != 0:
+            raise ValueError(f"{path} does not hold plain 16-bit floats")
+        self.offsets = [struct.unpack_from("<Q", data, 80 + 24 * level)[0] for level in range(levels)]
+
+    def at(self, level, layer, row, column):
+        """Returns the four numbers of a texel."""
+        side = self.side >> level
+        return struct.unpack_from("<4e", self.data, self.offsets[level] + 8 * ((layer * side + row) * side + column))
+
+
+def line(deviation, tap, most):
+    """Returns places and weights that stand for a Gaussian of a standard deviation, where each averages over `tap`."""
+    if deviation <= ROUND * tap:
+        return [(0.0, 1.0)]
+    count = int(min(max(math.ceil(TAPS_PER_DEVIATION * deviation / (SPACING * tap) + 1.0), 2), most))
+    fall = 0.5 * (2.0 * REACH / count) ** 2
+    steps = [i - 0.5 * (count - 1) for i in range(count)]
+    weights = [math.exp(-fall * n * n) for n in steps]
+    norm = sum(weights)
+    step = deviation * math.sqrt(norm / sum(weight * n * n for weight, n in zip(weights, steps)))
+    return [(n * step, weight / norm) for weight, n in zip(weights, steps)]
+
+
+def between(samples, place):
+    """Returns samples over 0 ... 1, linear between two."""
+    at = place * (len(samples) - 1)
+    left = min(int(at), len(samples) - 2)
+    return samples[left] + (at - left) * (samples[left + 1] - samples[left])
+
+
+class Material:
+    """Material in a folder that `diffract export` wrote."""
+
+    def __init__(self, folder):
+        folder = pathlib.Path(folder)
+        about = json.loads((folder / "material.json").read_text())
+        if about.get("format") != "diffract-material" or about.get("version") != 1:
+            raise ValueError(f"{folder} is no export of a version that is known here")
+        table = json.loads((folder / "table.json").read_text())
+        self.texels = Texels(folder / "table.ktx2")
+        self.grid = table["grid"]
+        self.unit = table["unit"]
+        self.blur = table["coherence_blur"]
+        self.mean = table["mean_reflectance"]
+        self.variances = table["specular"]["variances"]
+        self.weights = table["specular"]["weights"]  # [band][sample of |w|][XYZ]
+        self.pieces = table["basis"]["pieces"]
+        self.components = table["basis"]["components"]
+        self.cubics = table["basis"]["cubics"]  # [piece and component][XYZ][power of t]
+
+    def variance(self, level):
+        """Returns the variance of u and of v that a level averages over."""
+        return self.grid["finest"] ** 2 + self.grid["growth"] ** 2 * (4.0**level - 1.0)
+
+    def taps(self, uu, uv, vv):
+        """Returns level, displacement and weight of each tap of a footprint with this covariance."""
+        middle, difference = 0.5 * (uu + vv), 0.5 * (uu - vv)
+        spread = math.hypot(difference, uv)
+        longer, shorter = middle + spread, max(middle - spread, 0.0)
+        angle = 0.5 * math.atan2(uv, difference)
+        x, y = math.cos(angle), math.sin(angle)
+        part = TAPS_PER_DEVIATION / (SPACING * MOST_OF_ROW)
+        own = max(shorter, self.grid["finest"] ** 2, longer * part * part - self.blur)
+        ratio = max((own - self.grid["finest"] ** 2) / self.grid["growth"] ** 2 + 1.0, 1.0)
+        level = min(int(0.5 * math.log2(ratio)), self.grid["levels"] - 1)
+        read, blur = self.variance(level), self.blur
+        rest = max(own - read, 0.0)
+
+        def row(left, tap):
+            return line(math.sqrt(max(left, 0.0)), math.sqrt(tap), MOST_OF_ROW)
+
+        if level + 1 < self.grid["levels"]:
+            following = self.variance(level + 1)
+            s = min(rest / (following - read), 1.0)
+            share = s * s * (1.0 + BEND - BEND * s)
+            left = s * (1.0 - BEND * s) / (1.0 + s - BEND * s * s)
+            along = (longer - share * max(longer, following)) / max(1.0 - share, 1e-3) - read
+            aside = math.sqrt(left * (following - read))
+            finer = row(along, read + blur)
+            rows = [(level, -aside, 0.5 * (1.0 - share), finer), (level, aside, 0.5 * (1.0 - share), finer)]
+            rows.append((level + 1, 0.0, share, row(longer - following, following + blur)))
+        else:
+            along = row(longer - read, read + blur)
+            asides = line(math.sqrt(rest), math.sqrt(read + blur), MOST_ASIDE)
+            rows = [(level, aside, weight, along) for aside, weight in asides]
+        for level, aside, weight, places in rows:
+            for place, share in places:
+                yield level, (x * place - y * aside, y * place + x * aside), weight * share
+
+    def add(self, total, weight, piece, place, level):
+        """Adds `weight` times the coordinates at a place, linear between texels and 0 outside."""
+        side = self.texels.side >> level
+        at = [(x + self.grid["extent"]) * side / (2.0 * self.grid["extent"]) - 0.5 for x in place]
+        left, low = (math.floor(x) for x in at)
+        right_share, high_share = at[0] - left, at[1] - low
+        layers = self.components // 4
+        for row, row_share in ((low, 1.0 - high_share), (low + 1, high_share)):
+            for column, column_share in ((left, 1.0 - right_share), (left + 1, right_share)):
+                if 0 <= row < side and 0 <= column < side:
+                    share = weight * row_share * column_share
+                    for layer in range(layers):
+                        for i, number in enumerate(self.texels.at(level, piece * layers + layer, row, column)):
+                            total[4 * layer + i] += share * number
+
+    def scattered(self, toward, w, taps):
+        """Returns XYZ of all orders but the specular one, over |w|^2."""
+        place = w / LARGEST_W * self.pieces
+        piece = min(int(place), self.pieces - 1)
+        t = 2.0 * (place - piece) - 1.0
+        numbers = [0.0] * self.components
+        for level, (x, y), weight in taps:
+            if weight > 0.0:
+                self.add(numbers, weight, piece, (toward[0] + x, toward[1] + y), level)
+        powers = (1.0, t, t * t, t**3)
+        xyz = [0.0, 0.0, 0.0]
+        for number, cubics in zip(numbers, self.cubics[piece * self.components :]):
+            for i in range(3):
+                xyz[i] += number * sum(c * power for c, power in zip(cubics[i], powers))
+        return [x * self.unit for x in xyz]
+
+    def specular(self, toward, w, uu, uv, vv):
+        """Returns XYZ of the specular order: a Gaussian of (u, v) for each band of wavelengths."""
+        xyz = [0.0, 0.0, 0.0]
+        for variance, weights in zip(self.variances, self.weights):
+            xx, yy = variance + uu, variance + vv
+            det = xx * yy - uv * uv
+            r2 = (yy * toward[0] ** 2 - 2.0 * uv * toward[0] * toward[1] + xx * toward[1] ** 2) / det
+            lobe = math.exp(-0.5 * r2) / (2.0 * math.pi * math.sqrt(det))
+            for i in range(3):
+                xyz[i] += lobe * between([sample[i] for sample in weights], w / LARGEST_W)
+        return xyz
+
+    def rgb(self, light, viewer, footprint=((0.0, 0.0), (0.0, 0.0))):
+        """Returns linear sRGB of f cos(theta_light) [1/sr].
+
+        light, viewer: unit vectors away from the surface in its tangent frame, z along the normal.
+        footprint: two vectors of (u, v) whose outer products add up to the covariance to average over.
+        """
+        (dx, dy) = footprint
+        if light[2] <= 0.0 or viewer[2] <= 0.0:
+            return [0.0, 0.0, 0.0]
+        uu, uv, vv = dx[0] ** 2 + dy[0] ** 2, dx[0] * dx[1] + dy[0] * dy[1], dx[1] ** 2 + dy[1] ** 2
+        toward, w = [light[0] + viewer[0], light[1] + viewer[1]], light[2] + viewer[2]  # -(u, v, w)
+        length2 = toward[0] ** 2 + toward[1] ** 2 + w * w
+        scattered = self.scattered(toward, w, self.taps(uu, uv, vv))
+        specular = self.specular(toward, w, uu, uv, vv)
+        reflectance = between(self.mean, min(0.5 * math.sqrt(length2), 1.0))  # over the cosine of the half angle
+        factor = reflectance * (0.5 * length2) ** 2 / (viewer[2] * w * w)  # R G cos(theta_light) / w^2
+        xyz = [factor * (a * w * w + b) for a, b in zip(scattered, specular)]
+        return [sum(m * x for m, x in zip(row, xyz)) for row in TO_SRGB]
+
+
+def main(folder):
+    material = Material(folder)
+    out = csv.writer(sys.stdout)
+    out.writerow(["r", "g", "b"])
+    with open(pathlib.Path(folder) / "conformance.csv") as file:
+        for row in csv.reader(file):
+            if row[0] == "light_x":
+                continue
+            n = [float(cell) for cell in row]
+            out.writerow(material.rgb(n[0:3], n[3:6], (n[6:8], n[8:10])))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit("usage: diffract_material.py FOLDER")
+    main(sys.argv[1])

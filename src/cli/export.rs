@@ -1,0 +1,149 @@
+//! `diffract export`: a surface's material for other programs.
+
+use super::options::{ColourOptions, OpticsOptions, SurfaceOptions, real};
+use super::{captions, prepare, write};
+use crate::error::{Error, Remedy, Result};
+use crate::export::{
+    ExportReader, ExportSettings, ExportedMaterial, LARGEST_FOOTPRINT, MaterialDescription, PortErrors,
+    check_target, write as write_export,
+};
+use crate::files::Files;
+use crate::input;
+use crate::optics::spectrum::SHORTEST;
+use crate::setup::{self, Method, Settings};
+use crate::units;
+use clap::Args;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+/// Footprints that mean something.
+const FOOTPRINTS: (f64, f64) = (0.0, LARGEST_FOOTPRINT);
+
+/// Arguments of `export`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "The folder holds the colour table of the surface (table.ktx2, and the same as table.exr), its functions of |w| (table.json),
+material.json with units, signs, settings, measured errors and check sums, and conformance.csv: 1000 directions with
+footprints, their exact colours and those of the table. A port of the reading function is tested by --check and --answers,
+a CSV file with the columns r, g and b, a row for each row of conformance.csv.
+
+Examples:
+  diffract export elaphe -o skin --footprint 0.02 --tolerance 2e-2
+  diffract export blaze -o blaze --coherence gaussian:16um --material aluminium
+  diffract export --check skin --answers mine.csv"
+)]
+pub struct Arguments {
+    /// Height field: a file or a built-in name
+    surface_name: Option<OsString>,
+    /// Folder of the export, which is new, empty or a former export
+    #[arg(short, long, value_name = "FOLDER", required_unless_present = "check")]
+    output: Option<PathBuf>,
+    /// Smallest footprint that the table serves, as a standard deviation of (u, v); 0 for single directions. Larger footprints take a smaller table
+    #[arg(long, value_name = "SIGMA", value_parser = footprint, allow_hyphen_values = true, default_value = "0.02")]
+    footprint: f64,
+    /// Most bytes of the texels, as in 8MB: the smallest footprint grows until the table keeps them
+    #[arg(long, value_name = "SIZE", value_parser = units::bytes, allow_hyphen_values = true)]
+    budget: Option<u64>,
+    /// Check an export instead: its version, check sums and numbers
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["output", "surface_name"])]
+    check: Option<PathBuf>,
+    /// Compare these answers of a port with the table
+    #[arg(long, value_name = "FILE", requires = "check")]
+    answers: Option<PathBuf>,
+    #[command(flatten)]
+    surface: SurfaceOptions,
+    #[command(flatten)]
+    optics: OpticsOptions,
+    #[command(flatten)]
+    colour: ColourOptions,
+}
+
+fn footprint(text: &str) -> Result<f64> {
+    real(text, FOOTPRINTS, "footprint")
+}
+
+/// Exports, or checks an export.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    if let Some(folder) = &arguments.check {
+        return check(folder, arguments.answers.as_deref());
+    }
+    let Some(folder) = &arguments.output else { return Ok(()) };
+    Files::new()
+        .reads(arguments.surface.files(arguments.surface_name.as_deref()))
+        .reads(arguments.colour.files())
+        .reads(arguments.optics.files())
+        .check()?;
+    check_target(folder)?;
+    if arguments.optics.method.is_some_and(|method| method != Method::Table) {
+        return Err(Error::usage("an export is a colour table", Remedy::TableMethod));
+    }
+    let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
+    let shading = arguments.optics.shading(&arguments.colour, &field)?;
+    setup::check(&Settings::new(Method::Table, shading.clone()))?;
+    let sigma = shading
+        .coherence
+        .sigma()
+        .ok_or_else(|| Error::usage("a colour table is of Gaussian coherence", Remedy::GaussianCoherence))?;
+    let settings = ExportSettings {
+        sigma,
+        beyond: shading.beyond,
+        illuminant: shading.illuminant,
+        reflectance: shading.reflectance,
+        tolerance: shading.tolerance,
+        wavelengths: shading.wavelengths,
+        footprint: arguments.footprint,
+        most_bytes: arguments.budget,
+    };
+    prepare::warn_of_coarse_samples(&field, SHORTEST);
+    let bar = prepare::progress_bar("orders");
+    let material =
+        ExportedMaterial::new(&field, &settings, &|what, done, of| prepare::show(&bar, what, done, of))?;
+    bar.finish_and_clear();
+    let command = captions::notes(&field, &settings.reflectance).command;
+    let mut description = MaterialDescription::new(&field, &settings, &material, command);
+    write_export(folder, &material, &mut description)?;
+    write::stdout(&summary(&description))
+}
+
+/// Size and errors in a line.
+fn summary(description: &MaterialDescription) -> String {
+    const MB: f64 = 1e6;
+    let MaterialDescription { table_bytes, smallest_footprint, errors, .. } = description;
+    format!(
+        "{:.2} MB of texels for footprints from {smallest_footprint:.3} on; against the exact mean of {} directions: {:.1e} relative L2, {:.1e} RMS of each direction's own colour, \
+         99 % within {:.1e}\n",
+        *table_bytes as f64 / MB,
+        errors.directions,
+        errors.relative_l2,
+        errors.own_rms,
+        errors.own_p99
+    )
+}
+
+/// Checks the export in `folder`, and a file of answers.
+fn check(folder: &Path, answers: Option<&Path>) -> Result<()> {
+    let reader = ExportReader::open(folder)?;
+    reader.check()?;
+    let Some(path) = answers else {
+        return write::stdout(&format!("sound: {}", summary(&reader.description)));
+    };
+    let conformance = reader.conformance()?;
+    let text = input::read_text(path, "a CSV file of answers")?;
+    let errors = conformance
+        .answers(&text)
+        .map(|answers| conformance.errors_of(&answers))
+        .map_err(|e| e.at(path.display()))?;
+    let PortErrors { relative_l2, own_rms, own_p99 } = errors;
+    let found = format!(
+        "{relative_l2:.1e} relative L2, {own_rms:.1e} RMS of each direction's own colour, 99 % within {own_p99:.1e}"
+    );
+    if errors.within(&PortErrors::RIGHT) {
+        return write::stdout(&format!("right: {found} of the table\n"));
+    }
+    let PortErrors { relative_l2, own_rms, own_p99 } = PortErrors::RIGHT;
+    Err(Error::failed(
+        format!("the answers are not those of the table: {found}, where {relative_l2:.0e}, {own_rms:.0e} and {own_p99:.0e} are allowed"),
+        "compare them with the columns table_r, table_g and table_b of conformance.csv row by row",
+    )
+    .at(path.display()))
+}

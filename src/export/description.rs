@@ -1,0 +1,204 @@
+//! `material.json`: the meaning of the numbers of an export, how they were made, and how well they hold.
+
+use super::{ExportSettings, ExportedMaterial};
+use crate::error::{Error, Result};
+use crate::optics::validity::ScalarTheory;
+use crate::surface::HeightField;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// Word by which an export is known.
+const FORMAT: &str = "diffract-material";
+/// Version of the format. It changes whenever a reader of the former one would misread an export.
+const VERSION: u64 = 1;
+
+/// Everything about an exported material but its numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MaterialDescription {
+    /// `diffract-material`.
+    pub format: String,
+    /// Version of the format.
+    pub version: u64,
+    /// Name and version of the program.
+    pub program: String,
+    /// Command that writes the same export; empty if there is none.
+    pub command: String,
+    /// Meaning of axes, signs and units, in words.
+    pub conventions: BTreeMap<String, String>,
+    /// The surface.
+    pub surface: SurfaceFacts,
+    /// Coherence length of the light \[µm\]: four standard deviations of the coherence window.
+    pub coherence_length_um: f64,
+    /// How the surface goes on beyond the patch: `copies` or `alike`.
+    pub beyond: String,
+    /// Spectrum of the light.
+    pub illuminant: Value,
+    /// Reflectance of the surface, which the table holds.
+    pub reflectance: Value,
+    /// Errors of scalar theory for this surface and material, in words.
+    pub scalar_theory: String,
+    /// Relative error that was asked for.
+    pub tolerance: f64,
+    /// Standard deviation of (u, v) of the smallest footprint that the table serves; 0 for single directions.
+    pub smallest_footprint: f64,
+    /// Bytes of the texels of all levels.
+    pub table_bytes: usize,
+    /// Errors of the table against the exact mean in f64.
+    pub errors: MeasuredErrors,
+    /// Size and check sum of each other file.
+    pub files: BTreeMap<String, FileSum>,
+}
+
+/// Height field of an export.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SurfaceFacts {
+    /// BLAKE3 of columns and rows (u64), the two distances between samples \[µm\] (f64) and the heights \[µm\] (f64) row by row, all little-endian.
+    pub blake3: String,
+    /// Samples along x and y.
+    pub samples: [usize; 2],
+    /// Distances between samples along x and y \[µm\].
+    pub pixel_size_um: [f64; 2],
+    /// Lowest and highest height \[µm\].
+    pub heights_um: [f64; 2],
+}
+
+/// Errors of a table over the directions of `conformance.csv`, in linear sRGB.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeasuredErrors {
+    /// Number of directions.
+    pub directions: usize,
+    /// ‖table − exact‖/‖exact‖ over all directions together.
+    pub relative_l2: f64,
+    /// RMS over directions of the error relative to the direction's own colour.
+    pub own_rms: f64,
+    /// 99th percentile of the same.
+    pub own_p99: f64,
+}
+
+/// Size and check sum of a file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileSum {
+    /// Bytes.
+    pub bytes: u64,
+    /// BLAKE3, 64 hexadecimal digits.
+    pub blake3: String,
+}
+
+impl FileSum {
+    /// Computes the sum of a file with these `bytes`.
+    pub fn new(bytes: &[u8]) -> Self {
+        let hash = blake3::Hasher::new().update_rayon(bytes).finalize();
+        Self { bytes: bytes.len() as u64, blake3: hash.to_hex().to_string() }
+    }
+}
+
+impl SurfaceFacts {
+    fn new(field: &HeightField) -> Self {
+        let mut hasher = blake3::Hasher::new();
+        for count in [field.columns(), field.rows()] {
+            hasher.update(&(count as u64).to_le_bytes());
+        }
+        for number in field.pixel_size().iter().chain(field.heights()) {
+            hasher.update(&number.to_le_bytes());
+        }
+        let (low, high) = field.range();
+        Self {
+            blake3: hasher.finalize().to_hex().to_string(),
+            samples: [field.columns(), field.rows()],
+            pixel_size_um: field.pixel_size(),
+            heights_um: [low, high],
+        }
+    }
+}
+
+/// Names and meanings of the conventions.
+const CONVENTIONS: [(&str, &str); 7] = [
+    (
+        "directions",
+        "Unit vectors away from the surface, to the light and to the viewer, in its tangent frame: x = T, y = B, z = N (out of the surface).",
+    ),
+    (
+        "heights",
+        "x runs along the rows of the height field, y from its last row to its first, heights grow along z. Lengths are micrometres.",
+    ),
+    (
+        "uvw",
+        "(u, v, w) = -(light + viewer), dimensionless. Texels stand over -(u, v), from -extent to extent of table.json.",
+    ),
+    (
+        "footprint",
+        "Two vectors (dx, dy) of (u, v): the average is over a Gaussian of covariance dx dx^T + dy dy^T. Zero for a point.",
+    ),
+    (
+        "value",
+        "Linear sRGB of f cos(theta_light) in 1/sr, signed. A perfect mirror image of the light is white of luminance 1 once integrated.",
+    ),
+    (
+        "texels",
+        "Layer = piece * texels + texel; rows grow with -v, columns with -u. A number is a coordinate in the cubics of table.json, times its unit.",
+    ),
+    ("below_horizon", "0 where either direction has z <= 0."),
+];
+
+impl MaterialDescription {
+    /// Describes `material`, the export of `field` under `settings` that `command` makes. The files are yet to be added.
+    pub fn new(
+        field: &HeightField,
+        settings: &ExportSettings,
+        material: &ExportedMaterial,
+        command: String,
+    ) -> Self {
+        Self {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            program: concat!("diffract ", env!("CARGO_PKG_VERSION")).to_owned(),
+            command,
+            conventions: CONVENTIONS
+                .iter()
+                .map(|(name, text)| ((*name).to_owned(), (*text).to_owned()))
+                .collect(),
+            surface: SurfaceFacts::new(field),
+            coherence_length_um: 4.0 * settings.sigma,
+            beyond: settings.beyond.name().to_owned(),
+            illuminant: serde_json::to_value(&settings.illuminant).unwrap_or_default(),
+            reflectance: serde_json::to_value(&settings.reflectance).unwrap_or_default(),
+            scalar_theory: ScalarTheory::note(field, &settings.reflectance),
+            tolerance: settings.tolerance,
+            smallest_footprint: material.table.header.grid.finest,
+            table_bytes: material.table.bytes(),
+            errors: material.conformance.errors(),
+            files: BTreeMap::new(),
+        }
+    }
+
+    /// Reads the text of `material.json`.
+    ///
+    /// # Errors
+    /// Text that is no description, and a newer version.
+    pub fn parse(text: &str) -> Result<Self> {
+        let broken = |e: serde_json::Error| {
+            Error::failed(format!("it is no description of a material ({e})"), "export the material again")
+        };
+        let value: Value = serde_json::from_str(text).map_err(broken)?;
+        if !is_description(&value) {
+            return Err(Error::failed("it is no description of a material", "give the folder of an export"));
+        }
+        match value["version"].as_u64() {
+            Some(VERSION) => serde_json::from_value(value).map_err(broken),
+            Some(newer) if newer > VERSION => Err(Error::failed(
+                format!("it has version {newer} of the format, and this program reads version {VERSION}"),
+                "read it with a newer program, or export the material again",
+            )),
+            _ => Err(Error::failed(
+                "it names no version of the format that is known",
+                "export the material again",
+            )),
+        }
+    }
+}
+
+/// True if `value` says that it describes a material, in whichever version.
+pub(super) fn is_description(value: &Value) -> bool {
+    value["format"] == FORMAT
+}

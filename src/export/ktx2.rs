@@ -1,0 +1,150 @@
+//! Texels of a colour table as a KTX 2.0 container: a 2D array of RGBA16F with all levels, without supercompression.
+//!
+//! Layer = piece × texels per place + texel. Rows grow with v, which the container says by the orientation `ru`. The specification is "KTX File Format
+//! Specification 2.0", Khronos Group; the data format descriptor is that of "Khronos Data Format Specification 1.3", section 5.
+
+use crate::error::{Error, Result};
+use crate::table::{ColorTable, TableHeader};
+use half::f16;
+use ktx2::Reader;
+
+const IDENTIFIER: [u8; 12] = *b"\xabKTX 20\xbb\r\n\x1a\n";
+/// `VK_FORMAT_R16G16B16A16_SFLOAT`.
+const FORMAT: u32 = 97;
+/// Bytes of a texel, which is also the alignment of each level.
+const TEXEL: usize = 8;
+/// Bytes of the header with the index, and of each entry of the level index.
+const HEADER: usize = 80;
+const LEVEL_ENTRY: usize = 24;
+
+/// Returns the container of the texels of `table`.
+pub fn write(table: &ColorTable) -> Vec<u8> {
+    let grid = &table.header.grid;
+    let (descriptor, notes) = (descriptor(), notes());
+    let descriptor_at = HEADER + LEVEL_ENTRY * grid.levels;
+    let notes_at = descriptor_at + descriptor.len();
+    let begin = (notes_at + notes.len()).next_multiple_of(TEXEL);
+    let mut file = Vec::with_capacity(begin + table.bytes());
+    file.extend(IDENTIFIER);
+    let layers = table.header.basis.layers() as u32;
+    let side = grid.side as u32;
+    // Format, type size, width, height, depth, layers, faces, levels, supercompression.
+    words(&mut file, &[FORMAT, 2, side, side, 0, layers, 1, grid.levels as u32, 0]);
+    words(&mut file, &[descriptor_at, descriptor.len(), notes_at, notes.len()].map(|x| x as u32));
+    // No data of a supercompression.
+    file.extend([0; 16]);
+    file.extend(level_index(table, begin));
+    file.extend(descriptor);
+    file.extend(notes);
+    file.resize(begin, 0);
+    // The smallest level stands first, so that a stream shows something early.
+    for level in table.levels.iter().rev() {
+        file.extend(level.iter().flat_map(|number| number.to_le_bytes()));
+    }
+    file
+}
+
+/// Returns offset, length and uncompressed length of each level, where the smallest begins at `begin`.
+fn level_index(table: &ColorTable, begin: usize) -> Vec<u8> {
+    let mut offset = begin;
+    let mut entries: Vec<[usize; 3]> = Vec::new();
+    for level in table.levels.iter().rev() {
+        let length = level.len() * size_of::<f16>();
+        entries.push([offset, length, length]);
+        offset += length;
+    }
+    entries.iter().rev().flatten().flat_map(|x| (*x as u64).to_le_bytes()).collect()
+}
+
+/// Returns the data format descriptor of four linear 16-bit floats.
+fn descriptor() -> Vec<u8> {
+    /// RGBSDA model, unspecified primaries, linear transfer, straight alpha.
+    const MODEL: [u8; 4] = [1, 0, 1, 0];
+    /// Channel numbers of R, G, B and A.
+    const CHANNELS: [u8; 4] = [0, 1, 2, 15];
+    /// Signed floats.
+    const KIND: u8 = 0xC0;
+    const BLOCK: u32 = 24 + 16 * 4;
+    let mut bytes = Vec::new();
+    words(&mut bytes, &[BLOCK + 4, 0, 2 | BLOCK << 16]);
+    bytes.extend(MODEL);
+    // A block of one texel, of eight bytes in the first plane.
+    bytes.extend([0, 0, 0, 0, TEXEL as u8, 0, 0, 0, 0, 0, 0, 0]);
+    for (i, channel) in CHANNELS.into_iter().enumerate() {
+        bytes.extend([16 * i as u8, 0, 15, channel | KIND, 0, 0, 0, 0]);
+        words(&mut bytes, &[(-1.0f32).to_bits(), 1.0f32.to_bits()]);
+    }
+    bytes
+}
+
+/// Returns the keys and values, in the order of the keys.
+fn notes() -> Vec<u8> {
+    let writer = concat!("diffract ", env!("CARGO_PKG_VERSION"));
+    let mut bytes = Vec::new();
+    for (key, value) in [("KTXorientation", "ru"), ("KTXwriter", writer)] {
+        words(&mut bytes, &[(key.len() + value.len() + 2) as u32]);
+        bytes.extend(key.bytes().chain([0]).chain(value.bytes()).chain([0]));
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+    }
+    bytes
+}
+
+fn words(bytes: &mut Vec<u8>, values: &[u32]) {
+    bytes.extend(values.iter().flat_map(|x| x.to_le_bytes()));
+}
+
+/// Reads the levels of the table of `header` from the container `bytes`.
+///
+/// # Errors
+/// A container that is damaged, of another format, or not of the size that `header` has.
+pub fn read(bytes: &[u8], header: &TableHeader) -> Result<Vec<Vec<f16>>> {
+    let refused = |what: String| Error::failed(what, "export the material again");
+    let reader = Reader::new(bytes).map_err(|e| refused(format!("it is no KTX2 file ({e})")))?;
+    let held = reader.header();
+    let grid = &header.grid;
+    let expected = (FORMAT, grid.side, grid.side, header.basis.layers(), grid.levels, true);
+    let found = (
+        held.format.map_or(0, |format| format.value()),
+        held.pixel_width as usize,
+        held.pixel_height as usize,
+        held.layer_count as usize,
+        held.level_count as usize,
+        held.supercompression_scheme.is_none(),
+    );
+    if found != expected {
+        return Err(refused("it is not the texture that the table describes".to_owned()));
+    }
+    let half = |two: &[u8; 2]| f16::from_le_bytes(*two);
+    Ok(reader.levels().map(|level| level.data.as_chunks().0.iter().map(half).collect()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::conformance::tests::small_table;
+
+    #[test]
+    fn a_reader_of_others_finds_the_texels_where_the_container_says() {
+        let (_, table) = small_table();
+        let bytes = write(&table);
+        let reader = Reader::new(&bytes[..]).unwrap();
+        assert_eq!(reader.header().layer_count as usize, table.header.basis.layers());
+        assert_eq!(reader.header().type_size, 2);
+        let notes: Vec<_> =
+            reader.key_value_data().map(|(key, value)| (key.to_owned(), value.to_vec())).collect();
+        assert_eq!(notes[0], ("KTXorientation".to_owned(), b"ru\0".to_vec()));
+        assert_eq!(read(&bytes, &table.header).unwrap(), table.levels);
+    }
+
+    #[test]
+    fn a_damaged_container_or_one_of_another_size_is_refused() {
+        let (_, table) = small_table();
+        let bytes = write(&table);
+        for bad in [&bytes[..40], &bytes[..bytes.len() - 8], &bytes[1..], &[]] {
+            assert!(read(bad, &table.header).is_err(), "{} bytes", bad.len());
+        }
+        let mut other = table.header.clone();
+        other.grid.side *= 2;
+        assert!(read(&bytes, &other).unwrap_err().to_string().contains("not the texture"));
+    }
+}

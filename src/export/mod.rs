@@ -1,0 +1,133 @@
+//! Materials for other programs: a folder with the colour table of a surface as files that any program can read, and with the numbers by which a port of
+//! the reading function is tested.
+//!
+//! | file | content |
+//! | --- | --- |
+//! | `material.json` | [`MaterialDescription`]: units, axes, signs, settings, measured errors, check sums of the other files |
+//! | `table.json` | [`TableHeader`](crate::table::TableHeader): grid, basis, specular order, mean reflectance |
+//! | `table.ktx2` | the texels: a 2D array of RGBA16F with all levels ([`ktx2`]) |
+//! | `table.exr` | the same texels, a part for each layer of each level ([`openexr`]) |
+//! | `conformance.csv` | directions with footprints, their exact colours, and those of the table ([`Conformance`]) |
+
+mod conformance;
+mod description;
+mod folder;
+pub mod ktx2;
+pub mod openexr;
+
+pub use conformance::{Conformance, ConformanceRow, PortErrors};
+pub use description::{FileSum, MaterialDescription, MeasuredErrors};
+pub use folder::{ExportReader, check_target, write};
+
+use crate::brdf::mean::MeanBrdf;
+use crate::budget::ErrorBudget;
+use crate::error::{Error, Result};
+use crate::optics::reflectance::Reflectance;
+use crate::optics::spectrum::Illuminant;
+use crate::spectra::power::{Beyond, OrderSeries, PowerSettings};
+use crate::surface::{HeightField, MAX_SIDE};
+use crate::table::{ColorTable, TableSettings, bake};
+
+/// Settings of an exported material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExportSettings {
+    /// Standard deviation of the coherence window \[µm\], a quarter of the coherence length.
+    pub sigma: f64,
+    /// How the surface goes on beyond the patch.
+    pub beyond: Beyond,
+    /// Spectrum of the light.
+    pub illuminant: Illuminant,
+    /// Reflectance of the surface. The table holds it, so that its readers need no equations for it.
+    pub reflectance: Reflectance,
+    /// Relative error that the parts of the table share.
+    pub tolerance: f64,
+    /// Number of wavelengths, if the user names it.
+    pub wavelengths: Option<usize>,
+    /// Smallest footprint: the standard deviation of (u, v) that the finest level averages over; 0 for single directions.
+    pub footprint: f64,
+    /// Most bytes of the texels. The smallest footprint grows until the table keeps them.
+    pub most_bytes: Option<u64>,
+}
+
+/// Largest footprint that an export is made for: (u, v) has a length of at most 2.
+pub const LARGEST_FOOTPRINT: f64 = 0.5;
+
+/// Colour table of a surface with its conformance numbers.
+pub struct ExportedMaterial {
+    /// The table.
+    pub table: ColorTable,
+    /// Directions with exact colours and those of the table.
+    pub conformance: Conformance,
+}
+
+impl ExportedMaterial {
+    /// Bytes that a table may take.
+    const MEMORY: usize = 1 << 31;
+
+    /// Bakes the table of `field` and evaluates the conformance directions. `progress` is told the name of the work, steps done and steps in all.
+    ///
+    /// # Errors
+    /// Too little memory; errors of `progress`.
+    pub fn new(
+        field: &HeightField,
+        settings: &ExportSettings,
+        progress: &dyn Fn(&'static str, usize, usize) -> Result<()>,
+    ) -> Result<Self> {
+        let powers = PowerSettings::new(settings.sigma, settings.beyond, settings.tolerance);
+        let colours = TableSettings {
+            illuminant: settings.illuminant.clone(),
+            reflectance: Some(settings.reflectance.clone()),
+            wavelengths: settings.wavelengths,
+            budget: ErrorBudget::of_directions(settings.tolerance).mean,
+            finest: settings.footprint,
+            side_limit: MAX_SIDE,
+            memory_limit: Self::MEMORY,
+        };
+        let series = OrderSeries::new(field, &powers, &|done, of| progress("orders", done, of))?;
+        let colours_done = |done, of| progress("colours", done, of);
+        let table = match settings.most_bytes {
+            None => bake(&series, &colours, &colours_done)?,
+            Some(most) => bake_within(most, &series, colours, &colours_done)?,
+        };
+        drop(series);
+        let settings = &ExportSettings { footprint: table.header.grid.finest, ..settings.clone() };
+        let mean = MeanBrdf {
+            field,
+            sigma: settings.sigma,
+            beyond: settings.beyond,
+            reflectance: settings.reflectance.clone(),
+        };
+        let exact = |done, of| progress("exact colours", done, of);
+        let conformance = Conformance::new(mean, settings, &table, &exact)?;
+        Ok(Self { table, conformance })
+    }
+}
+
+/// Bakes the table of `series` with at most `most` bytes of texels, by a larger smallest footprint than that of `settings` where that is needed.
+fn bake_within(
+    most: u64,
+    series: &OrderSeries,
+    settings: TableSettings,
+    progress: &dyn Fn(usize, usize) -> Result<()>,
+) -> Result<ColorTable> {
+    /// Sides are rounded up to multiples of a power of 2, by which the next table may be larger than the rule says.
+    const ROOM: f64 = 1.05;
+    let mut settings = settings;
+    loop {
+        let table = bake(series, &settings, progress)?;
+        let bytes = table.bytes() as f64;
+        if bytes <= most as f64 {
+            return Ok(table);
+        }
+        // Bytes fall as 1 over the variance that the finest level averages over, coherence included.
+        let coherence = table.header.coherence_blur;
+        let variance = (settings.finest.powi(2) + coherence) * (bytes / most as f64) * ROOM - coherence;
+        settings.finest = variance.max(0.0).sqrt();
+        if settings.finest > LARGEST_FOOTPRINT {
+            return Err(Error::failed(
+                format!("no table of this surface has as few as {most} bytes"),
+                "allow more bytes, or a larger tolerance",
+            ));
+        }
+    }
+}
