@@ -273,6 +273,8 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let folder = place.path().join("material");
         let reason = |name: &str, change: &dyn Fn(&mut Vec<u8>)| {
+            // A folder whose description is damaged is no export that could be replaced.
+            let _ = fs::remove_dir_all(&folder);
             export(&folder).unwrap();
             let mut bytes = fs::read(folder.join(name)).unwrap();
             change(&mut bytes);

@@ -18,7 +18,7 @@ use crate::render::source::{Grating, Source, Table};
 use crate::spectra::amplitude::{self, Layers, compute_at};
 use crate::spectra::power::{Blur, OrderSeries, PowerSettings};
 use crate::surface::{HeightField, tiling};
-use crate::table::{ColorTable, LEAST_TOLERANCE, TableSettings, bake};
+use crate::table::{ColorTable, TableSettings, bake};
 use crate::vk::selection::Candidate;
 use std::sync::{Arc, LazyLock, Weak};
 
@@ -86,6 +86,8 @@ pub struct Made {
     /// For the user.
     pub note: Option<Error>,
 }
+
+pub use crate::table::LEAST_TOLERANCE as LEAST_TABLE_TOLERANCE;
 
 /// Data that is still in use somewhere, for requests that share it, and the series that the last table was baked from.
 #[derive(Default)]
@@ -297,10 +299,10 @@ pub fn check(settings: &Settings) -> Result<()> {
             "a colour table holds the mean over all windows",
             [Remedy::AllWindows, Remedy::SpectralMethod],
         )),
-        (Method::Table, Windows::All) if shading.tolerance < LEAST_TOLERANCE => Err(Error::usage(
+        (Method::Table, Windows::All) if shading.tolerance < LEAST_TABLE_TOLERANCE => Err(Error::usage(
             format!(
                 "colours of a table err by about 1e-3 whatever the tolerance; the least that it keeps is {:e}",
-                LEAST_TOLERANCE
+                LEAST_TABLE_TOLERANCE
             ),
             match shading.purpose {
                 Purpose::Directions => [Remedy::LargerTolerance, Remedy::SpectralMethod],

@@ -3,8 +3,8 @@
 use super::settings::OpticsSettings;
 use crate::filter::FootprintSizes;
 use crate::optics::coherence::Windows;
+use crate::setup::LEAST_TABLE_TOLERANCE;
 use crate::spectra::amplitude::expansion::Basis;
-use crate::table::LEAST_TOLERANCE;
 
 /// How the picture is compared with another setting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -100,7 +100,7 @@ impl Compare {
 /// Returns the setting to compare with until the user changes it. For a colour table it is a table of three tenths of the tolerance: one of a tenth takes a
 /// gigabyte for the default scene. For one window it is a tenth of the tolerance, by the most accurate basis.
 pub fn strict(own: &OpticsSettings) -> OpticsSettings {
-    let (share, least) = if own.windows == Windows::All { (0.3, LEAST_TOLERANCE) } else { (0.1, 1e-4) };
+    let (share, least) = if own.windows == Windows::All { (0.3, LEAST_TABLE_TOLERANCE) } else { (0.1, 1e-4) };
     optimal(own, (share * own.tolerance).max(least))
 }
 

@@ -4,8 +4,8 @@ use super::rows::{self, SettingRow, number};
 use super::section;
 use crate::optics::coherence::{Coherence, Windows};
 use crate::optics::spectrum;
+use crate::setup::LEAST_TABLE_TOLERANCE;
 use crate::spectra::amplitude::expansion::Basis;
-use crate::table::LEAST_TOLERANCE;
 use crate::viewer::model::Model;
 use crate::viewer::settings::OpticsSettings;
 use crate::viewer::style;
@@ -43,7 +43,7 @@ pub fn setting(ui: &mut Ui, id: &str, optics: &mut OpticsSettings, coherence: Co
         });
     }
     rows::show(ui, &rows::TOLERANCE, |ui| {
-        let least = if finite || optics.windows != Windows::All { 0.0 } else { LEAST_TOLERANCE };
+        let least = if finite || optics.windows != Windows::All { 0.0 } else { LEAST_TABLE_TOLERANCE };
         let all = [1e-1, 5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 1e-4].map(|t| (t, percent(t)));
         let kept = all.iter().filter(|(t, _)| *t >= least);
         let all: Vec<(f64, &str)> = kept.map(|(t, name)| (*t, name.as_str())).collect();
