@@ -81,18 +81,14 @@ pub fn write(
 ) -> Result<()> {
     check_target(folder)?;
     let draft = draft_beside(folder)?;
-    let header = json(&material.table.header)?;
-    let contents: [(&str, &dyn Fn() -> Result<Vec<u8>>); 4] = [
-        (TABLE, &|| Ok(header.clone())),
-        (TEXELS, &|| Ok(ktx2::write(&material.table))),
-        (TEXELS_AS_EXR, &|| openexr::write(&material.table)),
-        (DIRECTIONS, &|| Ok(material.conformance.to_csv()?.into_bytes())),
-    ];
-    for (name, content) in contents {
-        let bytes = content()?;
+    let mut add = |name: &str, bytes: Vec<u8>| {
         description.files.insert(name.to_owned(), FileSum::new(&bytes));
-        put(&draft.path().join(name), &bytes, folder)?;
-    }
+        put(&draft.path().join(name), &bytes, folder)
+    };
+    add(TABLE, json(&material.table.header)?)?;
+    add(TEXELS, ktx2::write(&material.table))?;
+    add(TEXELS_AS_EXR, openexr::write(&material.table)?)?;
+    add(DIRECTIONS, material.conformance.to_csv()?.into_bytes())?;
     put(&draft.path().join(MATERIAL), &json(description)?, folder)?;
     give_name(draft, folder)
 }

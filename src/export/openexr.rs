@@ -71,7 +71,7 @@ mod tests {
             let side = table.header.grid.side_of(level);
             let texels = &table.levels[level][layer * side * side * 4..][..side * side * 4];
             for channel in &part.channel_data.list {
-                let place = ["R", "G", "B", "A"].iter().position(|name| channel.name.eq(*name)).unwrap();
+                let place = ["R", "G", "B", "A"].iter().position(|name| channel.name.eq(name)).unwrap();
                 let FlatSamples::F16(held) = &channel.sample_data else { panic!("no 16-bit floats") };
                 assert!(held.iter().eq(texels.iter().skip(place).step_by(4)));
             }
