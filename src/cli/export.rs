@@ -48,7 +48,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["output", "surface_name"])]
     check: Option<PathBuf>,
     /// Compare these answers of a port with the table
-    #[arg(long, value_name = "FILE", requires = "check")]
+    #[arg(long, value_name = "FILE", requires = "check", conflicts_with = "output")]
     answers: Option<PathBuf>,
     #[command(flatten)]
     surface: SurfaceOptions,

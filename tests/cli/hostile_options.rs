@@ -179,6 +179,10 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--illuminant", &[NO_NUMBER, &["d50", "missing.csv", ".", "/dev/zero", "grey.png"]]),
     ("--surface", &[NO_NUMBER, &["nothing", "nothing.png", ".", "/dev/zero", "q.csv", "grey.png/x.png"]]),
     ("--cache-size", &[NO_NUMBER, &["500", "-1MB", "2gib", "8388609TiB", "1e400GB", "infMiB"]]),
+    ("--footprint", &[NO_NUMBER, &["-0.1", "-1", "2.1", "0.02um"]]),
+    ("--budget", &[NO_NUMBER, &["500", "-1MB", "8mb per", "1e400GB", "1B"]]),
+    ("--check", &[&["", "nothing", ".", "grey.png", "folder.png", "/dev/null"]]),
+    ("--answers", &[&["", "nothing.csv", ".", "grey.png"]]), // there is nothing to check
     ("--channel", &[&["", " ", "phase", "0", "2", "-1", "1.0"]]),
     ("--device", &[&["", " ", "nothing", "7", "-1", "99999999999999999999", "\n"]]),
     ("--folder", &[&["", "/dev/null", "grey.png", "grey.png/trade"]]),
@@ -205,6 +209,7 @@ fn sound(command: &[&str]) -> Vec<&'static str> {
         ["view"] => [&["plate", "--size", "64x48"][..], &SURFACE, &OPTICS].concat(),
         ["render"] => [&["plate", "--size", "4x4", "--output", "out.png"][..], &SURFACE, &OPTICS].concat(),
         ["eval"] => [&["--queries", "q.csv", "--output", "out.png"][..], &SURFACE, &OPTICS].concat(),
+        ["export"] => [&["--output", "material"][..], &SURFACE, &OPTICS].concat(),
         ["brdf"] => {
             let own = ["--light", "30,0", "--size", "4x4", "--output", "out.png"];
             [&own[..], &SURFACE, &OPTICS].concat()
@@ -243,6 +248,7 @@ fn sandbox() -> Sandbox {
     sandbox.write("grey.png", grey_png(8, 8, |x, y| (x * 30 + y) as u8));
     sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r,wavelength\n20,0,20,180,550\n");
     std::fs::create_dir(sandbox.path("folder.png")).unwrap();
+    sandbox.write("folder.png/notes.txt", "x");
     sandbox
 }
 
