@@ -12,7 +12,12 @@ use std::ffi::OsString;
 
 /// Returns the notes of a picture that this process draws of `field`, which reflects by `reflectance`.
 pub fn notes(field: &HeightField, reflectance: &Reflectance) -> Notes {
-    Notes::new(command(std::env::args_os(), None), ScalarTheory::note(field, reflectance))
+    Notes::new(own_command(), ScalarTheory::note(field, reflectance))
+}
+
+/// Returns the command of this process, as a shell takes it, without the names of results.
+pub fn own_command() -> String {
+    command(std::env::args_os(), None)
 }
 
 /// `notes` of the same process, for picture number `frame` of a sequence, which says `more` under the name `name`.

@@ -99,8 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let material =
         ExportedMaterial::new(&field, &settings, &|what, done, of| prepare::show(&bar, what, done, of))?;
     bar.finish_and_clear();
-    let command = captions::notes(&field, &settings.reflectance).command;
-    let mut description = MaterialDescription::new(&field, &settings, &material, command);
+    let mut description = MaterialDescription::new(&field, &settings, &material, captions::own_command());
     write_export(folder, &material, &mut description)?;
     write::stdout(&summary(&description))
 }
@@ -123,11 +122,10 @@ fn summary(description: &MaterialDescription) -> String {
 /// Checks the export in `folder`, and a file of answers.
 fn check(folder: &Path, answers: Option<&Path>) -> Result<()> {
     let reader = ExportReader::open(folder)?;
-    reader.check()?;
+    let conformance = reader.check()?;
     let Some(path) = answers else {
         return write::stdout(&format!("sound: {}", summary(&reader.description)));
     };
-    let conformance = reader.conformance()?;
     let text = input::read_text(path, "a CSV file of answers")?;
     let errors = conformance
         .answers(&text)

@@ -30,7 +30,7 @@ pub struct MaterialDescription {
     pub surface: SurfaceFacts,
     /// Coherence length of the light \[µm\]: four standard deviations of the coherence window.
     pub coherence_length_um: f64,
-    /// How the surface goes on beyond the patch: `copies` or `alike`.
+    /// Continuation of the surface beyond the patch: `copies` or `alike`.
     pub beyond: String,
     /// Spectrum of the light.
     pub illuminant: Value,

@@ -17,6 +17,8 @@ const TABLE: &str = "table.json";
 const TEXELS: &str = "table.ktx2";
 const TEXELS_AS_EXR: &str = "table.exr";
 const DIRECTIONS: &str = "conformance.csv";
+/// The files that the description has sums of.
+const DESCRIBED: [&str; 4] = [TABLE, TEXELS, TEXELS_AS_EXR, DIRECTIONS];
 
 /// Fails if an export must not stand at `folder`: asked before long work whose result would be lost.
 ///
@@ -40,11 +42,15 @@ pub fn check_target(folder: &Path) -> Result<()> {
     draft_beside(folder).map(drop)
 }
 
-/// True if the folder is empty or an export, in whichever version.
+/// True if the folder is empty or an export, in whichever version, with nothing beside its files.
 fn may_be_replaced(folder: &Path) -> bool {
-    let is_empty = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
+    let Ok(entries) = fs::read_dir(folder) else { return false };
+    let names: Vec<_> = entries.map(|entry| entry.map(|entry| entry.file_name())).collect();
+    let is_ours = |name: &std::ffi::OsString| *name == MATERIAL || DESCRIBED.iter().any(|own| name == own);
     let describes = |text: String| serde_json::from_str(&text).is_ok_and(|value| is_description(&value));
-    is_empty || input::read_text(&folder.join(MATERIAL), "an export").is_ok_and(describes)
+    names.is_empty()
+        || names.iter().all(|name| name.as_ref().is_ok_and(is_ours))
+            && input::read_text(&folder.join(MATERIAL), "an export").is_ok_and(describes)
 }
 
 /// Makes a folder for the files beside `folder`; it goes with its value.
@@ -200,14 +206,14 @@ impl ExportReader {
         Conformance::from_csv(&text).map_err(|e| e.at(path.display()))
     }
 
-    /// Reads every file.
+    /// Reads every file, and returns the directions with their colours.
     ///
     /// # Errors
     /// As the other functions.
-    pub fn check(&self) -> Result<()> {
+    pub fn check(&self) -> Result<Conformance> {
         self.table()?;
-        self.conformance()?;
-        self.description.files.keys().try_for_each(|name| self.file(name).map(drop))
+        self.file(TEXELS_AS_EXR)?;
+        self.conformance()
     }
 }
 
@@ -262,6 +268,10 @@ mod tests {
             (vec!["thesis.txt".to_owned()], ["empty", "file", "other"].map(str::to_owned).to_vec())
         );
         export(&empty).unwrap();
+        // Notes beside an export are no part of it.
+        fs::write(empty.join("notes.txt"), "x").unwrap();
+        assert!(export(&empty).unwrap_err().to_string().contains("other content"));
+        assert!(empty.join("notes.txt").is_file());
     }
 
     #[test]
@@ -278,7 +288,7 @@ mod tests {
             let checked = ExportReader::open(&folder).and_then(|reader| reader.check());
             checked.unwrap_err().to_string()
         };
-        for name in [DIRECTIONS, TEXELS_AS_EXR, TABLE, TEXELS] {
+        for name in DESCRIBED {
             let e = reason(name, &|bytes| bytes.truncate(bytes.len() / 2));
             assert!(e.contains("truncated") && e.contains(name), "{e}");
             let e = reason(name, &|bytes| {

@@ -1,6 +1,6 @@
 //! Texels of a colour table as a KTX 2.0 container: a 2D array of RGBA16F with all levels, without supercompression.
 //!
-//! Layer = piece × texels per place + texel. Rows grow with v, which the container says by the orientation `ru`. The specification is "KTX File Format
+//! Layer = piece × texels per place + texel. Columns and rows grow with the x and y of light + viewer, −(u, v), which the container says by the orientation `ru`. The specification is "KTX File Format
 //! Specification 2.0", Khronos Group; the data format descriptor is that of "Khronos Data Format Specification 1.3", section 5.
 
 use crate::error::{Error, Result};

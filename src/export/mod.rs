@@ -20,20 +20,19 @@ pub use description::{FileSum, MaterialDescription, MeasuredErrors};
 pub use folder::{ExportReader, check_target, write};
 
 use crate::brdf::mean::MeanBrdf;
-use crate::budget::ErrorBudget;
 use crate::error::{Error, Result};
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
 use crate::spectra::power::{Beyond, OrderSeries, PowerSettings};
-use crate::surface::{HeightField, MAX_SIDE};
-use crate::table::{ColorTable, TableSettings, bake};
+use crate::surface::HeightField;
+use crate::table::{ColorTable, PlannedTable, TableSettings, bake};
 
 /// Settings of an exported material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExportSettings {
     /// Standard deviation of the coherence window \[µm\], a quarter of the coherence length.
     pub sigma: f64,
-    /// How the surface goes on beyond the patch.
+    /// Continuation of the surface beyond the patch.
     pub beyond: Beyond,
     /// Spectrum of the light.
     pub illuminant: Illuminant,
@@ -61,9 +60,6 @@ pub struct ExportedMaterial {
 }
 
 impl ExportedMaterial {
-    /// Bytes that a table may take.
-    const MEMORY: usize = 1 << 31;
-
     /// Bakes the table of `field` and evaluates the conformance directions. `progress` is told the name of the work, steps done and steps in all.
     ///
     /// # Errors
@@ -74,21 +70,17 @@ impl ExportedMaterial {
         progress: &dyn Fn(&'static str, usize, usize) -> Result<()>,
     ) -> Result<Self> {
         let powers = PowerSettings::new(settings.sigma, settings.beyond, settings.tolerance);
-        let colours = TableSettings {
-            illuminant: settings.illuminant.clone(),
+        let mut colours = TableSettings {
             reflectance: Some(settings.reflectance.clone()),
             wavelengths: settings.wavelengths,
-            budget: ErrorBudget::of_directions(settings.tolerance).mean,
             finest: settings.footprint,
-            side_limit: MAX_SIDE,
-            memory_limit: Self::MEMORY,
+            ..TableSettings::new(settings.illuminant.clone(), settings.tolerance)
         };
         let series = OrderSeries::new(field, &powers, &|done, of| progress("orders", done, of))?;
-        let colours_done = |done, of| progress("colours", done, of);
-        let table = match settings.most_bytes {
-            None => bake(&series, &colours, &colours_done)?,
-            Some(most) => bake_within(most, &series, colours, &colours_done)?,
-        };
+        if let Some(most) = settings.most_bytes {
+            colours.finest = footprint_within(most, &series, colours.clone())?;
+        }
+        let table = bake(&series, &colours, &|done, of| progress("colours", done, of))?;
         drop(series);
         let settings = &ExportSettings { footprint: table.header.grid.finest, ..settings.clone() };
         let mean = MeanBrdf {
@@ -103,25 +95,19 @@ impl ExportedMaterial {
     }
 }
 
-/// Bakes the table of `series` with at most `most` bytes of texels, by a larger smallest footprint than that of `settings` where that is needed.
-fn bake_within(
-    most: u64,
-    series: &OrderSeries,
-    settings: TableSettings,
-    progress: &dyn Fn(usize, usize) -> Result<()>,
-) -> Result<ColorTable> {
+/// Returns the smallest footprint, from that of `settings` on, for which the table of `series` has at most `most` bytes of texels.
+fn footprint_within(most: u64, series: &OrderSeries, settings: TableSettings) -> Result<f64> {
     /// Sides are rounded up to multiples of a power of 2, by which the next table may be larger than the rule says.
     const ROOM: f64 = 1.05;
     let mut settings = settings;
     loop {
-        let table = bake(series, &settings, progress)?;
-        let bytes = table.bytes() as f64;
-        if bytes <= most as f64 {
-            return Ok(table);
+        let PlannedTable { bytes, coherence_blur } = PlannedTable::new(series, &settings)?;
+        if bytes as u64 <= most {
+            return Ok(settings.finest);
         }
         // Bytes fall as 1 over the variance that the finest level averages over, coherence included.
-        let coherence = table.header.coherence_blur;
-        let variance = (settings.finest.powi(2) + coherence) * (bytes / most as f64) * ROOM - coherence;
+        let growth = bytes as f64 / most as f64 * ROOM;
+        let variance = (settings.finest.powi(2) + coherence_blur) * growth - coherence_blur;
         settings.finest = variance.max(0.0).sqrt();
         if settings.finest > LARGEST_FOOTPRINT {
             return Err(Error::failed(

@@ -1,6 +1,6 @@
 //! Texels of a colour table as an OpenEXR file of many parts, for programs that read no KTX2.
 //!
-//! Part `levelL.layerNN` has the channels R, G, B and A of layer NN of level L as 16-bit floats. Its first row is that of the smallest v, as in the KTX2
+//! Part `levelL.layerNN` has the channels R, G, B and A of layer NN of level L as 16-bit floats. Its first row is that of the smallest y of light + viewer, as in the KTX2
 //! file, although pictures in OpenEXR usually begin at the top.
 
 use crate::error::{Error, Result};

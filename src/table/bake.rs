@@ -34,14 +34,10 @@ pub fn bake(
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<ColorTable> {
     let reader = OrderReader::new(series);
-    let orders = series.blur.variance;
-    let coherence_blur = BLUE * BLUE * 0.5 * (orders[0] + orders[1]);
-    let blur = settings.finest.powi(2) + coherence_blur;
     let spectrum = DirectionWavelengths::new(series, settings);
-    let projection = Projection::choose(&reader, &spectrum, settings)?;
+    let Plan { projection, grid, coherence_blur, effective_orders } =
+        Plan::new(series, &reader, &spectrum, settings)?;
     let layers = projection.basis.layers();
-    let effective_orders = series.effective_orders(2.0 * PI * USUAL_W / MIDDLE);
-    let grid = choose_grid(effective_orders, settings, blur, layers);
     check_room(&grid, layers, settings)?;
     let sums = Sums::new(&reader, &spectrum, projection.basis.pieces);
     let width = layers * PER_TEXEL;
@@ -71,6 +67,53 @@ pub fn bake(
         mean_reflectance,
     };
     Ok(ColorTable { header, levels })
+}
+
+/// Basis and grid of a table.
+struct Plan {
+    projection: Projection,
+    grid: TableGrid,
+    coherence_blur: f64,
+    effective_orders: f64,
+}
+
+impl Plan {
+    fn new(
+        series: &OrderSeries,
+        reader: &OrderReader<'_>,
+        spectrum: &DirectionWavelengths,
+        settings: &TableSettings,
+    ) -> Result<Self> {
+        let orders = series.blur.variance;
+        let coherence_blur = BLUE * BLUE * 0.5 * (orders[0] + orders[1]);
+        let blur = settings.finest.powi(2) + coherence_blur;
+        let projection = Projection::choose(reader, spectrum, settings)?;
+        let effective_orders = series.effective_orders(2.0 * PI * USUAL_W / MIDDLE);
+        let grid = choose_grid(effective_orders, settings, blur, projection.basis.layers());
+        Ok(Self { projection, grid, coherence_blur, effective_orders })
+    }
+}
+
+/// Size of a table, known before it is baked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlannedTable {
+    /// Bytes of the texels of all levels.
+    pub bytes: usize,
+    /// Variance of (u, v) by the coherence of blue light, as in [`TableHeader::coherence_blur`].
+    pub coherence_blur: f64,
+}
+
+impl PlannedTable {
+    /// Plans the table that [`bake`] makes of `series` under `settings`.
+    ///
+    /// # Errors
+    /// A basis that cannot be chosen.
+    pub fn new(series: &OrderSeries, settings: &TableSettings) -> Result<Self> {
+        let spectrum = DirectionWavelengths::new(series, settings);
+        let Plan { projection, grid, coherence_blur, .. } =
+            Plan::new(series, &OrderReader::new(series), &spectrum, settings)?;
+        Ok(Self { bytes: grid.bytes(projection.basis.layers()), coherence_blur })
+    }
 }
 
 /// Texels for a table of `layers` whose finest level averages over `blur`. The errors of orders are independent, so that what is shown of many errs by less
