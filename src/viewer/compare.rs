@@ -104,8 +104,8 @@ pub fn strict(own: &OpticsSettings) -> OpticsSettings {
     optimal(own, (share * own.tolerance).max(least))
 }
 
-/// Footprints that the first colours of a picture are made for, whatever is seen. Their colour table has an eighth of the texels of one for the footprints of a
-/// usual picture, and no picture has to be drawn to measure them.
+/// Footprints that the first colours of a picture are made for, whatever is seen: four times the blur by sunlight's coherence. No picture is drawn to measure footprints,
+/// which takes 2.4 s for the default scene on two slow cores of lavapipe, and baking takes 1.5 s instead of 2.2 s (2026-11-27).
 pub const PREVIEWED: FootprintSizes = FootprintSizes { shorter: 0.016, longer: 0.06 };
 
 /// Returns the setting for the first colours of a picture; `None` if its own is as quick to prepare.

@@ -585,16 +585,14 @@ impl Model {
 
     /// Returns the quality of the frame after one of the setting of this number.
     fn quality_after(&self, frame: Option<u64>) -> Quality {
-        let shown = self.sources.shown();
-        match (frame, self.pacing.moving) {
+        let stand_in = self.sources.shown().filter(|(_, stage)| *stage != Stage::Own);
+        match (frame, stand_in, self.pacing.moving) {
             // The first frame appears at once, at low resolution, even while moving.
-            (None, _) => Quality::FIRST,
+            (None, ..) => Quality::FIRST,
             // A preview shows its colours at once, too, and leaves the machine to what it stands for.
-            (Some(number), moving) if shown.is_some_and(|(_, stage)| stage != Stage::Own) => {
-                let is_shown = shown.is_some_and(|(shown, _)| shown.number == number);
-                if moving || !is_shown { Quality::FIRST } else { Quality::PREVIEW }
-            }
-            (_, false) => Quality::WHOLE,
+            (Some(number), Some((shown, _)), false) if shown.number == number => Quality::PREVIEW,
+            (_, Some(_), _) => Quality::FIRST,
+            (_, None, false) => Quality::WHOLE,
             // A comparison always shows the two settings that it names.
             _ => self.pacing.quality.moving(|detail| {
                 self.comparison.mode == Compare::Alone && self.sources.lighter(detail).is_some()

@@ -1,13 +1,11 @@
 //! Surfaces and settings that are ready to be drawn.
 
 use crate::error::Result;
-use crate::optics::validity::ScalarTheory;
 use crate::render::object::ObjectSources;
 use crate::render::shading::Shading;
 use crate::render::source::Source;
 use crate::setup;
 use crate::surface::HeightField;
-use crate::surface::statistics::Relief;
 use std::sync::{Arc, LazyLock};
 
 /// What a setting is prepared for, the most urgent first.
@@ -41,7 +39,7 @@ impl Prepared {
             field: Arc::new(HeightField::new(1, 1, [1.0; 2], vec![0.0])?),
             sources: ObjectSources::new(setup::pigment_alone(), Shading::default()),
             others: Vec::new(),
-            relief: None,
+            scalar_theory: None,
         })
     }
 }
@@ -56,8 +54,8 @@ pub struct Prepared {
     pub sources: ObjectSources,
     /// What the objects beside the first are shaded from, as far as it is known.
     pub others: Vec<ObjectSources>,
-    /// The shape of the height field, where it has been measured.
-    pub relief: Option<Relief>,
+    /// Errors of scalar theory in words; `None` if the height field has not been measured.
+    pub scalar_theory: Option<String>,
 }
 
 impl Prepared {
@@ -69,11 +67,6 @@ impl Prepared {
     /// The settings.
     pub fn shading(&self) -> &Shading {
         &self.sources.own.shading
-    }
-
-    /// Returns the errors of scalar theory in words; `None` where the height field has not been measured.
-    pub fn scalar_theory(&self) -> Option<String> {
-        self.relief.map(|relief| ScalarTheory::new(relief, &self.shading().reflectance).line().to_owned())
     }
 
     /// What the objects of a scene of so many are shaded from. Where it is not known yet, the pigment is seen.

@@ -4,6 +4,7 @@ use super::frame::LoadedScene;
 use super::prepared::{Prepared, ROLES, Role};
 use crate::error::{Error, Result};
 use crate::filter::FootprintSizes;
+use crate::optics::validity::ScalarTheory;
 use crate::render::frame::View;
 use crate::render::object::ObjectSources;
 use crate::render::sampling::Sampling;
@@ -235,7 +236,9 @@ impl Preparer {
             None => (own.sources(&[], &mut |own| self.source(own, &mut note, progress))?, Vec::new()),
         };
         let relief = self.relief(&field, request.role);
-        let prepared = Prepared { number: request.number, field, sources, others, relief };
+        let reflectance = &request.settings.shading.reflectance;
+        let scalar_theory = relief.map(|relief| ScalarTheory::new(relief, reflectance).line().to_owned());
+        let prepared = Prepared { number: request.number, field, sources, others, scalar_theory };
         Ok((Arc::new(prepared), note))
     }
 

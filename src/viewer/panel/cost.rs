@@ -52,9 +52,9 @@ fn errors(ui: &mut Ui, model: &mut Model) {
         let shading = own.shading();
         value(ui, &rows::BOUND, bound(&shading.terms, &shading.wavelengths, shading.tolerance));
     }
-    let theory = model.sources.own.as_ref().and_then(|own| own.scalar_theory());
+    let theory = model.sources.own.as_ref().and_then(|own| own.scalar_theory.as_deref());
     rows::show(ui, &rows::SCALAR_THEORY, |ui| {
-        ui.add(egui::Label::new(theory.unwrap_or("not looked up yet".to_owned())).wrap());
+        ui.add(egui::Label::new(theory.unwrap_or("not looked up yet")).wrap());
     });
     rows::show(ui, &rows::MEASURED, |ui| match model.probe {
         Some(ProbeStatus::Done(e)) => {
