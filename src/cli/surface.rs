@@ -50,7 +50,7 @@ pub struct Info {
     json: bool,
     #[command(flatten)]
     surface: SurfaceOptions,
-    /// What the surface is made of, for the errors of scalar theory: as in `render` [default: refractive index 1.5]
+    /// Material of the surface, for the errors of scalar theory: as in `render` [default: refractive index 1.5]
     #[arg(long, value_name = "NAME|FILE", value_parser = OsStringValueParser::new().try_map(Material::from_name_or_file))]
     material: Option<Material>,
     /// A figure of the heights, profiles, spectra, distributions and the predicted colours: .svg or .png

@@ -14,8 +14,8 @@ pub const REACH: f64 = 2.8;
 /// Standard deviations at which the weights of an infinitely long row end: beside silhouettes, bright orders that far away outshine the middle.
 pub const LONG_REACH: f64 = 4.0;
 /// Growth of the reach with the length of a row: a row whose standard deviation is L times that of a tap ends at LONG_REACH − OVERHANG/L. The Gaussian of the
-/// last tap itself reaches beyond short rows. A smaller value takes more taps (2.4: 1.28 times those at REACH on the default scene, 10: 1.08 times) and
-/// changes no measured error.
+/// last tap itself reaches beyond short rows. On the default scene 10 takes 1.08 times the taps that REACH alone would, 2.4
+/// takes 1.28 times; one sample of `skin` from afar errs by 0.014 and 0.011, by 0.060 with REACH alone.
 const OVERHANG: f64 = 10.0;
 /// Standard deviation that a Gaussian cut at REACH keeps, relative to that of the whole.
 const KEPT: f64 = 0.9775;

@@ -13,8 +13,8 @@ pub const SHORTEST: f64 = 0.380;
 pub const LONGEST: f64 = 0.780;
 /// A wavelength in the middle of the visible range \[µm\], near the peak of the eye's sensitivity at 555 nm.
 pub const MIDDLE: f64 = 0.55;
-/// Distance of wavelengths to which a user's illuminant is resolved \[nm\]: sums over wavelengths sample it a tenth of this apart. A narrower line is spread
-/// over two neighbours.
+/// Distance of wavelengths to which a user's illuminant is resolved \[nm\]: colour integrals sample it 0.02 to 0.2 nm apart. A narrower line is spread over two
+/// neighbours.
 const RESOLUTION: f64 = 0.5;
 const NM_PER_UM: f64 = 1e3;
 /// Where the blue colour function z̄ of the CIE 1931 observer peaks \[µm\], rounded: coherence blurs directions least there.

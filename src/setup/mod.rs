@@ -99,7 +99,7 @@ pub struct InUse {
 
 /// Series that the next table of the same surface is baked from, too: under another light, of another tolerance.
 struct KeptSeries {
-    // Of everything but the error.
+    // Hash of the field and of all settings but the error.
     key: Key,
     // Error that it was asked for.
     asked: f64,

@@ -58,7 +58,7 @@ impl ScalarTheory {
     /// Measures `field` and looks it up.
     ///
     /// # Errors
-    /// Where the memory does not hold the spectrum.
+    /// Too little memory for the spectrum.
     pub fn of_field(field: &HeightField, reflectance: &Reflectance) -> Result<Self> {
         Ok(Self::new(Relief::of(field)?, reflectance))
     }

@@ -64,11 +64,11 @@ pub struct AngleErrors {
     /// Angle of incidence \[degrees\].
     #[serde(rename = "angle_deg")]
     pub angle: f64,
-    /// Of unpolarised light.
+    /// Error in unpolarised light.
     pub mean: f64,
-    /// Of light polarised along the grooves, with Fresnel's reflectance of this polarisation.
+    /// Error in light polarised along the grooves, with Fresnel's reflectance of this polarisation.
     pub te: f64,
-    /// Of light polarised across the grooves, likewise.
+    /// Error in light polarised across the grooves, likewise.
     pub tm: f64,
 }
 

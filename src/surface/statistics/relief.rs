@@ -140,7 +140,7 @@ impl Relief {
     /// Measures `field`.
     ///
     /// # Errors
-    /// Where the memory does not hold the spectrum.
+    /// Too little memory for the spectrum.
     pub fn of(field: &HeightField) -> Result<Self> {
         let part = analysed_part(field);
         let (low, high) = part.range();
