@@ -1,6 +1,7 @@
 //! Surfaces and settings that are ready to be drawn.
 
 use crate::error::Result;
+use crate::optics::validity::ScalarTheory;
 use crate::render::object::ObjectSources;
 use crate::render::shading::Shading;
 use crate::render::source::Source;
@@ -54,8 +55,8 @@ pub struct Prepared {
     pub sources: ObjectSources,
     /// What the objects beside the first are shaded from, as far as it is known.
     pub others: Vec<ObjectSources>,
-    /// Errors of scalar theory in words; `None` if the height field has not been measured.
-    pub scalar_theory: Option<String>,
+    /// Errors of scalar theory; `None` if the height field has not been measured.
+    pub scalar_theory: Option<ScalarTheory>,
 }
 
 impl Prepared {

@@ -412,7 +412,8 @@ impl Renderer {
                 }
                 let own = &request.own;
                 let note = || ScalarTheory::note(&own.field, &own.shading().reflectance);
-                let scalar_theory = own.scalar_theory.clone().unwrap_or_else(note);
+                let scalar_theory =
+                    own.scalar_theory.as_ref().map_or_else(note, |found| found.line().to_owned());
                 Ok(RenderReply::Picture(Ok((Box::new(slot.painter.picture()?), scalar_theory))))
             }
             Job::Samples(request) => Ok(RenderReply::Samples(Box::new(ProbeTask {

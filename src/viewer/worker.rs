@@ -237,7 +237,7 @@ impl Preparer {
         };
         let relief = self.relief(&field, request.role);
         let reflectance = &request.settings.shading.reflectance;
-        let scalar_theory = relief.map(|relief| ScalarTheory::new(relief, reflectance).line().to_owned());
+        let scalar_theory = relief.map(|relief| ScalarTheory::new(relief, reflectance));
         let prepared = Prepared { number: request.number, field, sources, others, scalar_theory };
         Ok((Arc::new(prepared), note))
     }

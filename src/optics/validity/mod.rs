@@ -72,6 +72,22 @@ impl ScalarTheory {
     pub fn line(&self) -> &str {
         &self.line
     }
+
+    /// The errors of the least and the greatest angle of incidence, for a row of a panel.
+    pub fn brief(&self) -> String {
+        match self.errors.as_slice() {
+            [] => self.line.split([':', ';']).next().unwrap_or_default().to_owned(),
+            [only] => error_at(only.mean, only.angle),
+            [first, .., last] => {
+                format!("{}, {}", error_at(first.mean, first.angle), error_at(last.mean, last.angle))
+            }
+        }
+    }
+}
+
+/// Returns an error at an angle \[degrees\] in a few words.
+fn error_at(error: f64, angle: f64) -> String {
+    format!("{} at {angle}°", percent(error).replace("more than", "over"))
 }
 
 /// Returns what was looked up, in words.
@@ -147,6 +163,7 @@ mod tests {
         assert!(at(&metal, 0.0) < 0.02 && at(&metal, 60.0) < 0.04, "{metal:?}");
         assert!(at(&glass, 0.0) < 0.02 && at(&glass, 75.0) > 0.2, "{glass:?}");
         assert!(metal.line().starts_with("diffracted orders err by 2 % up to 60°, 10 % at 75°"), "{metal:?}");
+        assert!(metal.brief().ends_with("% at 0°, 10 % at 75°"), "{}", metal.brief());
         assert!(
             metal.line().contains("sinusoid on metal, period 9.0 λ, height 0.25 λ at 550 nm"),
             "{metal:?}"
@@ -168,6 +185,7 @@ mod tests {
             let line = line(relief, &glass);
             assert!(line.starts_with("not known: ") && line.contains(word), "{line}");
         }
+        assert_eq!(ScalarTheory::new(Relief::FewPeriods, &glass).brief(), "not known");
         let film = Some(Film { thickness: 0.1, index: 1.7 });
         let silicon = Material::from_name_or_file("silicon").unwrap();
         for (reflectance, word) in [

@@ -52,12 +52,14 @@ fn errors(ui: &mut Ui, model: &mut Model) {
         let shading = own.shading();
         value(ui, &rows::BOUND, bound(&shading.terms, &shading.wavelengths, shading.tolerance));
     }
-    let theory = model.sources.own.as_ref().and_then(|own| own.scalar_theory.as_deref());
-    let theory = theory.unwrap_or("not looked up yet");
-    rows::show(ui, &rows::SCALAR_THEORY, |ui| {
-        // The errors alone; what they were looked up for would take the room of the settings above.
-        let errors = theory.split(';').next().unwrap_or(theory);
-        ui.add(egui::Label::new(errors).wrap()).on_hover_text(theory);
+    let theory = model.sources.own.as_ref().and_then(|own| own.scalar_theory.as_ref());
+    rows::show(ui, &rows::SCALAR_THEORY, |ui| match theory {
+        Some(theory) => {
+            ui.add(egui::Label::new(theory.brief()).truncate()).on_hover_text(theory.line());
+        }
+        None => {
+            ui.label("not looked up yet");
+        }
     });
     rows::show(ui, &rows::MEASURED, |ui| match model.probe {
         Some(ProbeStatus::Done(e)) => {
