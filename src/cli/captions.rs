@@ -78,7 +78,7 @@ pub fn optics(options: &OpticsOptions) -> String {
         Windows::Grid([1, 1]) => String::new(),
         Windows::Grid([n, m]) => format!(", {n}×{m} windows"),
     };
-    let surface = options.reflectance().unwrap_or_default();
+    let surface = options.reflectance(None);
     format!("{method}; coherence {}{windows}; {surface}", coherence(&options.coherence))
 }
 

@@ -16,6 +16,7 @@ use crate::cache;
 use crate::error::{Error, Result};
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::material::Material;
+use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::{DielectricLaw, Film, Reflectance};
 use crate::optics::spectrum::Illuminant;
 use crate::render::shading::Shading;
@@ -106,6 +107,9 @@ pub struct OpticsOptions {
     /// A thin transparent film on the surface, of this thickness and refractive index, as in 120nm:1.7
     #[arg(long, value_name = "LENGTH:N", value_parser = Film::parse, allow_hyphen_values = true)]
     pub film: Option<Film>,
+    /// Polarisation of the light: te (electric field perpendicular to the plane of light and viewer), tm (in it) or none [default: none]
+    #[arg(long, value_name = "te|tm|none", value_parser = Polarisation::from_name)]
+    pub polarisation: Option<Polarisation>,
 }
 
 impl OpticsOptions {
@@ -144,6 +148,13 @@ impl OpticsOptions {
                 format!("add --windows 1x1, or leave {name} away"),
             ));
         }
+        let polarised = self.polarisation.is_some_and(|light| light != Polarisation::None);
+        if polarised && self.reflectance == Some(DielectricLaw::Schlick) {
+            return Err(Error::usage(
+                "Schlick's approximation knows no polarisation",
+                "leave --reflectance schlick away, for Fresnel's equations",
+            ));
+        }
         if self.beyond.is_some() && !all {
             return Err(Error::usage(
                 "--beyond is about the mean over all windows",
@@ -153,16 +164,21 @@ impl OpticsOptions {
         Ok(())
     }
 
-    /// What the surface reflects, where the options name it.
-    pub fn reflectance(&self) -> Option<Reflectance> {
+    /// Returns the reflectance of the surface: that of the scene, unless the options name a material, in light of their polarisation.
+    pub fn reflectance(&self, scene: Option<&Reflectance>) -> Reflectance {
+        let named = self.named_reflectance().or_else(|| scene.cloned());
+        named.unwrap_or_default().polarised(self.polarisation.unwrap_or_default())
+    }
+
+    /// Returns the reflectance that the options name, in unpolarised light.
+    fn named_reflectance(&self) -> Option<Reflectance> {
         if self.material.is_none() && self.film.is_none() {
             let named = self.ior.is_some() || self.reflectance.is_some();
             let law = self.reflectance.unwrap_or(DielectricLaw::Fresnel);
             return named.then(|| law.of_index(self.ior.unwrap_or(DEFAULT_IOR)));
         }
         let plain = || Material::constant(self.ior.unwrap_or(DEFAULT_IOR));
-        let material = self.material.clone().unwrap_or_else(plain);
-        Some(Reflectance::Fresnel { material, film: self.film })
+        Some(Reflectance::of_material(self.material.clone().unwrap_or_else(plain), self.film))
     }
 
     /// The file that the material is read from, if it is one and not a built-in.
@@ -171,11 +187,9 @@ impl OpticsOptions {
         name.filter(|name| !Material::is_built_in(name))
     }
 
-    /// `shading` of what `scene` is made of, unless the options name it.
+    /// Returns `shading` with the material of `scene`, unless the options name another.
     pub fn material_of(&self, scene: &Scene, shading: Shading) -> Shading {
-        let of_scene = || scene.reflectance.clone();
-        let reflectance = self.reflectance().or_else(of_scene).unwrap_or_default();
-        Shading { reflectance, ..shading }
+        Shading { reflectance: self.reflectance(scene.reflectance.as_ref()), ..shading }
     }
 
     /// Relative error that the user accepts.
@@ -220,7 +234,7 @@ impl OpticsOptions {
             coherence: self.coherence,
             windows: self.windows(),
             beyond: self.beyond.unwrap_or_default(),
-            reflectance: self.reflectance().unwrap_or_default(),
+            reflectance: self.reflectance(None),
             tolerance: self.tolerance(),
             basis: self.basis.unwrap_or(unless_named),
             terms: self.terms,

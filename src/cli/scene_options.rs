@@ -58,7 +58,7 @@ pub fn of(scene: &OsStr, command: &str) -> Result<Option<Vec<OsString>>> {
 }
 
 /// Options that a scene file may hold: what the surface is and how its optics is computed.
-pub const OF_SCENES: [&str; 15] = [
+pub const OF_SCENES: [&str; 16] = [
     "method",
     "windows",
     "beyond",
@@ -70,6 +70,7 @@ pub const OF_SCENES: [&str; 15] = [
     "ior",
     "reflectance",
     "film",
+    "polarisation",
     "illuminant",
     "samples",
     "seed",

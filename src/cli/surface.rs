@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::figure;
 use crate::files::Files;
 use crate::optics::material::Material;
+use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::Reflectance;
 use crate::optics::validity::ScalarTheory;
 use crate::surface::files::write::ScanFormat;
@@ -53,6 +54,9 @@ pub struct Info {
     /// Material of the surface, for the errors of scalar theory: as in `render` [default: refractive index 1.5]
     #[arg(long, value_name = "NAME|FILE", value_parser = OsStringValueParser::new().try_map(Material::from_name_or_file))]
     material: Option<Material>,
+    /// Polarisation of the light, for the errors of scalar theory: te (along the grooves), tm (across them) or none [default: none]
+    #[arg(long, value_name = "te|tm|none", value_parser = Polarisation::from_name)]
+    polarisation: Option<Polarisation>,
     /// A figure of the heights, profiles, spectra, distributions and the predicted colours: .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -105,9 +109,9 @@ pub fn run(command: &Command) -> Result<()> {
 impl Info {
     /// Returns the reflectance that the options ask for.
     fn reflectance(&self) -> Reflectance {
-        self.material
-            .clone()
-            .map_or_else(Reflectance::default, |material| Reflectance::Fresnel { material, film: None })
+        let material = self.material.clone();
+        let unpolarised = material.map_or_else(Reflectance::default, |m| Reflectance::of_material(m, None));
+        unpolarised.polarised(self.polarisation.unwrap_or_default())
     }
 }
 

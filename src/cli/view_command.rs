@@ -4,6 +4,7 @@ use super::options::as_options;
 use super::scene_options;
 use crate::error::Result;
 use crate::optics::coherence::{Coherence, Windows};
+use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::{DielectricLaw, Reflectance};
 use crate::output;
 use crate::picture_file::quoted;
@@ -178,13 +179,16 @@ impl Words {
                 self.option("ior", ior.to_string());
                 self.option("reflectance", DielectricLaw::Schlick.name());
             }
-            Reflectance::Fresnel { material, film } => {
+            Reflectance::Fresnel { material, film, polarisation } => {
                 match material.constant_index() {
                     Some(index) => self.option("ior", index.to_string()),
                     None => self.option("material", &material.name),
                 }
                 if let Some(film) = film {
                     self.option("film", film.to_string());
+                }
+                if *polarisation != Polarisation::None {
+                    self.option("polarisation", polarisation.name());
                 }
             }
         }

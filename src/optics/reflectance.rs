@@ -1,11 +1,12 @@
-//! How much of the light a surface reflects: the factor R of the BRDF, at the half vector of the two directions.
+//! Share of the light that a surface reflects: the factor R of the BRDF, at the half vector of the two directions.
 //!
-//! Materials have Fresnel's equations for unpolarised light and a complex index n + ik, with fields that go as e^(−iωt), so that k ≥ 0 absorbs
+//! Materials have Fresnel's equations and a complex index n + ik, with fields that go as e^(−iωt), so that k ≥ 0 absorbs
 //! (Born & Wolf, *Principles of Optics*, 1.5 and 14.2). A thin film on top adds up its echoes (Airy's sum; 1.6 there). The thesis takes
 //! Schlick's approximation for one refractive index, which at 60° is a fifth below Fresnel's equations.
 
 use super::brdf::{schlick, schlick_from};
 use super::material::Material;
+use super::polarisation::Polarisation;
 use super::spectrum::{LONGEST, MIDDLE, SHORTEST, observer};
 use crate::error::{Error, Result};
 use crate::units;
@@ -22,10 +23,12 @@ pub enum Reflectance {
     Schlick(f64),
     /// Fresnel's equations for a material, below a thin film where there is one.
     Fresnel {
-        /// What the surface is made of.
+        /// Material of the surface.
         material: Material,
-        /// What lies on it, following the profile.
+        /// Film on the material, following the profile.
         film: Option<Film>,
+        /// Polarisation of the light.
+        polarisation: Polarisation,
     },
 }
 
@@ -113,12 +116,17 @@ impl fmt::Display for Reflectance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Schlick(ior) => write!(f, "refractive index {ior} by Schlick's approximation"),
-            Self::Fresnel { material, film } => {
+            Self::Fresnel { material, film, polarisation } => {
                 match material.constant_index() {
                     Some(ior) => write!(f, "refractive index {ior}")?,
                     None => write!(f, "{}", material.name)?,
                 }
-                film.map_or(Ok(()), |film| write!(f, " below a film of {film}"))
+                film.map_or(Ok(()), |film| write!(f, " below a film of {film}"))?;
+                match polarisation {
+                    Polarisation::None => Ok(()),
+                    Polarisation::Te => write!(f, ", TE"),
+                    Polarisation::Tm => write!(f, ", TM"),
+                }
             }
         }
     }
@@ -139,14 +147,38 @@ impl From<f64> for Reflectance {
 impl Reflectance {
     /// Returns Fresnel's equations for a transparent material of refractive index `ior` at all wavelengths.
     pub fn dielectric(ior: f64) -> Self {
-        Self::Fresnel { material: Material::constant(ior), film: None }
+        Self::of_material(Material::constant(ior), None)
     }
 
-    /// Returns the refractive index on which alone R depends: not that of a film, or of a material whose index changes with the wavelength.
+    /// Returns Fresnel's equations for `material` below `film` in unpolarised light.
+    pub fn of_material(material: Material, film: Option<Film>) -> Self {
+        Self::Fresnel { material, film, polarisation: Polarisation::None }
+    }
+
+    /// Returns the reflectance of the same surface in light of this polarisation. Schlick's approximation has one for all.
+    pub fn polarised(self, polarisation: Polarisation) -> Self {
+        match self {
+            Self::Fresnel { material, film, .. } => Self::Fresnel { material, film, polarisation },
+            Self::Schlick(_) => self,
+        }
+    }
+
+    /// Returns the polarisation of the light.
+    pub fn polarisation(&self) -> Polarisation {
+        match self {
+            Self::Schlick(_) => Polarisation::None,
+            Self::Fresnel { polarisation, .. } => *polarisation,
+        }
+    }
+
+    /// Returns the refractive index if R of unpolarised light depends on it alone: no film, no dispersion.
     pub fn index(&self) -> Option<f64> {
         match self {
             Self::Schlick(ior) => Some(*ior),
-            Self::Fresnel { material, film } => material.constant_index().filter(|_| film.is_none()),
+            Self::Fresnel { material, film: None, polarisation: Polarisation::None } => {
+                material.constant_index()
+            }
+            Self::Fresnel { .. } => None,
         }
     }
 
@@ -164,13 +196,14 @@ impl Reflectance {
     pub fn at(&self, wavelength: f64, cos_half_angle: f64) -> f64 {
         match self {
             Self::Schlick(ior) => schlick(*ior, cos_half_angle),
-            Self::Fresnel { material, film } => {
-                fresnel(material.index(wavelength), *film, wavelength, cos_half_angle.clamp(0.0, 1.0))
+            Self::Fresnel { material, film, polarisation } => {
+                let index = material.index(wavelength);
+                polarisation.share(fresnel(index, *film, wavelength, cos_half_angle.clamp(0.0, 1.0)))
             }
         }
     }
 
-    /// Returns true if R depends on the wavelength, so that it belongs inside sums over wavelengths.
+    /// Returns true if R is tabulated over angle and wavelength and stands inside the sums over wavelengths.
     pub fn is_spectral(&self) -> bool {
         self.index().is_none()
     }
@@ -248,8 +281,8 @@ impl Reflectance {
     }
 }
 
-/// R of unpolarised light from air onto a material of index `index`, below `film`.
-fn fresnel(index: Complex64, film: Option<Film>, wavelength: f64, cosine: f64) -> f64 {
+/// Returns R of both polarisations, TE and TM, for light from air onto a material of index `index`, below `film`.
+fn fresnel(index: Complex64, film: Option<Film>, wavelength: f64, cosine: f64) -> [f64; 2] {
     let sine2 = 1.0 - cosine * cosine;
     // n cos θ on the far side by Snell's law; the root with Im ≥ 0 decays.
     let depth = |n: Complex64| {
@@ -268,7 +301,7 @@ fn fresnel(index: Complex64, film: Option<Film>, wavelength: f64, cosine: f64) -
             std::array::from_fn(|i| (top[i] + bottom[i] * echo) / (1.0 + top[i] * bottom[i] * echo))
         }
     };
-    0.5 * amplitudes.iter().map(Complex64::norm_sqr).sum::<f64>()
+    amplitudes.map(|amplitude| amplitude.norm_sqr())
 }
 
 /// Amplitudes that a step from one index to another reflects, perpendicular to the plane of incidence and in it. Each side is its index n and
@@ -318,11 +351,11 @@ mod tests {
     use super::*;
 
     fn of(name: &str) -> Reflectance {
-        Reflectance::Fresnel { material: Material::from_name_or_file(name).unwrap(), film: None }
+        Reflectance::of_material(Material::from_name_or_file(name).unwrap(), None)
     }
 
     fn constant(n: f64, film: Option<Film>) -> Reflectance {
-        Reflectance::Fresnel { material: Material::constant(n), film }
+        Reflectance::of_material(Material::constant(n), film)
     }
 
     #[test]
@@ -340,11 +373,29 @@ mod tests {
     }
 
     #[test]
-    fn at_brewster_s_angle_only_one_polarisation_is_reflected() {
+    fn at_brewster_s_angle_only_te_is_reflected() {
         let n = 1.5f64;
         let s = (1.0 - n * n) / (1.0 + n * n);
-        let found = constant(n, None).at(0.55, n.atan().cos());
-        assert!((found - 0.5 * s * s).abs() < 1e-12);
+        let plain = constant(n, None);
+        let at = |reflectance: &Reflectance| reflectance.at(0.55, n.atan().cos());
+        assert!((at(&plain) - 0.5 * s * s).abs() < 1e-12);
+        assert!((at(&plain.clone().polarised(Polarisation::Te)) - s * s).abs() < 1e-12);
+        assert!(at(&plain.polarised(Polarisation::Tm)) < 1e-24);
+    }
+
+    #[test]
+    fn unpolarised_light_has_the_mean_of_both_polarisations() {
+        for plain in
+            [constant(1.5, None), of("gold"), constant(2.0, Some(Film { thickness: 0.2, index: 1.4 }))]
+        {
+            let [te, tm] = [Polarisation::Te, Polarisation::Tm].map(|p| plain.clone().polarised(p));
+            assert!(te.is_spectral() && te.index().is_none());
+            for cosine in [0.0, 0.2, 0.7, 1.0] {
+                let [plain, te, tm] = [&plain, &te, &tm].map(|r| r.at(0.5, cosine));
+                assert!((plain - 0.5 * (te + tm)).abs() < 1e-12 && te >= tm - 1e-12, "{te} {tm}");
+            }
+            assert!((te.at(0.5, 1.0) - tm.at(0.5, 1.0)).abs() < 1e-12);
+        }
     }
 
     #[test]
@@ -400,7 +451,7 @@ mod tests {
             for i in 0..2000 {
                 let share = |k: u32| (f64::from(i) * 0.618_034f64.powi(k as i32)).fract();
                 let film = Film { thickness: 2.0 * share(1), index: 1.0 + 3.0 * share(2) };
-                let reflectance = Reflectance::Fresnel { material: material.clone(), film: Some(film) };
+                let reflectance = Reflectance::of_material(material.clone(), Some(film));
                 let r = reflectance.at(0.38 + 0.4 * share(3), share(4));
                 assert!((0.0..=1.0 + 1e-12).contains(&r), "{name}, {film}: {r}");
             }
@@ -442,8 +493,7 @@ mod tests {
             ("silver", film(0.3, 1.5), 2e-3),
             ("silicon", None, 1e-4),
         ] {
-            let reflectance =
-                Reflectance::Fresnel { material: Material::from_name_or_file(name).unwrap(), film };
+            let reflectance = Reflectance::of_material(Material::from_name_or_file(name).unwrap(), film);
             let table = reflectance.table();
             let (first, last) = (1.0 / LONGEST, 1.0 / SHORTEST);
             let (mut squares, mut count) = (0.0f64, 0.0);

@@ -214,7 +214,7 @@ pub(super) fn reflectance(
         Material::from_name_or_file(folder.join(name))
     };
     let film = film.map(Film::parse).transpose()?;
-    Ok(Some(Reflectance::Fresnel { material: material?, film }))
+    Ok(Some(Reflectance::of_material(material?, film)))
 }
 
 /// The steps of `prepare`, each as on the command line without the dashes.

@@ -44,7 +44,7 @@ impl ObjectDocument {
 /// Material and film of a scene file in `folder`.
 fn reflecting(reflectance: Option<&Reflectance>, folder: &Path) -> Result<[Option<String>; 2]> {
     match reflectance {
-        Some(Reflectance::Fresnel { material, film }) if material.constant_index().is_none() => {
+        Some(Reflectance::Fresnel { material, film, .. }) if material.constant_index().is_none() => {
             let name = &material.name;
             let is_built_in = Material::is_built_in(name);
             let name = if is_built_in { name.clone() } else { named_from(Path::new(name), folder)? };
@@ -239,8 +239,7 @@ mod tests {
         scene.shadows = false;
         scene.unit = 0.104;
         let material = Material::from_name_or_file("gold").unwrap();
-        scene.reflectance =
-            Some(Reflectance::Fresnel { material, film: Some(Film::parse("120nm:1.7").unwrap()) });
+        scene.reflectance = Some(Reflectance::of_material(material, Some(Film::parse("120nm:1.7").unwrap())));
         let spectrum_name = spectrum.to_str().unwrap().to_owned();
         scene.options = [["illuminant", &spectrum_name], ["tolerance", "2e-2"], ["windows", "all"]]
             .map(|pair| pair.map(str::to_owned))

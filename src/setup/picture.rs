@@ -84,7 +84,8 @@ impl ObjectSurface {
         let field = object.surface.as_ref().map(load).transpose()?;
         let mut optics = optics.clone();
         optics.shading.beyond = field.as_ref().map_or(Beyond::Copies, |field| beyond_of(field));
-        optics.shading.reflectance = object.reflectance.clone().unwrap_or_default();
+        let polarisation = optics.shading.reflectance.polarisation();
+        optics.shading.reflectance = object.reflectance.clone().unwrap_or_default().polarised(polarisation);
         let own = Self { field, optics };
         own.check_heights()?;
         Ok(own)

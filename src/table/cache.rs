@@ -171,7 +171,7 @@ mod tests {
     /// Gold below a film of this thickness.
     fn gold(film: Option<f64>) -> Reflectance {
         let material = Material::from_name_or_file("gold").unwrap();
-        Reflectance::Fresnel { material, film: film.map(|thickness| Film { thickness, index: 1.5 }) }
+        Reflectance::of_material(material, film.map(|thickness| Film { thickness, index: 1.5 }))
     }
 
     #[test]

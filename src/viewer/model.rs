@@ -17,6 +17,7 @@ use super::surface_pane::SurfacePane;
 use crate::error::Error;
 use crate::render::frame::View;
 use crate::render::sampling::Sampling;
+use crate::scene::environment::Environment;
 use crate::scene::{Camera, FarLight};
 use crate::surface::SurfaceSource;
 use std::path::PathBuf;
@@ -385,6 +386,7 @@ impl Model {
             brought: SceneSettings::of(&loaded.scene),
             default_view: None,
             settings,
+            notice: environment_note(&loaded),
             loaded,
             sources: Sources::default(),
             frame: None,
@@ -403,7 +405,6 @@ impl Model {
             turntable: 120,
             recording: None,
             drawing: None,
-            notice: None,
             failure: None,
             files: Vec::new(),
             file_choice: FileChoice::default(),
@@ -494,7 +495,7 @@ impl Model {
         self.loaded = Arc::new(loaded);
         self.choose_default_view();
         self.pacing.quality.invalidate();
-        self.notice = None;
+        self.notice = environment_note(&self.loaded);
         self.succeed(Concern::Setting);
     }
 
@@ -617,6 +618,11 @@ impl Model {
     }
 }
 
+/// Returns the note about the environment map of a scene.
+fn environment_note(loaded: &LoadedScene) -> Option<String> {
+    loaded.scene.environment.as_ref().and_then(Environment::note)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -652,6 +658,22 @@ mod tests {
         model.return_to_start();
         show(&mut model, "sphere");
         assert_eq!(model.settings.exposure, model.loaded.scene.exposure);
+    }
+
+    #[test]
+    fn pixels_of_surroundings_that_are_no_light_are_told() {
+        let mut model = model();
+        assert_eq!(model.notice, None);
+        let mut scene = Scene::open("plate").unwrap();
+        let pixels =
+            image::Rgb32FImage::from_fn(16, 8, |x, _| image::Rgb([if x == 3 { f32::NAN } else { 1.0 }; 3]));
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image::DynamicImage::from(pixels).write_to(&mut bytes, image::ImageFormat::OpenExr).unwrap();
+        scene.environment = Some(Environment::from_bytes("holes.exr", bytes.get_ref()).unwrap());
+        model.show_scene("plate".to_owned(), LoadedScene::of(scene).unwrap());
+        assert!(model.notice.as_ref().unwrap().starts_with("holes.exr: 8 pixels"), "{:?}", model.notice);
+        show(&mut model, "plate");
+        assert_eq!(model.notice, None);
     }
 
     #[test]

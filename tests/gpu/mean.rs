@@ -9,6 +9,7 @@ use diffract::filter::{Covariance, FootprintSizes, MOST_OF_ROW};
 use diffract::measure::error;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::material::Material;
+use diffract::optics::polarisation::Polarisation;
 use diffract::optics::reference::Reference;
 use diffract::optics::reflectance::{Film, Reflectance};
 use diffract::optics::spectrum::{Illuminant, SHORTEST};
@@ -115,8 +116,13 @@ fn materials_and_films_keep_the_tolerance_by_every_source() {
     let field = patch(SurfaceKind::Elaphe, 8.0);
     let tolerance = 2e-2;
     with_device(|device| {
-        for (name, film) in [("gold", None), ("glass", film(1.9, 1.33))] {
-            let reflectance = Reflectance::Fresnel { material: material(name), film };
+        for (name, film, light) in [
+            ("gold", None, Polarisation::None),
+            ("glass", film(1.9, 1.33), Polarisation::None),
+            ("glass", None, Polarisation::Te),
+            ("glass", None, Polarisation::Tm),
+        ] {
+            let reflectance = Reflectance::of_material(material(name), film).polarised(light);
             let of =
                 |windows| Shading { windows, reflectance: reflectance.clone(), ..shading(8.0, tolerance) };
             let table =
@@ -133,7 +139,7 @@ fn materials_and_films_keep_the_tolerance_by_every_source() {
                     Evaluator::new(device, &source, shading).unwrap().cosine_weighted(&queries).unwrap()
                 };
                 let error = relative(&answers(&of(windows)), exact);
-                eprintln!("{name}, {film:?}, {windows:?} by {}: {error:.2e}", method.name());
+                eprintln!("{name}, {film:?}, {light:?}, {windows:?} by {}: {error:.2e}", method.name());
                 assert!(error <= tolerance, "{name}, {windows:?} by {}: {error:e}", method.name());
                 // Schlick's dielectric is far from it.
                 let plain = relative(&answers(&Shading { windows, ..shading(8.0, tolerance) }), exact);

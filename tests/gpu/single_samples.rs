@@ -43,9 +43,8 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
     let scene = Scene::open(case.scene).unwrap();
     let lights = case.light.as_ref().map_or(scene.lights.clone(), |light| vec![light.clone()]);
     let view = View { base_color: Vec3::ZERO, ..View::of(&scene, lights) };
-    let reflectance = case.material.map_or(Reflectance::default(), |name| Reflectance::Fresnel {
-        material: Material::from_name_or_file(name).unwrap(),
-        film: None,
+    let reflectance = case.material.map_or(Reflectance::default(), |name| {
+        Reflectance::of_material(Material::from_name_or_file(name).unwrap(), None)
     });
     let shading = Shading {
         coherence: Coherence::Gaussian { length: 16.0 },

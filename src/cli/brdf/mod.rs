@@ -130,12 +130,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (Some(path), Some(format)) = (&arguments.output, format) else { return Ok(()) };
     let display = map.pixels.iter().map(|pixel| displayed(*pixel, arguments.exposure)).collect();
     let picture = Picture { size: [arguments.size; 2], radiance: map.pixels, display, surrounded: false };
-    picture_file::write(
-        path,
-        format,
-        &picture,
-        &captions::notes(&field, &arguments.optics.reflectance().unwrap_or_default()),
-    )
+    picture_file::write(path, format, &picture, &captions::notes(&field, &arguments.optics.reflectance(None)))
 }
 
 /// Two maps, their difference in a figure and in a line.

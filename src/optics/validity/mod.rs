@@ -6,6 +6,7 @@
 
 mod table;
 
+use super::polarisation::Polarisation;
 use super::reflectance::Reflectance;
 use super::spectrum::MIDDLE;
 use crate::error::Result;
@@ -23,6 +24,8 @@ pub struct ScalarTheory {
     grooves: Option<ProfileShape>,
     /// Errors by the angle of incidence; empty where they are not known.
     errors: Vec<AngleErrors>,
+    /// Polarisation of the light, whose error the line tells.
+    polarisation: Polarisation,
 }
 
 impl ScalarTheory {
@@ -33,7 +36,7 @@ impl ScalarTheory {
         let found = match relief {
             Relief::Flat => {
                 let line = "diffracted orders err by 0 %: a mirror has none".to_owned();
-                return Self { line, grooves: None, errors: Vec::new() };
+                return Self { line, grooves: None, errors: Vec::new(), polarisation: Polarisation::None };
             }
             Relief::Crossed([larger, smaller]) => Err(format!(
                 "RMS slopes in two directions, {larger:.2} and {smaller:.2}; computed for grooves in one direction"
@@ -45,12 +48,14 @@ impl ScalarTheory {
         };
         match found {
             Ok((grooves, errors)) => {
-                let line = format!("{}; {}", by_angle(&errors), described(&grooves, reflectance));
-                Self { line, grooves: Some(grooves), errors }
+                let polarisation = reflectance.polarisation();
+                let line =
+                    format!("{}; {}", by_angle(&errors, polarisation), described(&grooves, reflectance));
+                Self { line, grooves: Some(grooves), errors, polarisation }
             }
             Err(reason) => {
                 let line = format!("not known: {reason}; angles of orders are exact");
-                Self { line, grooves: None, errors: Vec::new() }
+                Self { line, grooves: None, errors: Vec::new(), polarisation: Polarisation::None }
             }
         }
     }
@@ -77,17 +82,16 @@ impl ScalarTheory {
     pub fn brief(&self) -> String {
         match self.errors.as_slice() {
             [] => self.line.split([':', ';']).next().unwrap_or_default().to_owned(),
-            [only] => error_at(only.mean, only.angle),
-            [first, .., last] => {
-                format!("{}, {}", error_at(first.mean, first.angle), error_at(last.mean, last.angle))
-            }
+            [only] => self.error_at(only),
+            [first, .., last] => format!("{}, {}", self.error_at(first), self.error_at(last)),
         }
     }
-}
 
-/// Returns an error at an angle \[degrees\] in a few words.
-fn error_at(error: f64, angle: f64) -> String {
-    format!("{} at {angle}°", percent(error).replace("more than", "over"))
+    /// Returns the error at an angle in a few words.
+    fn error_at(&self, errors: &AngleErrors) -> String {
+        let error = percent(errors.in_light(self.polarisation)).replace("more than", "over");
+        format!("{error} at {}°", errors.angle)
+    }
 }
 
 /// Returns what was looked up, in words.
@@ -95,25 +99,30 @@ fn described(grooves: &ProfileShape, reflectance: &Reflectance) -> String {
     let [period, height] = [grooves.period, grooves.height].map(|length| length / MIDDLE);
     let [profile, material] =
         [grooves.profile.name(), MaterialClass::of(reflectance).map_or("", MaterialClass::name)];
+    let light = match reflectance.polarisation() {
+        Polarisation::None => "",
+        Polarisation::Te => " in TE light",
+        Polarisation::Tm => " in TM light",
+    };
     format!(
-        "mean weighted by light, {profile} on {material}, period {period:.1} λ, height {height:.2} λ at {:.0} nm; angles of orders are exact",
+        "mean weighted by light, {profile} on {material}{light}, period {period:.1} λ, height {height:.2} λ at {:.0} nm; angles of orders are exact",
         MIDDLE * 1e3
     )
 }
 
-/// Returns the errors of unpolarised light in words: those up to an angle together while they hardly differ.
-fn by_angle(errors: &[AngleErrors]) -> String {
+/// Returns the errors in light of this polarisation in words: those up to an angle together while they hardly differ.
+fn by_angle(errors: &[AngleErrors], polarisation: Polarisation) -> String {
     /// Errors below this share, or below [`ALIKE`] times the first of a group, are told together.
     const SMALL: f64 = 0.02;
     const ALIKE: f64 = 1.5;
     let mut groups: Vec<(f64, f64, f64)> = Vec::new(); // first angle, last angle, largest error
     let mut limit = 0.0;
-    for e in errors {
+    for (angle, error) in errors.iter().map(|e| (e.angle, e.in_light(polarisation))) {
         match groups.last_mut() {
-            Some((_, last, largest)) if e.mean <= limit => (*last, *largest) = (e.angle, largest.max(e.mean)),
+            Some((_, last, largest)) if error <= limit => (*last, *largest) = (angle, largest.max(error)),
             _ => {
-                limit = (ALIKE * e.mean).max(SMALL);
-                groups.push((e.angle, e.angle, e.mean));
+                limit = (ALIKE * error).max(SMALL);
+                groups.push((angle, angle, error));
             }
         }
     }
@@ -144,7 +153,7 @@ mod tests {
 
     fn metal() -> Reflectance {
         let material = Material::from_name_or_file("aluminium").unwrap();
-        Reflectance::Fresnel { material, film: None }
+        Reflectance::of_material(material, None)
     }
 
     fn sinusoid(period: f64, height: f64) -> Relief {
@@ -189,8 +198,8 @@ mod tests {
         let film = Some(Film { thickness: 0.1, index: 1.7 });
         let silicon = Material::from_name_or_file("silicon").unwrap();
         for (reflectance, word) in [
-            (Reflectance::Fresnel { material: Material::constant(1.5), film }, "film"),
-            (Reflectance::Fresnel { material: silicon, film: None }, "refractive indices"),
+            (Reflectance::of_material(Material::constant(1.5), film), "film"),
+            (Reflectance::of_material(silicon, None), "refractive indices"),
             (Reflectance::Schlick(1.5), "Fresnel"),
         ] {
             let line = line(sinusoid(5.0, 0.2), &reflectance);
@@ -203,9 +212,12 @@ mod tests {
         let errors = |means: &[(f64, f64)]| -> Vec<AngleErrors> {
             means.iter().map(|&(angle, mean)| AngleErrors { angle, mean, te: mean, tm: mean }).collect()
         };
-        let line = by_angle(&errors(&[(0.0, 0.021), (30.0, 0.01), (45.0, 0.03), (60.0, 0.114), (75.0, 1.4)]));
+        let line = by_angle(
+            &errors(&[(0.0, 0.021), (30.0, 0.01), (45.0, 0.03), (60.0, 0.114), (75.0, 1.4)]),
+            Polarisation::None,
+        );
         assert_eq!(line, "diffracted orders err by 3 % up to 45°, 12 % at 60°, more than 100 % at 75°");
-        let line = by_angle(&errors(&[(30.0, 0.1), (45.0, 0.12)]));
+        let line = by_angle(&errors(&[(30.0, 0.1), (45.0, 0.12)]), Polarisation::Te);
         assert_eq!(line, "diffracted orders err by 12 % from 30° to 45°");
     }
 

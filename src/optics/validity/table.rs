@@ -1,5 +1,6 @@
 //! The table of errors that `tools/validity` computed, read between its points.
 
+use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::MIDDLE;
 use crate::surface::statistics::ProfileShape;
@@ -34,7 +35,7 @@ impl MaterialClass {
         match reflectance {
             Reflectance::Schlick(_) => Err("computed with Fresnel's equations".to_owned()),
             Reflectance::Fresnel { film: Some(_), .. } => Err("computed without a film".to_owned()),
-            Reflectance::Fresnel { material, film: None } => {
+            Reflectance::Fresnel { material, film: None, .. } => {
                 let index = material.index(MIDDLE);
                 if index.im >= METALLIC {
                     Ok(Self::Metal)
@@ -70,6 +71,17 @@ pub struct AngleErrors {
     pub te: f64,
     /// Error in light polarised across the grooves, likewise.
     pub tm: f64,
+}
+
+impl AngleErrors {
+    /// Returns the error in light of this polarisation.
+    pub fn in_light(&self, polarisation: Polarisation) -> f64 {
+        match polarisation {
+            Polarisation::None => self.mean,
+            Polarisation::Te => self.te,
+            Polarisation::Tm => self.tm,
+        }
+    }
 }
 
 /// A point of the table.
