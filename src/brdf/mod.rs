@@ -19,14 +19,14 @@ pub trait Brdf {
     /// f \[sr⁻¹\] of every pair of directions at `wavelength` \[µm\], in order; 0 below the horizon.
     ///
     /// # Errors
-    /// Where the method has no single wavelengths or the device is lost.
+    /// Fails if the method has no single wavelengths or the device is lost.
     fn spectral(&mut self, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>>;
 
     /// XYZ of f \[sr⁻¹\] of every pair of directions, in order, normalised to 1/cos θ_i for a perfect mirror image of the light; 0 below
     /// the horizon.
     ///
     /// # Errors
-    /// Where a colour takes too many wavelengths or the device is lost.
+    /// Fails if a colour takes too many wavelengths or the device is lost.
     fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>>;
 
     /// Pairs that are worth one call: few enough for a progress bar to move.

@@ -83,7 +83,7 @@ impl<'a> TabulatedMean<'a> {
     /// Tabulates the powers of all orders, for colours by `sampling`.
     ///
     /// # Errors
-    /// As [`TabulatedMean::new`].
+    /// Same as [`TabulatedMean::new`].
     pub fn with_sampling(
         mean: MeanBrdf<'a>,
         shortest: f64,

@@ -77,7 +77,7 @@ pub struct Rates {
 /// `progress(done, of)` is called before each frame; an error from it ends the work.
 ///
 /// # Errors
-/// When the device is lost, and what `progress` returns.
+/// Fails if the device is lost, and what `progress` returns.
 pub fn measure(
     painter: &mut Painter,
     view: &View,
@@ -121,7 +121,7 @@ pub fn measure(
 /// Measures the rates at which the device samples `painter`'s texture, for pictures of `pixels` pixels.
 ///
 /// # Errors
-/// Where the device is lost.
+/// Fails if the device is lost.
 pub fn rates(painter: &mut Painter, pixels: usize) -> Result<Rates> {
     let mut rate = |scattered| {
         let milliseconds = painter.probe(PROBE_SAMPLES, scattered)?;

@@ -19,7 +19,7 @@ const CACHED_WINDOWS: u32 = 16;
 /// It is told the share of this BRDF in the mean. `device` opens the device, where one is needed; `note` is told what the user should know.
 ///
 /// # Errors
-/// As [`source`], and what `ask` returns.
+/// Same as [`source`], and what `ask` returns.
 pub fn for_each_window(
     field: &HeightField,
     settings: &Settings,

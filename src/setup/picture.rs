@@ -104,7 +104,7 @@ impl ObjectSurface {
     /// The same with optics for footprints as large as those of `mesh` in `views`, of `size` pixels, where the source averages over them.
     ///
     /// # Errors
-    /// Where the device is lost or has no room.
+    /// Fails if the device is lost or out of memory.
     pub fn seen(
         &self,
         device: &Arc<Device>,
@@ -155,7 +155,7 @@ impl<'a> PreparedScene<'a> {
     /// sizes of footprints that suit all of `views`.
     ///
     /// # Errors
-    /// A picture that cannot be read; where the device is lost or has no room; what `make` returns.
+    /// A picture that cannot be read; where the device is lost or out of memory; what `make` returns.
     pub fn new(
         device: &Arc<Device>,
         (scene, surfaces): (&'a Scene, &[ObjectSurface]),
@@ -198,7 +198,7 @@ impl<'a> PreparedScene<'a> {
     /// the picture.
     ///
     /// # Errors
-    /// Where the device is lost or has no room, and what `progress` returns.
+    /// Fails if the device is lost or out of memory, and what `progress` returns.
     pub fn draw(&mut self, view: &View, progress: &mut dyn FnMut(u32) -> Result<()>) -> Result<Picture> {
         self.painter.paint_samples(view, &self.settings.sampling, self.shown, progress)
     }
@@ -211,7 +211,7 @@ impl<'a> PreparedScene<'a> {
     /// The exposure \[stops\] that [`exposure::automatic`] gives one sample of `view`; `None` where nothing in it is lit.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn meter(&mut self, view: &View) -> Result<Option<f64>> {
         self.painter.draw_sample(view, &Sampling::ONE.sample(0), self.shown)?;
         Ok(exposure::automatic(&self.painter.picture()?.radiance))
@@ -227,7 +227,7 @@ impl<'a> PreparedScene<'a> {
 /// [`Settings::cached`] says so.
 ///
 /// # Errors
-/// As [`source`]; a pigment texture that cannot be read; where the device is lost or has no room.
+/// Same as [`source`]; a pigment texture that cannot be read; where the device is lost or out of memory.
 pub fn picture(
     device: &Arc<Device>,
     scene: &Scene,

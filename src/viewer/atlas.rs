@@ -47,7 +47,7 @@ impl Atlas {
     /// An atlas of `size` texels, read through `sampler`; its texels are undefined until they are written.
     ///
     /// # Errors
-    /// When the device has no memory.
+    /// Fails if the device has no memory.
     pub fn new(device: &Arc<Device>, sampler: &Sampler, size: [u32; 2]) -> Result<Self> {
         let description = Description {
             name: "panel texture",
@@ -82,7 +82,7 @@ impl Atlas {
     /// Records the copy of `delta`. `resources` keeps the staging buffer until the device has read it.
     ///
     /// # Errors
-    /// Where the device has no room, or the change lies outside of the atlas.
+    /// Fails if the device is out of memory, or the change lies outside of the atlas.
     pub fn write(
         &mut self,
         device: &Arc<Device>,

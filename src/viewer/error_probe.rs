@@ -28,7 +28,7 @@ pub struct ProbeSamples {
 /// The directions of every pixel, one entry per light of `view`.
 ///
 /// # Errors
-/// When the device is lost.
+/// Fails if the device is lost.
 pub fn directions(painter: &mut Painter, view: &View) -> Result<Vec<Directions>> {
     (0..view.light_count()).map(|light| painter.directions(view, light)).collect()
 }
@@ -47,7 +47,7 @@ pub fn thinned(directions: &[Directions], pixels: usize) -> Vec<Directions> {
 /// Random pixels that show the first object in the picture of `view` that `painter` drew last.
 ///
 /// # Errors
-/// When the device is lost.
+/// Fails if the device is lost.
 pub fn samples(painter: &mut Painter, view: &View) -> Result<ProbeSamples> {
     let radiance = painter.picture()?.radiance;
     let directions = directions(painter, view)?;
@@ -94,7 +94,7 @@ impl ErrorProbe {
     /// Compares the pixels of `probe` with the reference and sends progress and result to `reply`.
     ///
     /// # Errors
-    /// When the system refuses a thread.
+    /// Fails if the system refuses a thread.
     pub fn new(probe: ProbeTask, reply: impl Fn(Result<ProbeStatus>) + Send + 'static) -> Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();

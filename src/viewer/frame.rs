@@ -24,7 +24,7 @@ impl LoadedScene {
     /// Reads the textures of `scene`.
     ///
     /// # Errors
-    /// When a texture cannot be read.
+    /// Fails if a texture cannot be read.
     pub fn of(scene: Scene) -> Result<Self> {
         Ok(Self { textures: ObjectTextures::of(&scene)?, scene })
     }

@@ -38,7 +38,7 @@ impl Gui {
     /// For images of `format` and `frames` frames in flight.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>, format: vk::Format, frames: usize) -> Result<Self> {
         let mode = RenderMode::DynamicRendering(DynamicRendering {
             color_attachment_format: format,
@@ -56,7 +56,7 @@ impl Gui {
     /// Records the texture changes; must come before rendering begins. `resources` belongs to the frame.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn upload(
         &mut self,
         record: &Recorder<'_>,
@@ -101,7 +101,7 @@ impl Gui {
     /// Records the drawing within rendering to an image of `size`, and frees the textures that are not needed any more.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn draw(
         &mut self,
         draw: &Recorder<'_>,

@@ -49,7 +49,7 @@ fn view(index: usize, side: usize) -> Option<DVec3> {
 /// Evaluates the BRDF for the light of `request` with the texture of `painter`. The 97th percentile of brightness is exposed to white.
 ///
 /// # Errors
-/// Where the device is lost.
+/// Fails if the device is lost.
 pub fn hemisphere(painter: &mut Painter, request: InsetRequest) -> Result<Inset> {
     let (light, side) = (request.light, request.side());
     let toward = direction(light.theta.min(89.9), light.phi);

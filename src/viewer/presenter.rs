@@ -54,7 +54,7 @@ impl Presenter {
     /// A presenter for `window`, in presentation mode `mode` if the device supports it.
     ///
     /// # Errors
-    /// When the device fails.
+    /// Fails if the device fails.
     pub fn new(
         device: &Arc<Device>,
         surface: &Arc<Surface>,
@@ -98,7 +98,7 @@ impl Presenter {
     /// Draws a frame and presents it; false if nothing was shown because the window has no area or was resized meanwhile.
     ///
     /// # Errors
-    /// When the device is lost.
+    /// Fails if the device is lost.
     pub fn draw(&mut self, pictures_shown: Option<&ShownPictures<'_>>, jobs: &mut PaintJobs) -> Result<bool> {
         if self.outdated {
             self.recreate_swapchain()?;

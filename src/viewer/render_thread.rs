@@ -18,7 +18,7 @@ impl RenderThread {
     /// Starts a thread that draws on `device` and sends its replies to `reply`.
     ///
     /// # Errors
-    /// When the system refuses a thread.
+    /// Fails if the system refuses a thread.
     pub fn new(device: &Arc<Device>, reply: impl Fn(RenderReply) + Send + 'static) -> Result<Self> {
         let queue = Arc::<JobQueue>::default();
         let (tasks, device) = (queue.clone(), device.clone());

@@ -161,7 +161,7 @@ impl ViewSettings {
     /// The settings for `render`, with `optics` in place of [`Self::optics`].
     ///
     /// # Errors
-    /// When the file of the illuminant cannot be read.
+    /// Fails if the file of the illuminant cannot be read.
     pub fn shading(&self, optics: &OpticsSettings) -> Result<Shading> {
         Ok(Shading {
             coherence: self.coherence,

@@ -257,7 +257,7 @@ impl ViewerWindow {
     /// Keeps what is shown for the next window, if anything was set in this one.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// Fails if it cannot be written.
     pub fn keep(&self) -> Result<()> {
         if self.model.is_untouched() {
             return Ok(());

@@ -133,7 +133,7 @@ impl Worker {
     /// Starts a thread that prepares sources for a device of these `limits`, bakes tables on `device`, and sends its replies to `reply`.
     ///
     /// # Errors
-    /// When the system refuses a thread.
+    /// Fails if the system refuses a thread.
     pub fn new(
         limits: &Candidate,
         device: Option<Arc<Device>>,

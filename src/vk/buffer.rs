@@ -22,7 +22,7 @@ impl Buffer {
     /// A buffer of `size` bytes (at least one) called `name`.
     ///
     /// # Errors
-    /// Where there is no memory for it.
+    /// Fails if there is no memory for it.
     pub fn new(
         device: &Arc<Device>,
         name: &str,
@@ -56,7 +56,7 @@ impl Buffer {
     /// A host-visible buffer that holds `data`.
     ///
     /// # Errors
-    /// Where there is no memory for it.
+    /// Fails if there is no memory for it.
     pub fn with_data(
         device: &Arc<Device>,
         name: &str,

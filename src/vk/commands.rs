@@ -36,7 +36,7 @@ impl Commands {
     /// A command buffer called `name`.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>, name: &str) -> Result<Self> {
         let mut own = Self {
             raw: vk::CommandBuffer::null(),
@@ -66,7 +66,7 @@ impl Commands {
     /// Records with `record`, submits, and waits until the device has finished.
     ///
     /// # Errors
-    /// What `record` returns, or where the device is lost.
+    /// What `record` returns, or if the device is lost.
     pub fn run(&mut self, record: impl FnOnce(&Recorder<'_>) -> Result<()>) -> Result<()> {
         self.start(record, None, None)?;
         self.wait()
@@ -76,7 +76,7 @@ impl Commands {
     /// `done` is signalled in the end. What the commands use must live until [`Commands::wait`].
     ///
     /// # Errors
-    /// What `record` returns, or where the device is lost.
+    /// What `record` returns, or if the device is lost.
     pub fn start(
         &mut self,
         record: impl FnOnce(&Recorder<'_>) -> Result<()>,
@@ -116,7 +116,7 @@ impl Commands {
     /// Waits until the last submission is done.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn wait(&mut self) -> Result<()> {
         if !self.pending {
             return Ok(());
@@ -167,7 +167,7 @@ impl Recorder<'_> {
         self.tile(size, [0..size[0], rows])
     }
 
-    /// As [`Recorder::within`], limited to columns and rows.
+    /// Same as [`Recorder::within`], limited to columns and rows.
     pub fn tile(&self, size: [u32; 2], tile: [Range<u32>; 2]) -> Self {
         Self { part: Some((size, tile)), ..*self }
     }

@@ -46,7 +46,7 @@ impl Descriptors {
     /// A set of `bindings` called `name`.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>, name: &str, bindings: &[Binding]) -> Result<Self> {
         let rows: Vec<_> = bindings
             .iter()

@@ -43,7 +43,7 @@ impl Device {
     /// Opens the device of choice `wish`.
     ///
     /// # Errors
-    /// As [`selection::choose`], and where the driver refuses.
+    /// Same as [`selection::choose`], or if the driver refuses.
     pub fn open(instance: Arc<Instance>, wish: &DeviceChoice) -> Result<Arc<Self>> {
         let candidates = selection::candidates(&instance)?;
         Self::open_one_of(candidates, instance, wish, &[])
@@ -52,7 +52,7 @@ impl Device {
     /// Opens the one of `candidates` that `wish` chooses, with the device extensions `extensions`.
     ///
     /// # Errors
-    /// As [`Device::open`].
+    /// Same as [`Device::open`].
     pub(super) fn open_one_of(
         mut candidates: Vec<Candidate>,
         instance: Arc<Instance>,
@@ -152,7 +152,7 @@ impl Device {
     /// Submits recorded work and signals `fence` when it has finished.
     ///
     /// # Errors
-    /// Where the device is lost or out of memory.
+    /// Fails if the device is lost or out of memory.
     pub fn submit(&self, work: vk::SubmitInfo2<'_>, fence: vk::Fence) -> Result<()> {
         // A lost device stays lost.
         let take = |left: u64| if left == u64::MAX { None } else { left.checked_sub(1) };
@@ -168,7 +168,7 @@ impl Device {
     /// Calls `use_it` with exclusive access to the queue.
     ///
     /// # Errors
-    /// Where a thread failed while it used the queue.
+    /// Fails if a thread failed while it used the queue.
     pub fn with_queue<T>(&self, use_it: impl FnOnce(vk::Queue) -> T) -> Result<T> {
         let queue = self.queue.lock().map_err(|_| poisoned())?;
         Ok(use_it(*queue))
@@ -200,7 +200,7 @@ impl Device {
     /// Allocates memory for a resource called `name`.
     ///
     /// # Errors
-    /// Where there is not enough.
+    /// Fails if there is not enough.
     pub fn allocate(
         &self,
         name: &str,

@@ -44,7 +44,7 @@ impl Image {
     /// Wraps an image of one layer that is owned elsewhere and must outlive the result.
     ///
     /// # Errors
-    /// Where the device refuses a view.
+    /// Fails if Vulkan reports an error a view.
     pub fn borrowed(
         device: &Arc<Device>,
         name: &str,
@@ -86,7 +86,7 @@ impl Image {
     /// Creates an image with one mip level.
     ///
     /// # Errors
-    /// Where it exceeds the device's limits or memory.
+    /// Fails if it exceeds the device's limits or memory.
     pub fn new(device: &Arc<Device>, description: &Description<'_>) -> Result<Self> {
         Self::with_levels(device, description, 1)
     }
@@ -94,7 +94,7 @@ impl Image {
     /// Creates an image with `levels` mip levels.
     ///
     /// # Errors
-    /// Where it exceeds the device's limits or memory.
+    /// Fails if it exceeds the device's limits or memory.
     pub fn with_levels(device: &Arc<Device>, description: &Description<'_>, levels: u32) -> Result<Self> {
         let Description { name, format, size, layers, array, usage } = *description;
         let limits = device.candidate();

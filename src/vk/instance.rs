@@ -58,7 +58,7 @@ impl Instance {
     /// Like [`Instance::new`], with the capabilities of `mask` hidden.
     ///
     /// # Errors
-    /// As [`Instance::new`].
+    /// Same as [`Instance::new`].
     pub fn masked(validation: bool, mask: Mask) -> Result<Self> {
         Self::with_extensions(validation, &[], mask)
     }
@@ -66,7 +66,7 @@ impl Instance {
     /// Like [`Instance::new`], with the instance extensions `more`.
     ///
     /// # Errors
-    /// As [`Instance::new`], and where there is no such extension.
+    /// Same as [`Instance::new`], or if there is no such extension.
     pub(super) fn with_extensions(validation: bool, more: &[*const c_char], mask: Mask) -> Result<Self> {
         // SAFETY: loading runs the system's Vulkan loader, which is what the user asked for; the entry outlives all use.
         let entry = unsafe { ash::Entry::load() }

@@ -42,7 +42,7 @@ impl Mask {
     /// The mask that the environment asks for; none where it does not.
     ///
     /// # Errors
-    /// As [`Mask::parse`].
+    /// Same as [`Mask::parse`].
     pub fn from_environment() -> Result<Self> {
         match std::env::var_os(VARIABLE) {
             None => Ok(Self::default()),

@@ -190,7 +190,7 @@ impl Pipeline {
     /// A compute pipeline over `sets`, set 0 first.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn compute(
         device: &Arc<Device>,
         code: Code<'_>,
@@ -213,7 +213,7 @@ impl Pipeline {
     /// A graphics pipeline over `sets`, set 0 first, with dynamic viewport and scissor. Without `fragment` it writes depth only.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn graphics(
         device: &Arc<Device>,
         vertex: Code<'_>,
@@ -229,7 +229,7 @@ impl Pipeline {
     /// A graphics pipeline that adds what it draws to what its attachments hold.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn adding(
         device: &Arc<Device>,
         vertex: Code<'_>,

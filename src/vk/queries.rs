@@ -17,7 +17,7 @@ impl Timestamps {
     /// A pool of `count` timestamps.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>, count: u32) -> Result<Self> {
         let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(count);
         // SAFETY: the device is live and `info` complete.
@@ -40,7 +40,7 @@ impl Timestamps {
     /// Time between consecutive timestamps of finished work \[ms\].
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn intervals(&self) -> Result<Vec<f64>> {
         let mut ticks = vec![0u64; self.count as usize];
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;

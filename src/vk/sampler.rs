@@ -16,7 +16,7 @@ impl Sampler {
     /// Linear in both directions, with `address` beyond the edges.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn linear(device: &Arc<Device>, name: &str, address: vk::SamplerAddressMode) -> Result<Self> {
         Self::new(device, name, &filtering(address))
     }
@@ -24,7 +24,7 @@ impl Sampler {
     /// Linear within the nearest level; coordinates are clamped to the edge.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn levels(device: &Arc<Device>, name: &str) -> Result<Self> {
         Self::of_levels(device, name, vk::SamplerAddressMode::CLAMP_TO_EDGE)
     }
@@ -32,7 +32,7 @@ impl Sampler {
     /// Linear within the nearest level; 0 beyond the edges.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn levels_that_end(device: &Arc<Device>, name: &str) -> Result<Self> {
         Self::of_levels(device, name, vk::SamplerAddressMode::CLAMP_TO_BORDER)
     }
@@ -48,7 +48,7 @@ impl Sampler {
     /// Linear within and between levels, for pictures all around: the left edge meets the right one, and the top and the bottom end.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn equirectangular(device: &Arc<Device>, name: &str) -> Result<Self> {
         let info = filtering(vk::SamplerAddressMode::CLAMP_TO_EDGE)
             .address_mode_u(vk::SamplerAddressMode::REPEAT)
@@ -60,7 +60,7 @@ impl Sampler {
     /// Nearest texel, which integer images require.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn nearest(device: &Arc<Device>, name: &str) -> Result<Self> {
         Self::new(device, name, &vk::SamplerCreateInfo::default())
     }

@@ -78,7 +78,7 @@ fn no_such(wish: &str) -> Error {
 /// Every Vulkan device, in the loader's order.
 ///
 /// # Errors
-/// Where Vulkan cannot list them.
+/// Fails if Vulkan cannot list them.
 pub fn candidates(instance: &Instance) -> Result<Vec<Candidate>> {
     // SAFETY: the instance is live.
     let devices =

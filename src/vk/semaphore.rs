@@ -16,7 +16,7 @@ impl Semaphore {
     /// An unsignalled semaphore called `name`.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>, name: &str) -> Result<Self> {
         // SAFETY: the device is live.
         let raw = unsafe { device.raw().create_semaphore(&vk::SemaphoreCreateInfo::default(), None) }

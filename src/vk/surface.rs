@@ -17,7 +17,7 @@ impl Instance {
     /// Like [`Instance::new`], for windows on the display of `handle`.
     ///
     /// # Errors
-    /// As [`Instance::new`], and if this Vulkan does not support the window system.
+    /// Same as [`Instance::new`], and if this Vulkan does not support the window system.
     pub fn for_windows(validation: bool, handle: RawDisplayHandle) -> Result<Self> {
         let names = ash_window::enumerate_required_extensions(handle)
             .map_err(|c| failure("name what windows of this kind need", c))?;
@@ -29,7 +29,7 @@ impl Device {
     /// Opens the device of choice `wish` among those that can present to `surface`.
     ///
     /// # Errors
-    /// As [`Device::open`].
+    /// Same as [`Device::open`].
     pub fn open_for(surface: &Surface, wish: &DeviceChoice) -> Result<Arc<Self>> {
         let instance = surface.instance().clone();
         let mut candidates = selection::candidates(&instance)?;
@@ -55,7 +55,7 @@ impl Surface {
     /// The surface of `window`, which lives as long as it.
     ///
     /// # Errors
-    /// Where the window system or Vulkan refuses.
+    /// Fails if the window system or Vulkan refuses.
     pub fn new<W>(instance: &Arc<Instance>, window: &Arc<W>) -> Result<Self>
     where
         W: HasDisplayHandle + HasWindowHandle + Any + Send + Sync,
@@ -91,7 +91,7 @@ impl Surface {
     /// Current surface capabilities of `device`.
     ///
     /// # Errors
-    /// Where the surface is lost.
+    /// Fails if the surface is lost.
     pub fn capabilities(&self, device: vk::PhysicalDevice) -> VkResult<vk::SurfaceCapabilitiesKHR> {
         // SAFETY: the device is of the surface's live instance.
         unsafe { self.functions.get_physical_device_surface_capabilities(device, self.raw) }
@@ -100,7 +100,7 @@ impl Surface {
     /// Surface formats of `device`.
     ///
     /// # Errors
-    /// Where the surface is lost.
+    /// Fails if the surface is lost.
     pub fn formats(&self, device: vk::PhysicalDevice) -> VkResult<Vec<vk::SurfaceFormatKHR>> {
         // SAFETY: as in `capabilities`.
         unsafe { self.functions.get_physical_device_surface_formats(device, self.raw) }
@@ -109,7 +109,7 @@ impl Surface {
     /// Presentation modes of `device`.
     ///
     /// # Errors
-    /// Where the surface is lost.
+    /// Fails if the surface is lost.
     pub fn present_modes(&self, device: vk::PhysicalDevice) -> VkResult<Vec<vk::PresentModeKHR>> {
         // SAFETY: as in `capabilities`.
         unsafe { self.functions.get_physical_device_surface_present_modes(device, self.raw) }

@@ -37,7 +37,7 @@ impl Swapchain {
     /// device does not know that, by FIFO. `None` for a window without area. `old` must not be in use.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(
         device: &Arc<Device>,
         surface: &Arc<Surface>,
@@ -109,7 +109,7 @@ impl Swapchain {
     /// The format of every swapchain of `surface`.
     ///
     /// # Errors
-    /// Where the surface is lost or takes no format of ours.
+    /// Fails if the surface is lost or takes no format of ours.
     pub fn format_of(device: &Device, surface: &Surface) -> Result<vk::Format> {
         let formats = surface
             .formats(device.candidate().raw)
@@ -120,7 +120,7 @@ impl Swapchain {
     /// The index of the next image to draw; `acquired` is signalled when it is free.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn acquire(&self, acquired: &Semaphore) -> Result<Presented<usize>> {
         if self.device.loses_surface() {
             return Ok(Presented::Lost);
@@ -141,7 +141,7 @@ impl Swapchain {
     /// Shows image `index` when the work that signals [`Swapchain::drawn`] is done.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn present(&self, index: usize) -> Result<Presented<()>> {
         let (semaphores, swapchains, indices) = ([self.drawn[index].raw()], [self.raw], [index as u32]);
         let info = vk::PresentInfoKHR::default()

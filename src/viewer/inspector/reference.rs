@@ -51,7 +51,7 @@ impl DirectionReference {
     /// Starts a thread that answers readings by their number to `reply`.
     ///
     /// # Errors
-    /// When the system refuses a thread.
+    /// Fails if the system refuses a thread.
     pub fn new(reply: impl Fn(u64, Result<Answer>) + Send + 'static) -> Result<Self> {
         let (readings, received) = channel();
         let stop = Arc::new(AtomicBool::new(false));

@@ -237,7 +237,7 @@ pub fn show(ui: &mut Ui, row: &SettingRow, add: impl FnOnce(&mut Ui)) {
     numbered(ui, row, row.label, add);
 }
 
-/// As [`show`], under another label.
+/// Same as [`show`], under another label.
 pub fn numbered(ui: &mut Ui, row: &SettingRow, label: &str, add: impl FnOnce(&mut Ui)) {
     let height = ui.spacing().interact_size.y;
     let copy = row.copy.filter(|_| resets(ui).offered.contains(&row.label));

@@ -43,7 +43,7 @@ impl Analysis {
     /// Of `field`.
     ///
     /// # Errors
-    /// Where the memory does not hold the spectrum.
+    /// Fails if the memory does not hold the spectrum.
     pub fn of(field: &Arc<HeightField>) -> Result<Self> {
         let heights = PlotGrid::of_heights(field, MOST_PIXELS);
         let spacing = [0, 1].map(|axis| field.patch_size()[axis] / heights.size[axis] as f64);

@@ -21,7 +21,7 @@ impl ViewerWindow {
     /// Handles an event of a background thread.
     ///
     /// # Errors
-    /// When the device is lost.
+    /// Fails if the device is lost.
     pub fn handle(&mut self, event: Event) -> Result<()> {
         match event {
             Event::Worker(WorkerReply::Failed(_, _, e)) if self.device.is_lost() => return Err(e),
