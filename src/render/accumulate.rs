@@ -21,7 +21,7 @@ pub struct Accumulation {
     pipeline: Pipeline,
     radiance: Descriptors,
     display: DisplayPass,
-    /// Sum of the radiance of samples; alpha: how many of them cover the pixel. Readable by shaders between passes.
+    /// Sum of the radiance of samples; alpha: number of them that cover the pixel. Readable by shaders between passes.
     pub sum: Image,
     // Present if passes are added in groups.
     group: Option<Group>,

@@ -15,7 +15,7 @@ use crate::vk::sampler::Sampler;
 use ash::vk;
 use std::sync::Arc;
 
-/// Displays the surroundings behind what the mesh covers.
+/// Displays the surroundings behind the objects.
 pub struct AroundPass {
     sample: Pipeline,
     mean: Pipeline,

@@ -1,4 +1,4 @@
-//! A mesh on the device, and how shaders read its vertices.
+//! Mesh on the device, and the vertex layout for shaders.
 
 use super::upload;
 use crate::error::{Error, Result};

@@ -1,5 +1,5 @@
 //! Sizes of pixel footprints: in (u, v), which decides how fine a table has to be, and on the surface, which decides
-//! whether a pixel sees the mean over coherence areas.
+//! if a pixel sees the mean over coherence areas.
 
 use super::directions::Directions;
 use super::frame::View;
@@ -44,7 +44,7 @@ impl Distribution {
         own
     }
 
-    /// Number of footprints.
+    /// Returns the number of footprints.
     pub fn count(&self) -> usize {
         self.minor.len()
     }

@@ -104,7 +104,7 @@ impl View {
         LightSchedule::new(self.lights.len(), self.environment.as_ref().map(Environment::extent), sampling)
     }
 
-    /// True if light number `light` is the surroundings.
+    /// Returns true if light number `light` is the surroundings.
     pub fn is_surroundings(&self, light: usize) -> bool {
         light == self.lights.len() && self.environment.is_some()
     }
@@ -119,7 +119,7 @@ impl View {
         self.lights.get(light).and_then(Light::illuminant)
     }
 
-    /// True if any light is a lamp.
+    /// Returns true if any light is a lamp.
     pub fn has_lamps(&self) -> bool {
         self.lights.iter().any(Light::is_lamp)
     }

@@ -9,7 +9,8 @@ use std::f64::consts::PI;
 
 /// Ratio of all samples to those that draw the surroundings beside other lights.
 ///
-/// In the default picture the sun makes forty times the noise that the sky makes (docs/decisions/0015-lights-one-after-the-other.md).
+/// In the default picture the sun makes forty times the noise that the sky makes
+/// (docs/decisions/0015-lights-one-after-the-other.md).
 const EVERY: u32 = 4;
 /// Smallest solid angle of surroundings that count as light from all around \[sr\]: half a hemisphere. An overcast sky
 /// has 6; a room with lamps and windows, which make distinct colours, less than 1.

@@ -61,8 +61,8 @@ impl ObjectSources {
         std::iter::once(&self.own).chain(&self.under)
     }
 
-    /// True if the data and pipelines on the device for `other` can be reused: everything that is slow to upload or
-    /// compile is the same.
+    /// Returns true if the data and pipelines on the device for `other` can be reused: everything that is slow to
+    /// upload or compile is the same.
     pub fn shares_data_with(&self, other: &Self) -> bool {
         let same = |(own, other): (&ObjectSource, &ObjectSource)| {
             own.source.shares_data_with(&other.source)

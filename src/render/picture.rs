@@ -81,8 +81,8 @@ struct ObjectShading {
 }
 
 impl ObjectShading {
-    /// Draw call of this shading on its object among `objects`. `mirrored`: the light is the surroundings, whose
-    /// specular order is reflected. `counts`: the draw adds 1 to the coverage of its pixels.
+    /// Returns the draw call of this shading on its object among `objects`. `mirrored`: the light is the surroundings,
+    /// whose specular order is reflected. `counts`: the draw adds 1 to the coverage of its pixels.
     fn of<'a>(&'a self, objects: &'a [DeviceObject], mirrored: bool, counts: bool) -> ShadedObject<'a> {
         let Self { object: number, white, source, pass, .. } = self;
         ShadedObject {
@@ -599,7 +599,7 @@ impl Painter {
         Ok(DrawTimes { geometry: times[0], shading: times[1], finish: times[2] })
     }
 
-    /// True if the light of `pass` is the surroundings of `view` and their specular order is reflected.
+    /// Returns true if the light of `pass` is the surroundings of `view` and their specular order is reflected.
     fn mirrors(&self, view: &View, pass: &LightPass) -> bool {
         self.geometry.settings.mirrored && view.is_surroundings(pass.light)
     }
@@ -743,8 +743,8 @@ fn shaded<'a>(
     lit.map(|own| own.of(objects, mirrored, pass.is_first)).collect()
 }
 
-/// True if `own`, one of `shadings`, shades its object under a light of this `illuminant`: it has the same illuminant,
-/// or it is the object's default and no shading of the object matches.
+/// Returns true if `own`, one of `shadings`, shades its object under a light of this `illuminant`: it has the same
+/// illuminant, or it is the object's default and no shading of the object matches.
 fn shades(own: &ObjectShading, shadings: &[ObjectShading], illuminant: Option<&Illuminant>) -> bool {
     let mut of_object = shadings.iter().filter(|other| other.object == own.object);
     match illuminant {

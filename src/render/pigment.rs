@@ -23,7 +23,7 @@ impl Pigment {
         Self { size: [1, 1], texels: vec![255; 4] }
     }
 
-    /// True unless the texture is a single white texel.
+    /// Returns true unless the texture is a single white texel.
     pub fn is_textured(&self) -> bool {
         self.size != [1, 1] || self.texels != [255; 4]
     }

@@ -302,7 +302,7 @@ impl ReferenceSamples<'_> {
         })
     }
 
-    /// True if the sample of `pixel` has weight for a chosen pixel.
+    /// Returns true if the sample of `pixel` has weight for a chosen pixel.
     fn counts(&self, pixel: usize, weights: &PixelWeights) -> bool {
         self.around(pixel, weights).iter().any(|(other, weight)| *weight > 0.0 && (self.chosen)(*other))
     }

@@ -47,7 +47,7 @@ impl Surroundings {
         Ok(Self { of: environment.clone(), image, unit })
     }
 
-    /// True if the picture is that of `environment`; its rotation and brightness may differ.
+    /// Returns true if the picture is that of `environment`; its rotation and brightness may differ.
     pub fn show(&self, environment: &Environment) -> bool {
         self.of.shares_picture_with(environment)
     }

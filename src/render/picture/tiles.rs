@@ -31,12 +31,12 @@ impl Piece {
         Self { tile: size.map(|n| 0..n), parts: 0..parts }
     }
 
-    /// True if this is the first piece of a picture.
+    /// Returns true if this is the first piece of a picture.
     pub(super) fn is_first(&self) -> bool {
         self.parts.start == 0 && self.tile.iter().all(|range| range.start == 0)
     }
 
-    /// True if this is the last piece of a picture of `size` pixels whose sum has `parts` parts.
+    /// Returns true if this is the last piece of a picture of `size` pixels whose sum has `parts` parts.
     pub(super) fn is_last(&self, size: [u32; 2], parts: u32) -> bool {
         self.parts.end == parts && self.tile.iter().zip(size).all(|(range, end)| range.end == end)
     }
@@ -107,8 +107,8 @@ impl Tiles {
         Some(Piece { tile, parts: first..end })
     }
 
-    /// Returns how many parts of a tile are drawn together: few enough to meet the target time even if the tile is more
-    /// expensive than the last ones.
+    /// Returns the number of parts of a tile to draw together: few enough to meet the target time even if the tile is
+    /// more expensive than the last ones.
     fn parts_together(&self) -> u32 {
         if self.dearest == 0.0 {
             // No tile is measured yet.

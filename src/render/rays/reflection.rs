@@ -1,4 +1,5 @@
-//! Radiance of the surroundings in the mirrored direction, averaged over a pixel and over the spread of the specular order.
+//! Radiance of the surroundings in the mirrored direction, averaged over a pixel and over the spread of the specular
+//! order.
 
 use crate::scene::Environment;
 use glam::{DMat2, DMat3, DVec2, DVec3};
@@ -54,7 +55,8 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    /// Mean of `radiance` over a reflection toward `middle`, with a pixel that changes it by 0.02 along T and 0.01 along B.
+    /// Returns the mean of `radiance` over a reflection toward `middle`, with a pixel that changes it by 0.02 along T
+    /// and 0.01 along B.
     fn mean(middle: DVec2, spread: f64, radiance: &dyn Fn(DVec3) -> Vec3) -> DVec3 {
         let change = [DVec2::X * 0.02, DVec2::Y * 0.01];
         Reflection { frame: DMat3::IDENTITY, middle, change, spread }.radiance(&Environment::of(radiance))

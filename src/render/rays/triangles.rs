@@ -46,7 +46,8 @@ pub(super) struct Crossing {
 }
 
 impl Crossing {
-    /// True if the intersection lies on the triangle. A ray through the shared edge of two triangles hits at least one.
+    /// Returns true if the intersection lies on the triangle. A ray through the shared edge of two triangles hits at
+    /// least one.
     fn is_inside(&self) -> bool {
         self.weights.iter().all(|weight| *weight >= -ROUNDING)
     }
@@ -104,7 +105,7 @@ struct Reach {
 }
 
 impl IntersectsAabb<f64, 3> for Reach {
-    /// Slab test of Kay and Kajiya (1986).
+    /// Applies the slab test of Kay and Kajiya (1986).
     fn intersects_aabb(&self, aabb: &Aabb<f64, 3>) -> bool {
         let [low, high] = [aabb.min, aabb.max]
             .map(|corner| (DVec3::new(corner.x, corner.y, corner.z) - self.origin) * self.inverse);
@@ -153,8 +154,8 @@ impl Triangles {
         nearest
     }
 
-    /// True if a triangle other than `from`, on which `ray` starts, blocks light between the origin and the distance
-    /// `end`.
+    /// Returns true if a triangle other than `from`, on which `ray` starts, blocks light between the origin and the
+    /// distance `end`.
     pub fn blocked(&self, ray: &Ray, end: f64, from: &Triangle) -> bool {
         let least = ROUNDING * self.extent / ray.direction.length();
         let reach = Reach { origin: ray.origin, inverse: ray.direction.recip(), end: Cell::new(end) };

@@ -108,8 +108,8 @@ impl Source {
         }
     }
 
-    /// True if both have the identical data, whatever the shading, so that [`Source::rebind`] can switch from one to
-    /// the other.
+    /// Returns true if both have the identical data, whatever the shading, so that [`Source::rebind`] can switch from
+    /// one to the other.
     pub fn shares_data_with(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Window(a), Self::Window(b)) => Arc::ptr_eq(&a.layers, &b.layers),
@@ -162,7 +162,7 @@ impl Source {
         }
     }
 
-    /// True if some directions exceed the limits of the source, so that a picture needs [`Source::check`].
+    /// Returns true if some directions exceed the limits of the source, so that a picture needs [`Source::check`].
     pub fn has_limits(&self, shading: &Shading) -> bool {
         match self {
             Self::Grating(source) => source.has_limits(shading),

@@ -89,7 +89,7 @@ pub fn spectra_block(layers: &Layers, sigma: f64, reflectance: &Reflectance) -> 
     }
 }
 
-/// Specialisation constants of `shaders/spectra.glsl`.
+/// Returns the specialisation constants of `shaders/spectra.glsl`.
 pub(super) fn constants(layers: &Layers, shading: &Shading) -> Vec<Constant> {
     const HALF_PLANE: u32 = 12;
     const PAIRS: u32 = 13;
@@ -106,7 +106,7 @@ pub(super) fn constants(layers: &Layers, shading: &Shading) -> Vec<Constant> {
     constants
 }
 
-/// Specialisation constants of `shaders/kernel.glsl`.
+/// Returns the specialisation constants of `shaders/kernel.glsl`.
 pub(super) fn kernel_constants(interpolation: &Interpolation) -> Vec<Constant> {
     const CUBIC_X: u32 = 40;
     const CUBIC_Y: u32 = 41;
