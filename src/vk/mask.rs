@@ -1,6 +1,6 @@
-//! Hides capabilities of a device, so that tests on a capable device see the behaviour on a poor one.
+//! Hides capabilities of a device, so that tests on a capable device see the behaviour on a limited one.
 //!
-//! The environment variable `DIFFRACT_DEVICE_MASK` lists what to hide, separated by semicolons:
+//! The environment variable `DIFFRACT_DEVICE_MASK` lists the capabilities to hide, separated by semicolons:
 //!
 //! | entry | effect |
 //! | --- | --- |
@@ -16,30 +16,30 @@
 
 use crate::error::{Error, Result};
 
-/// The name of the variable.
+/// Name of the variable.
 pub const VARIABLE: &str = "DIFFRACT_DEVICE_MASK";
 
-/// What is taken away.
+/// Hidden capabilities.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mask {
-    /// Most bytes of memory.
+    /// Largest memory \[bytes\].
     pub memory: Option<u64>,
     /// Number of the allocation that fails, from 1.
     pub allocation: Option<u64>,
     /// Number of the submission at which the device is lost, from 1.
     pub submission: Option<u64>,
-    /// Number of the image of a window that finds its surface lost, from 1.
+    /// Number of the acquired window image at which the surface is lost, from 1.
     pub acquisition: Option<u64>,
-    /// Longest side of an image, in texels.
+    /// Longest side of an image \[texels\].
     pub side: Option<u32>,
-    /// Most array layers of an image.
+    /// Largest number of array layers of an image.
     pub layers: Option<u32>,
-    /// Parts of names of what is missing.
+    /// Parts of the names of missing capabilities.
     pub without: Vec<String>,
 }
 
 impl Mask {
-    /// The mask that the environment asks for; none where it does not.
+    /// Returns the mask in the environment variable; an empty mask if it is not set.
     ///
     /// # Errors
     /// Same as [`Mask::parse`].
@@ -50,10 +50,10 @@ impl Mask {
         }
     }
 
-    /// The mask in `text`.
+    /// Parses the mask in `text`.
     ///
     /// # Errors
-    /// An entry that is none of those above.
+    /// Fails on an entry that is not in the table above.
     pub fn parse(text: &str) -> Result<Self> {
         let mut mask = Self::default();
         for entry in text.split(';').map(str::trim).filter(|entry| !entry.is_empty()) {
@@ -81,13 +81,13 @@ impl Mask {
         Ok(mask)
     }
 
-    /// Whether what errors call `name` is taken away.
+    /// Returns true if the capability that errors call `name` is hidden.
     pub fn hides(&self, name: &str) -> bool {
         self.without.iter().any(|part| name.contains(part.as_str()))
     }
 }
 
-/// `256MiB` in bytes.
+/// Parses a size such as `256MiB` in bytes.
 fn bytes(text: &str) -> Option<u64> {
     let units = [("KiB", 1 << 10), ("MiB", 1 << 20), ("GiB", 1_u64 << 30)];
     let (number, unit) = units.iter().find_map(|(name, unit)| Some((text.strip_suffix(name)?, *unit)))?;

@@ -6,7 +6,7 @@ use crate::error::Result;
 use ash::vk;
 use std::sync::Arc;
 
-/// A pool of timestamps that one command buffer writes.
+/// Pool of timestamps written by one command buffer.
 pub struct Timestamps {
     pool: vk::QueryPool,
     count: u32,
@@ -14,7 +14,7 @@ pub struct Timestamps {
 }
 
 impl Timestamps {
-    /// A pool of `count` timestamps.
+    /// Makes a pool of `count` timestamps.
     ///
     /// # Errors
     /// Fails if Vulkan reports an error.
@@ -27,17 +27,17 @@ impl Timestamps {
         Ok(Self { pool, count, device: device.clone() })
     }
 
-    /// The pool.
+    /// Returns the pool.
     pub fn pool(&self) -> vk::QueryPool {
         self.pool
     }
 
-    /// Number of timestamps.
+    /// Returns the number of timestamps.
     pub fn count(&self) -> u32 {
         self.count
     }
 
-    /// Time between consecutive timestamps of finished work \[ms\].
+    /// Returns the times between consecutive timestamps of finished work \[ms\].
     ///
     /// # Errors
     /// Fails if the device is lost.

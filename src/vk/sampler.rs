@@ -1,4 +1,4 @@
-//! A sampler.
+//! Texture samplers.
 
 use super::device::Device;
 use super::failure;
@@ -6,14 +6,14 @@ use crate::error::Result;
 use ash::vk;
 use std::sync::Arc;
 
-/// A sampler.
+/// Texture sampler.
 pub struct Sampler {
     raw: vk::Sampler,
     device: Arc<Device>,
 }
 
 impl Sampler {
-    /// Linear in both directions, with `address` beyond the edges.
+    /// Makes a sampler that is linear in both directions, with `address` beyond the edges.
     ///
     /// # Errors
     /// Fails if Vulkan reports an error.
@@ -21,7 +21,7 @@ impl Sampler {
         Self::new(device, name, &filtering(address))
     }
 
-    /// Linear within the nearest level; coordinates are clamped to the edge.
+    /// Makes a sampler that is linear within the nearest level and clamps coordinates to the edge.
     ///
     /// # Errors
     /// Fails if Vulkan reports an error.
@@ -29,7 +29,7 @@ impl Sampler {
         Self::of_levels(device, name, vk::SamplerAddressMode::CLAMP_TO_EDGE)
     }
 
-    /// Linear within the nearest level; 0 beyond the edges.
+    /// Makes a sampler that is linear within the nearest level and returns 0 beyond the edges.
     ///
     /// # Errors
     /// Fails if Vulkan reports an error.
@@ -45,7 +45,7 @@ impl Sampler {
         Self::new(device, name, &info)
     }
 
-    /// Linear within and between levels, for pictures all around: the left edge meets the right one, and the top and the bottom end.
+    /// Makes a trilinear sampler for equirectangular pictures: u repeats, v is clamped.
     ///
     /// # Errors
     /// Fails if Vulkan reports an error.
@@ -57,7 +57,7 @@ impl Sampler {
         Self::new(device, name, &info)
     }
 
-    /// Nearest texel, which integer images require.
+    /// Makes a sampler of the nearest texel, which integer images require.
     ///
     /// # Errors
     /// Fails if Vulkan reports an error.
@@ -73,13 +73,13 @@ impl Sampler {
         Ok(Self { raw, device: device.clone() })
     }
 
-    /// The handle.
+    /// Returns the handle.
     pub fn raw(&self) -> vk::Sampler {
         self.raw
     }
 }
 
-/// Linear in both directions, with `address` beyond the edges.
+/// Returns the parameters of a bilinear sampler with `address` beyond the edges.
 fn filtering(address: vk::SamplerAddressMode) -> vk::SamplerCreateInfo<'static> {
     vk::SamplerCreateInfo::default()
         .mag_filter(vk::Filter::LINEAR)
