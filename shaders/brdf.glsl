@@ -32,7 +32,8 @@ const int FRESNEL = 1;  // Fresnel's equations for a refractive index without di
 const int SCHLICK = 2;  // Schlick's approximation of them, as in the thesis
 layout(constant_id = 31) const int REFLECTANCE_LAW = FRESNEL;
 
-// Fresnel's equations for unpolarised light from air onto a dielectric [Walter et al. 2007, eq. 22], with g - c = (n^2 - 1) / (g + c).
+// Returns R of a dielectric in air for unpolarised light by Fresnel's equations [Walter et al. 2007, eq. 22], with
+// g - c = (n^2 - 1) / (g + c).
 float fresnel(float index, float c) {
     float contrast = (index - 1.0) * (index + 1.0);
     float sum = sqrt(contrast + c * c) + c;
@@ -41,7 +42,7 @@ float fresnel(float index, float c) {
     return 0.5 * s * s * (1.0 + p * p);
 }
 
-// Schlick's approximation from the reflectance at normal incidence.
+// Returns Schlick's approximation of R from its value at normal incidence.
 float schlick(float normal_reflectance, float cosine) {
     float grazing = 1.0 - cosine;
     float grazing2 = grazing * grazing;

@@ -94,7 +94,7 @@ vec3 orthonormal(vec3 direction) {
     return vec3(x, y, z);
 }
 
-// Returns `direction` in the frame of the patch. Where the back of a surface is seen, as of a mesh with inward winding,
+// Returns `direction` in the frame of the patch. If the back of a surface is seen, as of a mesh with inward winding,
 // the frame is turned about T.
 vec3 seen(Face face, vec3 direction) {
     direction = orthonormal(direction);

@@ -27,7 +27,8 @@ layout(set = 1, binding = 1) uniform sampler2DArray layers;
 // software devices read textures eight lanes at a time, and buffers lane by lane.
 layout(set = 1, binding = 2) uniform sampler2DArray coefficients;
 
-// XYZ weight and wavenumber 1/lambda [1/um] of nodes, the wavenumber growing along a row; or the colour functions as a density.
+// XYZ weight and wavenumber 1/lambda [1/um] of quadrature nodes, ascending along a row; or the colour functions as
+// densities.
 layout(set = 1, binding = 3) uniform sampler2D nodes;
 
 // Compile-time constants. For other conditions software devices run both sides of a branch.

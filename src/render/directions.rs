@@ -22,7 +22,7 @@ pub struct Directions {
     /// ω_r per pixel (w: 1 if covered).
     pub view: Vec<[f32; 4]>,
     /// du/dx, dv/dx, du/dy, dv/dy per pixel, as in [`Geometry::footprints`](super::target::Geometry::footprints); zero
-    /// at uncovered pixels. Empty if the painter was not asked for footprints.
+    /// at uncovered pixels. Empty if the painter writes no footprints.
     pub footprints: Vec<[f32; 4]>,
     /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
     pub filter: f64,

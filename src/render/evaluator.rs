@@ -27,7 +27,7 @@ const GROUP: usize = 64;
 pub struct Query {
     /// The directions.
     pub pair: Pair,
-    /// Wavelength \[µm\]; `None` asks for the colour.
+    /// Wavelength \[µm\]; `None` for the colour.
     pub wavelength: Option<f64>,
 }
 

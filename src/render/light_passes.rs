@@ -7,7 +7,7 @@
 use super::sampling::{Sample, Sampling};
 use std::f64::consts::PI;
 
-/// Ratio of all samples to those that draw the surroundings beside other lights.
+/// Ratio of all samples to those that draw the surroundings in addition to other lights.
 ///
 /// In the default picture the sun makes forty times the noise that the sky makes
 /// (docs/decisions/0015-lights-one-after-the-other.md).

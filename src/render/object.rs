@@ -72,7 +72,7 @@ impl ObjectSources {
     }
 }
 
-/// Files that are read for an object beside its mesh and its surface.
+/// Files that are read for an object in addition to its mesh and its surface.
 pub struct ObjectTextures {
     /// Pigment texture, white if there is none.
     pub pigment: Pigment,

@@ -1,4 +1,4 @@
-//! Small tables that the shaders read beside the layers, computed in f64.
+//! Small tables that the shaders read in addition to the layers, computed in f64.
 
 use super::shading::Shading;
 use crate::optics::orders::ColourFunctions;

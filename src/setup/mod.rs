@@ -46,7 +46,7 @@ impl Method {
     }
 }
 
-/// Settings that determine a source, beside the height field.
+/// Settings that determine a source, in addition to the height field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Method.

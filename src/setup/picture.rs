@@ -18,7 +18,7 @@ use crate::vk::device::Device;
 use std::slice;
 use std::sync::Arc;
 
-/// Settings of a picture, beside the scene and its surface.
+/// Settings of a picture, in addition to the scene and its surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureSettings {
     /// Width and height \[pixels\].
@@ -76,7 +76,7 @@ impl ObjectSurface {
         Ok(std::iter::once(first).chain(others).collect())
     }
 
-    /// Returns the surface of an `object` beside the first, with the `optics` of the first except for the parts that
+    /// Returns the surface of an `object` after the first, with the `optics` of the first except for the parts that
     /// depend on the object.
     fn of_object(
         object: &Object,

@@ -1,8 +1,8 @@
 //! The window: winit events, a panel of egui, and the frames drawn by `render`.
 //!
-//! Four kinds of threads run beside the window's thread: `worker` prepares layers and colour tables, `render_thread`
-//! draws the scene, `error_probe` measures errors, `inspector` evaluates the reference for a pixel. They reply by
-//! events; the window's thread never waits for them.
+//! Four kinds of threads run in addition to the window's thread: `worker` prepares layers and colour tables,
+//! `render_thread` draws the scene, `error_probe` measures errors, `inspector` evaluates the reference for a pixel.
+//! They reply by events; the window's thread never waits for them.
 
 mod app;
 pub mod atlas;

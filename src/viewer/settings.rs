@@ -63,7 +63,7 @@ pub struct ViewSettings {
     pub samples: u32,
 }
 
-/// Settings that come with a scene, beside mesh and camera.
+/// Settings that come with a scene, in addition to mesh and camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneSettings {
     /// The height field.

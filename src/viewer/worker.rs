@@ -257,7 +257,7 @@ impl Preparer {
         Some(measured)
     }
 
-    /// Makes the sources of the objects beside the first of a scene.
+    /// Makes the sources of the further objects of a scene, after the first.
     fn others(
         &mut self,
         request: &Request,

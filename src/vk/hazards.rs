@@ -4,8 +4,9 @@
 //! The rules are those of the specification's chapter "Synchronization", for one thread and one queue:
 //!
 //! - A barrier orders what its source stages did before its destination stages, directly or by a chain of barriers.
-//! - A write is available once a barrier has its access in the source scope, or a fence was waited for; it is visible to
-//!   the destination scopes of that barrier and of later ones. A fence makes nothing visible: not to the host, not to later work.
+//! - A write is available once a barrier has its access in the source scope, or a fence was waited for. It is then
+//!   visible to the destination scopes of that barrier and of later ones. A fence makes nothing visible, neither to the
+//!   host nor to later work.
 //! - A change of layout is a write that happens in its barrier.
 //!
 //! Passes that share a descriptor set use parts of it. An attachment of a pass counts as unused by its shaders, which

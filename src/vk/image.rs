@@ -157,7 +157,7 @@ impl Image {
         }
     }
 
-    /// Returns true if the format has a stencil beside the depth.
+    /// Returns true if the format has a stencil in addition to the depth.
     pub fn has_stencil(&self) -> bool {
         has_stencil(self.format)
     }

@@ -4,15 +4,15 @@
 //!
 //! | entry | effect |
 //! | --- | --- |
-//! | `memory=256MiB` | no more memory than that (`KiB`, `MiB`, `GiB`) is taken from the driver |
-//! | `allocation=7` | the seventh resource that asks for memory gets none |
-//! | `submission=40` | the device is lost when work is handed to it for the fortieth time, and stays lost |
-//! | `acquisition=3` | the window's surface is lost when an image of it is asked for the third time |
-//! | `side=1024` | images are at most so long |
-//! | `layers=4` | images have at most so many array layers |
-//! | `without=synchronization2` | a feature, format or version is missing, by a part of the name that errors give it |
+//! | `memory=256MiB` | the driver provides at most this memory (`KiB`, `MiB`, `GiB`) |
+//! | `allocation=7` | the seventh allocation of a resource fails |
+//! | `submission=40` | the device is lost at the fortieth submission, and stays lost |
+//! | `acquisition=3` | the window's surface is lost when its third image is acquired |
+//! | `side=1024` | largest side of images |
+//! | `layers=4` | largest number of array layers of images |
+//! | `without=synchronization2` | a feature, format or version is missing, given by a part of its name in errors |
 //!
-//! A mask only removes capabilities. The errors are those of a device without them.
+//! A mask only removes capabilities. The errors are those of a device without these capabilities.
 
 use crate::error::{Error, Result};
 

@@ -46,7 +46,7 @@ pub fn objects<'a>(scene: &'a Scene, textures: &'a [ObjectTextures]) -> Vec<RayO
     scene.meshes().zip(textures).zip(casts).map(object).collect()
 }
 
-/// Settings of the data computed beside the directions.
+/// Settings of the data computed in addition to the directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RaySettings {
     /// Width and height of the picture \[pixels\].
