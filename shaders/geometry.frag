@@ -148,7 +148,7 @@ float falloff() {
 // Returns true if the light's depth map has a surface nearer to the light. The depth bias covers the depth change of
 // the surface within a texel of the map, and rounding.
 bool in_shadow(Face face) {
-    const float ROUNDING = 2e-5, STEEPEST = 30.0, TEXEL = 1.5; // TEXEL: half a diagonal either way, and a margin
+    const float ROUNDING = 2e-5, STEEPEST = 30.0, TEXEL = 1.5; // TEXEL: the diagonal, with a margin
     float cosine = abs(dot(face.normal, normalize(toward())));
     float slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 1e-6), STEEPEST);
     mat4 clip_from_world = frame.shadow_from_world;

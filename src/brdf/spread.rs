@@ -34,8 +34,8 @@ impl Spread {
         Self { xx, xy, yy, determinant, peak: 1.0 / (2.0 * PI * determinant.sqrt()) }
     }
 
-    /// Returns the distribution whose covariance is smaller by `variance` along x and y \[µm⁻²\]; `None` unless it is
-    /// at least as wide as `variance` in every direction.
+    /// Returns the distribution whose covariance is smaller by `variance` along x and y \[µm⁻²\]; `None` unless the
+    /// result is at least as wide as `variance` in every direction.
     pub fn beyond(&self, variance: [f64; 2]) -> Option<Self> {
         let [x, y] = variance;
         let (left_x, left_y) = (self.xx - 2.0 * x, self.yy - 2.0 * y);

@@ -75,8 +75,8 @@ fn quantile(values: &[f64], share: f64) -> f64 {
     values.get((share.clamp(0.0, 1.0) * last as f64).round() as usize).copied().unwrap_or(0.0)
 }
 
-/// Returns the smallest footprint sizes over all `views` of pictures of `size` pixels. The longer axis is taken from a
-/// few samples with large footprints: the samples of a pixel average over at least that length together.
+/// Returns the smallest footprint sizes over all `views` of pictures of `size` pixels. The longer axis is that of
+/// pictures with few samples: many samples of a pixel together average over at least the length that one of few does.
 ///
 /// # Errors
 /// Fails if the device is lost or out of memory.

@@ -57,7 +57,7 @@ pub fn image(device: &Arc<Device>, image: &Image, layers: u32, data: &[u8]) -> R
     levels(device, image, layers, &[data])
 }
 
-/// Fills an image with mip levels like [`image`], each level with its data, the finest first.
+/// Fills an image with mip levels like [`image()`], each level with its data, the finest first.
 pub fn levels(device: &Arc<Device>, image: &Image, layers: u32, data: &[&[u8]]) -> Result<()> {
     let row_bytes = |level: usize| {
         let height = (image.size()[1] >> level).max(1) as usize;

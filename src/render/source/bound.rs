@@ -132,7 +132,8 @@ impl BoundSource {
         [own.as_slice(), &self.constants].concat()
     }
 
-    /// Returns the number of parts of a pixel's sum under one light, or with the specular order of surroundings.
+    /// Returns the number of parts of a pixel's sum under one light. `surrounded`: the specular order of surroundings
+    /// needs a second direction of light.
     pub(in crate::render) fn parts(&self, surrounded: bool) -> u32 {
         self.iterations.parts_of_pixel(1 + usize::from(surrounded))
     }
