@@ -237,7 +237,7 @@ pub struct Pacing {
     pub history: History,
     /// Detail and resolution while moving.
     pub quality: QualityControl,
-    /// Target frame rate while moving [frames per second].
+    /// Target frame rate while moving \[frames per second\].
     pub fps: f64,
     /// True if frames are drawn continuously, not only on changes.
     pub continuous: bool,

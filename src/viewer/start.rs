@@ -85,7 +85,7 @@ pub struct Start {
     pub size: [u32; 2],
     /// Samples per pixel of a still picture.
     pub samples: u32,
-    /// Target frame rate while something moves [frames per second].
+    /// Target frame rate while something moves \[frames per second\].
     pub fps: f64,
     /// Presentation mode.
     pub present: vk::PresentModeKHR,
