@@ -1,19 +1,20 @@
-// Reads a colour table: the mean over coherence areas, summed over the spectrum, over -(u, v), in levels that average over growing Gaussians of
-// (u, v). Texels hold coordinates in a basis of functions of |w| (src/table/basis.rs). Its CPU twin is src/table/read.rs; the Rust side is
-// src/render/source/table.rs.
+// Colour table: the mean over coherence areas, summed over the spectrum, over -(u, v), in mip levels that average over
+// growing Gaussians in (u, v). Texels hold coordinates in a basis of functions of |w| (src/table/basis.rs). Its CPU
+// twin is src/table/read.rs; the Rust side is src/render/source/table.rs.
 #extension GL_EXT_control_flow_attributes : require
 #include "footprint.glsl"
 
-layout(constant_id = 11) const int TEXELS = 3; // that a direction reads at each place, of four coordinates each
+layout(constant_id = 11) const int TEXELS = 3; // texels per direction and tap, of four coordinates each
 
 // TEXELS layers for each piece of the range of |w|.
 layout(set = 1, binding = 1) uniform sampler2DArray color_table;
 
-// XYZ of the specular order over |w|, a band of wavelengths a row, and then all bands together; in the last row the mean R of a material over twice
-// the cosine of the half angle, or 1.
+// XYZ of the specular order over |w|: one row per band of wavelengths, then a row of the sum of all bands; the last row
+// holds the mean R of a material over twice the cosine of the half angle, or 1.
 layout(set = 1, binding = 2) uniform sampler2D specular;
 
-// What a coordinate of 1 stands for, a piece in each row: X, Y and Z of one coordinate after the other; RGBA: over 1, t, t^2 and t^3.
+// Basis functions, one row per piece: X, Y and Z of one coordinate after the other; RGBA: coefficients of 1, t, t^2 and
+// t^3.
 layout(set = 1, binding = 3) uniform sampler2D basis;
 
 const int BANDS = 16;       // of wavelengths of the specular order
@@ -22,23 +23,23 @@ const float LARGEST_W = 2.0;
 layout(set = 1, binding = 0, std140) uniform Table {
     float index;              // refractive index
     float texture_per_uv;     // texture coordinate per unit of u
-    float coherence;          // variance of u that coherence averages over
-    float unit;               // what a stored 1 stands for [1/sr]
-    float finest;             // variance of u that the finest level averages over
-    float per_growth;         // 1 over the variance by which levels grow
+    float coherence;          // variance of u due to coherence
+    float unit;               // BRDF value of a stored 1 [1/sr]
+    float finest;             // variance of u of the finest level
+    float per_growth;         // reciprocal of the variance added per level
     float pieces;             // of 0 ... LARGEST_W
     float last_level;
     vec4 variances[BANDS / 4]; // of u in each band of the specular order
 } source;
 
-// Coordinates of a place, of which the first TEXELS are used.
+// Coordinates read at a position, of which the first TEXELS vectors are used.
 struct Numbers {
     vec4 of_texel[3];
 };
 
 const Numbers NOTHING = Numbers(vec4[](vec4(0.0), vec4(0.0), vec4(0.0)));
 
-// Place in the range of |w|: the piece, and t from -1 to 1 over it.
+// Position in the range of |w|: the piece, and t from -1 to 1 in it.
 struct Piece {
     int number;
     float t;
@@ -57,7 +58,7 @@ void add_place(inout Numbers sum, float weight, vec3 place, float level) {
     }
 }
 
-// XYZ over |w|^2 of coordinates in the basis of `piece`, in stored units.
+// Returns XYZ over |w|^2 of coordinates in the basis of `piece`, in stored units.
 vec3 colour_of(Numbers numbers, Piece piece) {
     vec4 powers = vec4(1.0, piece.t, piece.t * piece.t, piece.t * piece.t * piece.t);
     vec3 sum = vec3(0.0);
@@ -79,16 +80,16 @@ vec3 specular_weight(float column, int row) {
     return textureLod(specular, vec2(column, (float(row) + 0.5) / float(BANDS + 2)), 0.0).rgb;
 }
 
-// What stands before f: the mean R of a material is that at the pixel's own directions.
+// Returns the factor of f, including the mean R of a material at the pixel's directions.
 float table_factor(Pair pair) {
     float mean = specular_weight(specular_column(2.0 * pair.cos_half), BANDS + 1).r;
     return mean * pair.factor / (4.0 * PI);
 }
 
-// The specular order: a Gaussian of (u, v) for each band of wavelengths.
+// Returns the specular order: a Gaussian in (u, v) for each band of wavelengths.
 vec3 source_specular(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
-    // The widest lobe is nowhere else: exp(-0.5 * 40) of its peak.
+    // Beyond this the widest lobe is negligible: exp(-0.5 * 40) of its peak.
     const float NOWHERE = 40.0;
     float widest = max(c.x, c.z) + source.variances[0].x;
     bool seen = pair.factor > 0.0 && dot(pair.toward, pair.toward) < NOWHERE * widest;
@@ -102,7 +103,7 @@ vec3 source_specular(Pair pair, Footprint footprint) {
     return sum * table_factor(pair);
 }
 
-// The specular order of all (u, v).
+// Returns the specular order, integrated over (u, v).
 vec3 source_mirrored(Pair pair) {
     return specular_weight(specular_column(pair.w), BANDS) * table_factor(pair);
 }
@@ -112,7 +113,7 @@ const bool SOURCE_READS_FOOTPRINT = true;
 vec3 source_xyz(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
     Ellipse ellipse = ellipse_of(c);
-    // A level stands for the shorter axis, as far as it averages over no more, and taps for the rest.
+    // A level averages over the shorter axis, as far as it is not wider, and taps over the rest.
     float own = max(max(ellipse.shorter, source.finest), least_own(ellipse, source.coherence));
     float level = min(level_of_ratio((own - source.finest) * source.per_growth + 1.0), source.last_level);
     float read = source.finest + (exp2(2.0 * level) - 1.0) / source.per_growth;
@@ -122,7 +123,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     vec2 middle = pair.toward * source.texture_per_uv + 0.5;
     float layer = float(TEXELS * piece.number);
     Numbers average = NOTHING;
-    // Nothing is read for light that does not reach the pixel.
+    // Nothing is read if no light reaches the pixel.
     int rows = pair.factor > 0.0 ? taps.rows : 0;
     for (int number = 0; number < rows; ++number) {
         Row row = row_of(taps, number);
@@ -135,7 +136,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     return colour_of(average, piece) * (source.unit * pair.w * pair.w) * table_factor(pair);
 }
 
-// A table has no single wavelength; nobody asks.
+// Never used: a table has no single wavelengths.
 float source_spectral(Pair pair, float wavenumber) {
     return 0.0;
 }

@@ -15,7 +15,7 @@ use crate::vk::sampler::Sampler;
 use ash::vk;
 use std::sync::Arc;
 
-/// Displays the surroundings behind what the mesh covers.
+/// Displays the surroundings behind the objects.
 pub struct AroundPass {
     sample: Pipeline,
     mean: Pipeline,
@@ -24,14 +24,14 @@ pub struct AroundPass {
 }
 
 impl AroundPass {
-    /// A pass over pictures that `frame` describes, with a depth of `depth_format`.
+    /// Makes a pass over pictures that `frame` describes, with a depth buffer of `depth_format`.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>, frame: &FrameSet, depth_format: vk::Format) -> Result<Self> {
         let sum = Descriptors::new(device, "set of surroundings", &[Binding::texture(0)])?;
         let pipeline = |mean: bool| {
-            // Where depth is what it was cleared to, nothing covers.
+            // Depth still has its clear value where no object covers the pixel.
             let compare = vk::CompareOp::EQUAL;
             let depth = (!mean).then_some(Depth { compare, ..covered(depth_format) });
             let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::DISPLAY], depth };
@@ -51,13 +51,14 @@ impl AroundPass {
         })
     }
 
-    /// Points the pass at what stands before the surroundings: a sum of samples, or anything readable where there is none. The device must not be using the pass.
+    /// Points the pass at the foreground: a sum of samples, or any readable image if there is none. The device must not
+    /// be using the pass.
     pub fn read_from(&self, sum: &Image) {
         self.sum.image(0, sum, &self.sampler);
     }
 
-    /// Records the surroundings behind the one sample that is displayed in `into` (a colour attachment, which it stays), where `geometry` does not
-    /// cover.
+    /// Records the surroundings into the pixels of `into` (a colour attachment before and after) that `geometry` leaves
+    /// uncovered, behind the single sample displayed there.
     pub fn record(
         &self,
         record: &Recorder<'_>,
@@ -74,7 +75,7 @@ impl AroundPass {
         });
     }
 
-    /// Records the mean of `samples` samples before the surroundings into `into`, which it leaves a colour attachment.
+    /// Records the mean of `samples` samples over the surroundings into `into`, which becomes a colour attachment.
     pub fn record_mean(
         &self,
         record: &Recorder<'_>,

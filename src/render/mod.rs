@@ -1,5 +1,5 @@
-//! Joins optics and Vulkan: the layers as a texture, the tables that the shaders read, passes, frames, targets. Only this
-//! floor knows both sides.
+//! Rendering: joins optics and Vulkan. Contains the layers as textures, the tables of the shaders, passes, frames and
+//! targets. No other module uses both sides.
 
 pub mod accumulate;
 mod around;

@@ -1,4 +1,4 @@
-//! What the render thread draws with: a painter for each setting, and results that are kept between frames.
+//! Resources of the render thread: a painter for each setting, and results that are kept between frames.
 
 use super::compare::{Compare, Side};
 use super::difference;
@@ -24,7 +24,7 @@ use crate::vk::image::Image;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// A painter and what it was made for.
+/// Painter and the data it was made for.
 struct Slot {
     painter: Painter,
     prepared: Arc<Prepared>,
@@ -32,18 +32,18 @@ struct Slot {
     displayed: Option<Displayed>,
 }
 
-/// What the display image of a painter shows.
+/// Contents of the displayed image of a painter.
 #[derive(Clone, PartialEq)]
 struct Displayed {
     view: View,
     shown: Shown,
     size: [u32; 2],
-    // One, or those that it is a mean of.
+    // A single sample, or the samples of the mean.
     sampling: Sampling,
 }
 
 impl Slot {
-    /// Whether the textures of `prepared` and the scene of `request` are on the device already.
+    /// Returns true if the textures of `prepared` and the scene of `request` are on the device already.
     fn serves(&self, prepared: &Prepared, request: &FrameRequest) -> bool {
         Arc::ptr_eq(&self.loaded, &request.loaded)
             && self
@@ -53,23 +53,24 @@ impl Slot {
                 .all(|(own, other)| own.shares_data_with(other))
     }
 
-    /// Objects of the scene.
+    /// Returns the number of objects of the scene.
     fn objects(&self) -> usize {
         self.loaded.textures.len()
     }
 
-    /// Whether it shows `request`, one sample or a mean of some, so that samples can be added.
+    /// Returns true if it shows `request`, as one sample or as a mean, so that samples can be added.
     fn is_ready_for(&self, request: &FrameRequest) -> bool {
         self.prepared.number == request.own.number
             && self.displayed.as_ref().is_some_and(|shown| {
                 let FrameRequest { view, sampling, .. } = request;
-                // An exposure that was measured is not that of the request.
+                // The exposure is not compared: it may have been measured.
                 let Displayed { view: seen, size, sampling: of, .. } = shown;
                 (seen, *size) == (view, request.size) && [Sampling::ONE, *sampling].contains(of)
             })
     }
 
-    /// Adds samples to what it shows of `request`, and shows the mean; how many samples there are, or `None` where `go_on` said no.
+    /// Adds samples to the displayed `request` and shows the mean. Returns the number of samples, or `None` if `go_on`
+    /// returned false.
     fn add_samples(
         &mut self,
         request: &FrameRequest,
@@ -84,7 +85,8 @@ impl Slot {
         Ok(added)
     }
 
-    /// Shades with `prepared` from now on. The textures on the device stay; what depends on other settings is rebuilt.
+    /// Shades with `prepared` from now on. The textures on the device stay; only the parts that depend on other
+    /// settings are rebuilt.
     fn take_over(&mut self, prepared: &Arc<Prepared>) -> Result<()> {
         if self.prepared.number != prepared.number {
             self.displayed = None;
@@ -95,14 +97,14 @@ impl Slot {
     }
 }
 
-/// Time that a frame took \[ms\]; zero when only its display changed.
+/// Time of a frame \[ms\]; 0 if only its display changed.
 #[derive(Clone, Copy, Default)]
 struct FrameTime {
     gpu: f64,
     wall: f64,
 }
 
-/// A [`PictureCost`] and the picture that it was counted for.
+/// [`PictureCost`] and the picture it was counted for.
 struct CountedPicture {
     number: u64,
     view: View,
@@ -110,26 +112,26 @@ struct CountedPicture {
     cost: PictureCost,
 }
 
-/// What the render thread keeps between frames.
+/// State that the render thread keeps between frames.
 pub struct Renderer {
     own: Option<Slot>,
     other: Option<Slot>,
-    // For moving pictures.
+    // Painters of moving pictures.
     coarse: Option<Slot>,
     fewer_wavelengths: Option<Slot>,
-    // With the number of the setting that it was computed for.
+    // With the number of the setting it was computed for.
     inset: Option<(Arc<Inset>, u64)>,
     counted: Option<CountedPicture>,
     device: Arc<Device>,
 }
 
-/// Between two reports of how far a picture is drawn \[ms\].
+/// Time between two progress reports of a picture \[ms\].
 const BETWEEN_REPORTS: f64 = 250.0;
-/// A frame of a moving scene is abandoned after this time \[ms\] when there is a newer request.
+/// Time after which a frame of a moving scene is abandoned if there is a newer request \[ms\].
 const LONGEST_MOVING_FRAME: f64 = 400.0;
 
 impl Renderer {
-    /// A renderer without any painter.
+    /// Makes a renderer without painters.
     pub fn new(device: Arc<Device>) -> Self {
         Self {
             own: None,
@@ -177,7 +179,7 @@ impl Renderer {
         }
     }
 
-    /// Draws `request`, and tells `reply` how far it is where that takes its time; `None` when a newer one replaced it.
+    /// Draws `request` and reports progress to `reply` if it takes long; `None` if a newer request replaced it.
     fn draw(
         &mut self,
         request: &FrameRequest,
@@ -237,7 +239,7 @@ impl Renderer {
             self.other = None;
         }
         let inset = request.inset.map(|wanted| self.hemisphere(request, wanted)).transpose()?.flatten();
-        // A newer request counts its own picture; a job draws nothing that would be counted.
+        // A newer request counts its picture; a job needs no count.
         let whole = request.quality == Quality::WHOLE && !superseded();
         let cost = if whole { self.count(request)? } else { None };
         Ok(Some(RenderReply::Drawn(Box::new(RenderedFrame {
@@ -257,7 +259,7 @@ impl Renderer {
         }))))
     }
 
-    /// Adds samples to the frame of `request`; `None` where it is not shown any more, or gave way to something else.
+    /// Adds samples to the frame of `request`; `None` if it is no longer shown or was interrupted.
     fn refine(&mut self, request: FrameRequest, queue: &JobQueue) -> Result<Option<RenderReply>> {
         let start = Instant::now();
         let Some(slot) = self.own.as_mut().filter(|slot| slot.is_ready_for(&request)) else {
@@ -294,8 +296,8 @@ impl Renderer {
         Ok(Some(RenderReply::Drawn(Box::new(frame))))
     }
 
-    /// The image right of the split, of which `size` pixels are drawn: the other setting's, or the difference of both with its number for the
-    /// whole picture.
+    /// Returns the image right of the split, of which `size` pixels are drawn: the picture of the other setting, or the
+    /// difference of both with its value for the whole picture.
     fn right_image(
         &self,
         request: &FrameRequest,
@@ -316,12 +318,12 @@ impl Renderer {
     /// Frees the painters of moving pictures that belong to a former setting.
     fn drop_outdated(&mut self, request: &FrameRequest) {
         for slot in [&mut self.coarse, &mut self.fewer_wavelengths] {
-            // Cheaper settings are requested after the user's own, so theirs have larger numbers.
+            // Cheaper settings are requested after the main one, so that their numbers are larger.
             slot.take_if(|slot| slot.prepared.number < request.own.number);
         }
     }
 
-    /// The hemisphere that is `wanted`, from a texture that is on the device already.
+    /// Returns the hemisphere `wanted`, computed from a texture that is on the device already.
     fn hemisphere(&mut self, request: &FrameRequest, wanted: InsetRequest) -> Result<Option<Arc<Inset>>> {
         let number = request.own.number;
         if let Some((inset, of)) = &self.inset
@@ -341,7 +343,7 @@ impl Renderer {
         Ok(Some(inset))
     }
 
-    /// Reads a pixel of a frame; `None` where the frame is not the one that is on the device.
+    /// Reads a pixel of a frame; `None` if the frame is not on the device.
     fn read_pixel(&mut self, request: PixelRequest) -> Result<Option<RenderReply>> {
         let PixelRequest { number, frame, at } = request;
         let is_there = |slot: &&mut Slot| {
@@ -350,7 +352,7 @@ impl Renderer {
         };
         let Some(slot) = self.own.as_mut().filter(is_there) else { return Ok(None) };
         let pixel = slot.painter.pixel(&frame.view, at)?;
-        // The settings are those of the first object.
+        // The settings apply to the first object alone.
         let pixel = pixel.filter(|pixel| pixel.directions.iter().all(|seen| seen.object(0) == 0));
         let reading = pixel.map(|pixel| Box::new(Reading::new(number, frame.own, frame.view, pixel)));
         Ok(Some(RenderReply::Pixel(reading)))
@@ -370,7 +372,8 @@ impl Renderer {
         let directions = error_probe::directions(&mut slot.painter, &request.view)?;
         let (source, shading) = (request.own.source(), request.own.shading());
         let counted = match source {
-            // The mip level of a table depends on the distance between neighbouring pixels, so it needs all of them.
+            // The mip level of a table depends on the distance between neighbouring pixels, so that all pixels are
+            // needed.
             Source::Table(_) => directions,
             _ => error_probe::thinned(&directions, pixels),
         };
@@ -392,7 +395,7 @@ impl Renderer {
             queue.give_way();
             true
         };
-        // What is measured is one sample.
+        // Errors are measured on a single sample.
         let sampling = if matches!(job, Job::Samples(_)) { Sampling::ONE } else { request.sampling };
         let drawn = FrameRequest { sampling, ..request.clone() };
         paint(&self.device, &mut self.own, &request.own, &drawn, request.size, &mut go_on)?;
@@ -426,15 +429,15 @@ impl Renderer {
     }
 }
 
-/// Adds samples to the frame of `request` from now on, where it is a whole one of several.
+/// Adds samples to the frame of `request` from now on, if it has full quality and several samples.
 fn go_on_with(request: FrameRequest, queue: &JobQueue) {
     if request.quality == Quality::WHOLE && !request.moving && request.sampling.count > 1 {
         queue.refine(request);
     }
 }
 
-/// Draws `request` from `prepared` with the painter of `slot`, at `size` pixels; `None` when `go_on` returned false. Makes the
-/// painter if the slot has none that serves.
+/// Draws `request` from `prepared` with the painter of `slot`, at `size` pixels; `None` if `go_on` returned false.
+/// Makes the painter if the slot has no suitable one.
 fn paint(
     device: &Arc<Device>,
     slot: &mut Option<Slot>,
@@ -475,7 +478,8 @@ fn paint(
     }))
 }
 
-/// Displays the picture of `slot`, of `size` pixels, at the exposure \[stops\] that suits it, otherwise as `shown` says; `None` where nothing is lit.
+/// Displays the picture of `slot`, of `size` pixels, with automatic exposure \[stops\] and otherwise with the settings
+/// `shown`; `None` if nothing is lit.
 fn expose(slot: &mut Option<Slot>, shown: Shown, size: [u32; 2]) -> Result<Option<f64>> {
     let Some(slot) = slot else { return Ok(None) };
     let picture = slot.painter.picture()?;
@@ -492,14 +496,14 @@ fn expose(slot: &mut Option<Slot>, shown: Shown, size: [u32; 2]) -> Result<Optio
     Ok(stops)
 }
 
-/// The painter of `slot`, made to draw `request` from `prepared`.
+/// Returns the painter of `slot`, made or adapted to draw `request` from `prepared`.
 fn serving<'a>(
     device: &Arc<Device>,
     slot: &'a mut Option<Slot>,
     prepared: &Arc<Prepared>,
     request: &FrameRequest,
 ) -> Result<&'a mut Slot> {
-    // A painter that does not serve is dropped here, so that its memory is free for the next one.
+    // An unsuitable painter is dropped here, so that its memory is free for the next one.
     let ready = match slot.take().filter(|slot| slot.serves(prepared, request)) {
         Some(mut ready) => {
             ready.painter.resize(request.size)?;

@@ -1,4 +1,4 @@
-//! The display of what was drawn: one sample, or the mean of several, before a colour or before the surroundings.
+//! Display of one sample or of the mean of several, over a colour or over the surroundings.
 
 use super::Written;
 use crate::render::accumulate::Accumulation;
@@ -8,18 +8,18 @@ use crate::render::target::{Geometry, Target};
 use crate::vk::commands::Recorder;
 use crate::vk::descriptors::Descriptors;
 
-/// What the display of a picture takes.
+/// Inputs of the display of a picture.
 pub(super) struct Display<'a> {
     geometry: &'a Geometry,
     target: &'a Target,
     pass: &'a DisplayPass,
-    /// Where the picture shows its surroundings.
+    /// Present if the picture shows its surroundings.
     around: Option<&'a AroundPass>,
     frame: &'a Descriptors,
 }
 
 impl<'a> Display<'a> {
-    /// Of what was `written`: `around` displays its surroundings, where it shows them.
+    /// Makes the display of the picture in `written`; `around` is used if the picture shows its surroundings.
     pub fn new(
         (geometry, target): (&'a Geometry, &'a Target),
         pass: &'a DisplayPass,
@@ -31,7 +31,7 @@ impl<'a> Display<'a> {
         Self { geometry, target, pass, around, frame }
     }
 
-    /// Records the display of the one sample that the target holds.
+    /// Records the display of the sample in the target.
     pub fn sample(&self, record: &Recorder<'_>, shown: Shown) {
         let (geometry, into) = (self.geometry, &self.target.display);
         self.pass.record(record, (geometry, self.target), into, shown);
@@ -40,7 +40,7 @@ impl<'a> Display<'a> {
         }
     }
 
-    /// Records the display of the mean of the `samples` samples that are summed.
+    /// Records the display of the mean of the `samples` summed samples.
     pub fn mean(&self, record: &Recorder<'_>, sum: &Accumulation, samples: u32, shown: Shown) {
         let into = &self.target.display;
         match self.around {

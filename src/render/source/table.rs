@@ -1,5 +1,5 @@
-//! A colour table: the spectrum is summed beforehand, and a direction reads the sum. Its twin is `shaders/source_table.glsl`; on the CPU it is
-//! [`crate::table::TableReader`].
+//! Colour table: the sum over the spectrum is precomputed, and shading reads it. Its twin is
+//! `shaders/source_table.glsl`; its CPU version is [`crate::table::TableReader`].
 
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
@@ -48,13 +48,13 @@ pub struct TableBlock {
     pub index: f32,
     /// Texture coordinate per unit of u.
     pub texture_per_uv: f32,
-    /// Variance of u that coherence averages over.
+    /// Variance of u due to coherence.
     pub coherence: f32,
-    /// What a stored 1 stands for \[sr⁻¹\].
+    /// BRDF value of a stored 1 \[sr⁻¹\].
     pub unit: f32,
-    /// Variance of u that the finest level averages over.
+    /// Variance of u of the finest level.
     pub finest: f32,
-    /// 1 over the variance by which levels grow.
+    /// Reciprocal of the variance added per level.
     pub per_growth: f32,
     /// Pieces of the range of |w|.
     pub pieces: f32,
@@ -66,7 +66,7 @@ pub struct TableBlock {
 
 impl Table {
     pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
-        /// Texels that a direction reads at each place.
+        /// Texels read per direction and tap.
         const TEXELS: u32 = 11;
         let basis = &self.table.header.basis;
         let constants = vec![Constant::new(TEXELS, basis.texels() as u32), reflectance::constant(shading)];
@@ -105,7 +105,7 @@ impl Table {
         Ok(bound)
     }
 
-    /// Of a table only the reflectance depends on more than the table.
+    /// Uploads the block; the reflectance is the only part that depends on more than the table.
     pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
         let header = &self.table.header;
         let grid = &header.grid;
@@ -143,7 +143,7 @@ impl Table {
         }
     }
 
-    /// Samples along the footprints of `directions`.
+    /// Counts the samples along the footprints of `directions`.
     pub(super) fn cost(&self, directions: &[Directions]) -> Cost {
         let reader = TableReader::new(&self.table);
         let texels = self.table.header.basis.texels();
@@ -151,7 +151,8 @@ impl Table {
     }
 }
 
-/// The weights of each band over |w|, those of all bands together, and the mean R of a material over twice the cosine of the half angle.
+/// Returns the table rows of the specular order: weights of each band over |w|, weights of all bands together, and the
+/// mean R of a material over twice the cosine of the half angle.
 fn specular_rows(header: &TableHeader) -> Vec<[f32; 4]> {
     let specular = &header.specular;
     let mean = (0..SPECULAR_SAMPLES).map(|sample| {
