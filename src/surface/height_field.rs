@@ -45,11 +45,11 @@ impl HeightField {
         Ok(Self { columns, rows, pixel_size, heights })
     }
 
-    /// A field of `columns` × `rows` samples `pixel_size` \[µm\] apart of the surface z = `height`(x, y), in micrometres from the patch
-    /// centre.
+    /// Returns the field of `columns` × `rows` samples of the surface z = `height`(x, y), `pixel_size` \[µm\] apart. x and y are \[µm\]
+    /// from the patch centre.
     ///
     /// # Errors
-    /// As [`HeightField::new`].
+    /// See [`HeightField::new`].
     pub fn from_fn(
         columns: usize,
         rows: usize,
@@ -114,8 +114,8 @@ impl HeightField {
         self.heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), &h| (lo.min(h), hi.max(h)))
     }
 
-    /// The same endless surface with its origin moved by whole samples, `columns` along +x and `rows` along +y: what stood
-    /// there is in the middle now.
+    /// Returns the same periodic surface with its origin moved by whole samples, `columns` along +x and `rows` along +y: the sample at that
+    /// offset moves to the centre.
     #[must_use]
     pub fn moved(&self, columns: usize, rows: usize) -> Self {
         let row = |r: usize| self.row((r + self.rows - rows % self.rows) % self.rows);
@@ -124,8 +124,8 @@ impl HeightField {
         Self { heights, ..*self }
     }
 
-    /// One period of the same endless surface that begins `shift` \[µm\] from the edges: samples whose centres are before that
-    /// come from the copy after the last.
+    /// Returns the period of the same surface that begins `shift` \[µm\] from the edges: the samples before it are taken from the next
+    /// period.
     #[must_use]
     pub fn begun_at(&self, shift: [f64; 2]) -> Self {
         let [columns, rows] =

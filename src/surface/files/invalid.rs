@@ -5,13 +5,12 @@ use crate::error::{Error, Result};
 /// The largest share of a scan that is filled: beyond it most heights would be made up.
 const MOST: f64 = 0.5;
 
-/// How [`fill`] works, for messages.
+/// Description of [`fill`], for messages.
 pub const METHOD: &str =
     "each is filled with the mean of its measured neighbours, from the rim of a gap inwards";
 
-/// Fills the `missing` NaN of `samples`, rows of `columns`: every one that has neighbours that are known, of the eight
-/// around it, becomes their mean; those count as known in the next round, until all are. Filled samples stay within the
-/// range of the measured ones.
+/// Fills the `missing` NaN of `samples`, rows of `columns`. Every NaN with known neighbours among the eight around it becomes their mean.
+/// Filled samples count as known in the next round, until all are filled. They stay within the range of the measured ones.
 ///
 /// # Errors
 /// More than half of the samples are missing.

@@ -136,7 +136,7 @@ fn a_scan_that_was_stopped_has_the_lines_that_were_measured() {
     assert!((spacing[1].unwrap() - 1e-6).abs() < 1e-18);
     let step = 100.0 * 440.0 * 20e-9 / 65536.0;
     assert!(samples.iter().zip(TOP).all(|(found, x)| (found - x * step).abs() < 1e-18));
-    // Of many files only the lines that were measured are there.
+    // Many files have only the lines that were measured.
     let text = String::from_utf8_lossy(&bytes[..1024]).replace("Data length: 12", "Data length: 06");
     let short = [text.as_bytes(), &bytes[1024 + 6..]].concat();
     let (_, _, size, _, again) = only(read(&short));

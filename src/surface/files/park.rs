@@ -17,13 +17,13 @@ const HEADER_TAG: u16 = 50435;
 /// The version from which on the header says how samples are stored; before, they are 16-bit integers.
 const TYPED: u32 = 0x0100_0002;
 
-/// Where the type of samples stands in the header.
+/// Offset of the type of samples in the header \[bytes\].
 const TYPE_PLACE: usize = 348;
 
-/// The file in `bytes`; `None` where it is a TIFF without Park's tags.
+/// Reads the file in `bytes`; `None` for a TIFF without Park's tags.
 ///
 /// # Errors
-/// A header that is too short; fewer samples than it promises; line profiles.
+/// A header that is too short; fewer samples than the header promises; line profiles.
 pub fn read(bytes: &[u8]) -> Result<Option<Scan<'_>>> {
     let Some(tags) = Tags::read(bytes) else { return Ok(None) };
     let Some(data) = tags.value(bytes, DATA_TAG) else { return Ok(None) };
@@ -69,7 +69,7 @@ struct ParkHeader {
 impl ParkHeader {
     fn read(header: &[u8], version: u32) -> Result<Self> {
         let mut cursor = Cursor::new(header, Order::Little);
-        /// What `image type` calls a line profile.
+        /// Value of `image type` for a line profile.
         const LINE_PROFILE: u32 = 1;
         if cursor.u32()? == LINE_PROFILE {
             return Err(Error::failed("holds a line profile and no image", "choose an image file"));

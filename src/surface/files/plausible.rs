@@ -7,11 +7,11 @@ const HIGHEST: f64 = 1e-3;
 /// Ranges of heights over the longer side of the patch that surfaces have: a polished mirror's, and a deep trench's.
 const RELIEFS: (f64, f64) = (1e-7, 3.0);
 
-/// How a question about heights ends. Who names the full height need not be asked.
+/// End of a question about heights, which is not asked if the user gives the full height.
 pub const OVERRIDDEN_BY_HEIGHT: &str = "(a full height overrides it)";
 
-/// A line about each scale that no surface of a microscope has: `size` samples, `spacing` apart \[m\], heights over a range
-/// of `range` \[m\].
+/// Returns a question about each scale that no surface of a microscope has: `size` samples, `spacing` apart \[m\], heights over a range of
+/// `range` \[m\].
 pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64) -> Vec<String> {
     let mut questions = Vec::new();
     if spacing.iter().any(|d| !(SPACINGS.0..=SPACINGS.1).contains(d)) {
@@ -31,7 +31,7 @@ pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64) -> Vec<String>
     questions
 }
 
-/// A length in a unit that suits it.
+/// Returns a length in a suitable unit.
 pub fn in_words(metres: f64) -> String {
     let (factor, unit) = match metres.abs() {
         x if x < 1e-9 => (1e12, "pm"),

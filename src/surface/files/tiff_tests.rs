@@ -90,7 +90,7 @@ fn integers_of_all_widths_are_shares_of_their_largest_code() {
 
 #[test]
 fn every_orientation_shows_the_same_corner_in_floats_and_in_codes() {
-    // Where the stored samples a b c / d e f appear, after the table of TIFF 6.0.
+    // Expected positions of the stored samples a b c / d e f, from the table of TIFF 6.0.
     for (orientation, size, shown) in [
         (1, [3, 2], [1, 2, 3, 4, 5, 6]),
         (2, [3, 2], [3, 2, 1, 6, 5, 4]),

@@ -8,15 +8,15 @@ use crate::memory;
 
 /// Coordinates that differ by less than this share of the axis' length are one.
 const SAME: f64 = 1e-7;
-/// How far from its place on the grid a coordinate may be, in steps: they are written with few digits.
+/// Largest distance of a coordinate from its grid place, in steps: coordinates are written with few digits.
 const AWAY: f64 = 0.1;
 /// The fewest measured points of a grid, as a share of its nodes.
 const FEWEST: f64 = 0.25;
 
-/// The file in `bytes`. Nodes without a point were not measured.
+/// Reads the file in `bytes`. Nodes without a point were not measured.
 ///
 /// # Errors
-/// As [`table::parse`]; other than three numbers a line; points that are no regular grid.
+/// Those of [`table::parse`]; other than three numbers a line; points that are no regular grid.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     grid(&table::parse(&decode_text(bytes))?)
 }
@@ -24,7 +24,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
 /// Returns the grid of the points in `table`.
 ///
 /// # Errors
-/// As [`read`].
+/// See [`read`].
 pub fn grid(table: &TextTable) -> Result<Scan<'static>> {
     if table.columns != 3 {
         return Err(Error::failed(

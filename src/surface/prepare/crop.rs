@@ -38,7 +38,7 @@ impl Crop {
         HeightField::new(columns, rows, field.pixel_size(), kept.copied().collect())
     }
 
-    /// How many of the `count` samples along `axis` are kept, and the first of them.
+    /// Returns the number of samples along `axis` that are kept, out of `count`, and the index of the first.
     fn range(&self, axis: usize, count: usize, field: &HeightField) -> Result<(usize, usize)> {
         let samples = |length: f64| (length / field.pixel_size()[axis]).round();
         let kept = samples(self.size[axis]).max(1.0);
@@ -57,7 +57,7 @@ impl Crop {
     }
 }
 
-/// The distance of a corner from the field's own: a length that may be 0.
+/// Parses the distance of a corner from the corner of the field: a length that may be 0.
 fn offset(text: &str) -> Result<f64> {
     let zero = ["0nm", "0um", "0mm"].contains(&text.trim());
     if zero { Ok(0.0) } else { units::length(text) }

@@ -1,7 +1,7 @@
-//! Streaks: runs of samples along a row that differ from the rows above and below, where the probe lost the surface for a moment.
+//! Streaks: runs of samples along a row that differ from the rows above and below, left by a probe that lost the surface for a moment.
 //!
-//! Offsets of whole rows are [`super::Levelling::Rows`]' matter. A surface whose own grooves run along the rows and are one to three samples
-//! wide has such runs everywhere: leave this step out for it.
+//! Offsets of whole rows are removed by [`super::Levelling::Rows`]. A surface with grooves one to three samples wide along the rows has
+//! such runs everywhere: leave this step out for it.
 
 use crate::error::Result;
 use crate::surface::HeightField;

@@ -10,17 +10,17 @@ const LOBES: f64 = 8.0;
 /// Shape of the Kaiser window [Kaiser 1974]: side lobes 80 dB down.
 const BETA: f64 = 8.0;
 
-/// What lies beyond the ends of a line.
+/// Continuation of a line beyond its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum EdgeRule {
-    /// The line again: the field tiles.
+    /// Periodic: the line again.
     Copies,
-    /// The line turned about its end by half a turn, which goes on with a slope as it is.
+    /// Point reflection about the end sample, which continues the slope.
     Turned,
 }
 
 impl EdgeRule {
-    /// What suits a field along `axis`.
+    /// Returns the periodic rule if `tiling` joins along `axis`, otherwise the point reflection.
     pub(super) fn of(tiling: &Tiling, axis: usize) -> Self {
         if tiling.joins(axis) { Self::Copies } else { Self::Turned }
     }
@@ -32,7 +32,8 @@ impl EdgeRule {
             Self::Copies => line[index.rem_euclid(n) as usize],
             Self::Turned if n == 1 => line[0],
             Self::Turned => {
-                // Half turns about both ends in turn: twice the way from end to end, the line is repeated that much higher.
+                // Point reflections about both ends in turn: the line repeats every 2(n − 1) samples, higher by twice the difference of its
+                // ends.
                 let (span, last) = (2 * (n - 1), n - 1);
                 let (turns, place) = (index.div_euclid(span), index.rem_euclid(span));
                 let rise = 2.0 * (line[last as usize] - line[0]) * turns as f64;
@@ -64,7 +65,7 @@ impl Resampler {
     /// From `old` to `new` samples, at the centres of equal cells of one length. Frequencies that the new samples cannot hold are left out.
     pub(super) fn new(old: usize, new: usize) -> Self {
         let ratio = old as f64 / new as f64;
-        // Where samples become fewer the sinc is wider: its cut-off is that of the new samples.
+        // Fewer samples need a wider sinc: its cut-off frequency is that of the new samples.
         let scale = ratio.max(1.0);
         let reach = LOBES * scale;
         let pad = reach.ceil() as usize + 1;

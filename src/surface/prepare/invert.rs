@@ -1,6 +1,6 @@
-//! The mould of a surface: hills become valleys. A stamper is the mould of a disc.
+//! Mould of a surface: hills become valleys. A stamper is the mould of a disc.
 //!
-//! The height changes its sign and nothing moves sideways: to look at a mould from its own side, mirror it as well.
+//! The height changes its sign and nothing moves sideways: to look at a mould from its moulded side, mirror it as well.
 
 use crate::error::Result;
 use crate::surface::HeightField;

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::surface::HeightField;
 use std::fmt;
 
-/// What is subtracted from a height field.
+/// Offset, tilt, bow or scan line offsets to subtract from a height field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Levelling {
     /// Nothing.

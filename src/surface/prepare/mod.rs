@@ -81,16 +81,16 @@ impl PreparationStep {
         apply().map_err(|e| e.at(self))
     }
 
-    /// Whether the step leaves every field as it is.
+    /// Returns true if the step leaves every field unchanged.
     pub fn is_nothing(&self) -> bool {
         *self == Self::Level(Levelling::None)
     }
 }
 
-/// The field after all `steps`, in their order.
+/// Applies all `steps` to `field` in their order.
 ///
 /// # Errors
-/// As [`PreparationStep::apply`]; names the step.
+/// See [`PreparationStep::apply`]; the message names the step.
 pub fn apply_all(field: HeightField, steps: &[PreparationStep]) -> Result<HeightField> {
     steps.iter().try_fold(field, |field, step| step.apply(&field))
 }

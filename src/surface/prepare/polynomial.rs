@@ -1,8 +1,8 @@
-//! The polynomial of least squares over a grid.
+//! Least-squares polynomial over a grid.
 //!
-//! On a full grid the products P_i(x) P_j(y) of the orthonormal polynomials of each axis (Gram polynomials, the discrete
-//! Legendre polynomials) are orthonormal, so that every coefficient is a projection of its own and no system is solved:
-//! c_ij = Σ h P_i(x) P_j(y), for i + j up to the total degree.
+//! On a full grid the products P_i(x) P_j(y) of the orthonormal polynomials of each axis (Gram polynomials, the discrete Legendre
+//! polynomials) are orthonormal. Every coefficient is therefore a projection, c_ij = Σ h P_i(x) P_j(y) for i + j up to the total degree,
+//! and no system is solved.
 
 use crate::error::Result;
 use crate::surface::HeightField;

@@ -8,7 +8,7 @@ use crate::units;
 use rayon::prelude::*;
 use std::fmt;
 
-/// By how much a surface is turned.
+/// Rotation of a surface about its normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rotation {
     /// Counter-clockwise by this angle, −360 … 360 \[degrees\].
@@ -36,10 +36,10 @@ impl Rotation {
         ))
     }
 
-    /// The angle by which `field` is turned \[degrees\].
+    /// Returns the angle by which `field` is turned \[degrees\].
     ///
     /// # Errors
-    /// Where no period stands out that the angle could be found from.
+    /// No period that stands out of the spectrum, for [`Rotation::Auto`].
     pub fn angle(self, field: &HeightField) -> Result<f64> {
         match self {
             Self::By(angle) => Ok(angle),
@@ -107,7 +107,7 @@ fn turned(field: &HeightField, angle: f64) -> Result<HeightField> {
         let y = ((rows - 1) as f64 / 2.0 - row as f64) * dy;
         for (column, h) in out.iter_mut().enumerate() {
             let x = (column as f64 - (columns - 1) as f64 / 2.0) * dx;
-            // Where the sample comes from: turned back.
+            // Position in the field before the rotation.
             let (u, v) = (cos * x + sin * y, cos * y - sin * x);
             *h = spline.at(
                 (u / dx + last[0] / 2.0).clamp(0.0, last[0]),
@@ -150,7 +150,7 @@ mod tests {
         let surface = field(3, 2, |x, y| 10.0 * x + y);
         let quarter = rotate("90deg", &surface);
         assert_eq!((quarter.columns(), quarter.rows(), quarter.pixel_size()), (2, 3, [0.07, 0.1]));
-        // What was on the right is at the top, what was at the top is on the left.
+        // The right column becomes the top row, and the top row the left column.
         assert_eq!(quarter.row(0), [surface.row(0)[2], surface.row(1)[2]]);
         assert_eq!(rotate("90deg", &quarter), rotate("180deg", &surface));
         assert_eq!(rotate("90deg", &rotate("180deg", &surface)), rotate("-90deg", &surface));

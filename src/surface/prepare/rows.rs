@@ -1,4 +1,4 @@
-//! Offsets between scan lines: each row less its own mean or median.
+//! Offsets between scan lines: the mean or the median of each row is subtracted from the row.
 
 use crate::error::Result;
 use crate::surface::HeightField;
@@ -43,7 +43,7 @@ mod tests {
     use crate::surface::prepare::Levelling;
     use crate::surface::prepare::tests::{difference, field};
 
-    /// Ridges across the rows, each row with an offset of its own where there is one.
+    /// Ridges across the rows, each row with a different offset of at most `offset`.
     fn ridges(offset: f64) -> HeightField {
         let row_offset = |y: f64| offset * (y * 91.7).sin();
         field(50, 21, |x, y| (x * 8.0).sin() + row_offset(y))

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
-/// How edges are made to meet.
+/// Method that makes the edges of a field meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tile {
     /// The field, its mirror image beside it, and both upside down below: four times the samples, every height as it is. Grooves that are
@@ -122,7 +122,7 @@ fn moments(a: &[f64], b: &[f64], mean: f64) -> [f64; 3] {
 /// would have half of it. For the correlation ρ of the parts the weights w and 1 − w are divided by √(w² + (1 − w)² + 2ρw(1 − w))
 /// [Heitz and Neyret 2018, "High-performance by-example noise using a histogram-preserving blending operator", eq. 4, for ρ = 0].
 struct Crossfade {
-    /// Of the first edge's and the last edge's height.
+    /// Weights of the first edge's and of the last edge's height.
     weights: Vec<[f64; 2]>,
 }
 

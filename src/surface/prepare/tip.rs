@@ -38,7 +38,7 @@ pub(super) fn apply(field: &HeightField, radius: f64) -> Result<HeightField> {
 #[derive(Default)]
 struct ParabolaEnvelope {
     line: Vec<f64>,
-    /// The samples whose parabolas are seen from below, and where each begins to be.
+    /// Samples whose parabolas are part of the envelope, and the column at which each begins.
     seen: Vec<(usize, f64)>,
 }
 
@@ -51,7 +51,7 @@ impl ParabolaEnvelope {
         for (i, &h) in self.line.iter().enumerate() {
             let mut begins = f64::NEG_INFINITY;
             while let Some(&(j, from)) = self.seen.last() {
-                // Where the parabolas at i and j cross.
+                // Column at which the parabolas at i and j cross.
                 let rise = (h - self.line[j]) / (bend * (i - j) as f64);
                 begins = 0.5 * ((i + j) as f64 + rise);
                 if begins > from {
@@ -80,7 +80,7 @@ mod tests {
     use crate::random::Random;
     use crate::surface::prepare::tests::{difference, field};
 
-    /// What a tip records of `surface`: the dilation, which is the erosion of the mould.
+    /// Returns the scan of `surface` by a tip: the dilation, which is the erosion of the mould.
     fn scanned(surface: &HeightField, radius: f64) -> HeightField {
         let mould = |f: &HeightField| super::super::invert::apply(f).unwrap();
         mould(&apply(&mould(surface), radius).unwrap())

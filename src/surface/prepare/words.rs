@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::units;
 use std::fmt;
 
-/// Every step's word, which is its option's name, and what follows it; empty where nothing does.
+/// Every step's word, which is the name of its option, and the form of its value; empty for a step without a value.
 pub const WORDS: [(&str, &str); 10] = [
     ("level", "none|mean|plane|polynomial:N|rows|rows-median|facet"),
     ("despike", ""),
@@ -56,10 +56,10 @@ impl PreparationStep {
         Self::from_option(word, value.trim())
     }
 
-    /// The step of `word` with `value`; `value` is empty where the step takes none.
+    /// Parses the step of `word` with `value`; `value` is empty for a step that takes none.
     ///
     /// # Errors
-    /// As [`PreparationStep::parse`].
+    /// See [`PreparationStep::parse`].
     pub fn from_option(word: &str, value: &str) -> Result<Self> {
         let without = |step| {
             let refuse = || Error::usage(format!("`{word}` takes no value"), format!("write `{word}` alone"));

@@ -5,7 +5,7 @@ use crate::surface::si::{metres, metres_of_both, metres_of_option};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Height parameters of ISO 25178-2:2021, section 4.2, about the mean height, and what the data look like.
+/// Height parameters of ISO 25178-2:2021, section 4.2, about the mean height, and the defects of the data.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HeightParameters {
     /// Lowest and highest height \[µm\].
@@ -24,7 +24,7 @@ pub struct HeightParameters {
     pub ssk: f64,
     /// Kurtosis Sku: 3 for normally distributed heights, more for rare high ones, 1.5 for a sinusoid. 0 for a flat field.
     pub sku: f64,
-    /// How many different heights occur.
+    /// Number of different heights.
     pub levels: usize,
     /// The step of which all heights are multiples, apart from an offset \[µm\]; `None` where there is no such step.
     #[serde(rename = "quantisation_m", serialize_with = "metres_of_option")]

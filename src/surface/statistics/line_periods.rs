@@ -19,10 +19,10 @@ pub fn line_periods(field: &HeightField) -> [Option<f64>; 2] {
         .map(|(spectrum, length)| dominant_cycles(&spectrum, noise).map(|cycles| length / cycles))
 }
 
-/// Power at 0, 1, … n/2 cycles a line, averaged over the `lines`, each less its own mean and under a Hann window, which
-/// keeps a scan's tilt from leaking into all frequencies. Scaled so that the sum is the mean square of what is left.
+/// Returns the power at 0, 1, … n/2 cycles a line, averaged over the `lines`. The mean of each line is subtracted, and a Hann window keeps
+/// a scan's tilt from leaking into all frequencies. The powers sum to the mean square of the remaining heights.
 ///
-/// Of many lines some are enough, evenly spread: a walk down every column of a field of gigabytes takes minutes.
+/// Long fields are subsampled to `MOST_LINES` lines, evenly spread: a walk down every column of a field of gigabytes takes minutes.
 fn line_spectrum(n: usize, lines: usize, sample: impl Fn(usize, usize) -> f64) -> Vec<f64> {
     const MOST_LINES: usize = 2048;
     let step = lines.div_ceil(MOST_LINES);
@@ -52,7 +52,7 @@ const FEWEST_CYCLES: usize = 3;
 const BAND: f64 = 0.1;
 /// A period rules its surroundings from 1/OCTAVES to OCTAVES times its frequency.
 const SURROUNDINGS: f64 = 1.5;
-/// How many times denser the power in the band must be than outside it. White noise has 1.
+/// Least ratio of the power density in the band to that outside it. White noise has 1.
 const CLEAR: f64 = 5.0;
 
 /// The number of cycles a line (not whole, in general) that hold the most power within [`BAND`], if that band stands

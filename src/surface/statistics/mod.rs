@@ -1,7 +1,7 @@
-//! What is in a height field, as numbers: the parameters of ISO 25178-2, periods, noise, and what is wrong with the data.
+//! Statistics of a height field: the parameters of ISO 25178-2, periods, noise, and defects of the data.
 //!
-//! Nothing is levelled or filtered first: prepare the field, then measure it. Spectra alone are taken of the heights less their plane,
-//! under a Hann window.
+//! Nothing is levelled or filtered first: prepare the field, then measure it. Only spectra are taken of the heights less their plane, under
+//! a Hann window.
 
 mod heights;
 mod line_periods;
@@ -56,7 +56,7 @@ pub struct Statistics {
     /// Share of the height variance above half of the largest frequency. Structure there is finer than four samples, and what is finer than
     /// two is missing or folded back.
     pub undersampled_share: f64,
-    /// Whether copies of the field join.
+    /// Seams between copies of the field.
     pub tiling: Tiling,
 }
 
@@ -64,7 +64,7 @@ impl Statistics {
     /// Measures `field`.
     ///
     /// # Errors
-    /// Where the memory does not hold the spectrum.
+    /// Too little memory for the spectrum.
     pub fn of(field: &HeightField) -> Result<Self> {
         let [dx, dy] = field.pixel_size();
         let part = spectrum::analysed_part(field);

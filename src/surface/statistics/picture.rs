@@ -1,4 +1,4 @@
-//! Heights and spectra reduced to what a picture shows, and their distribution.
+//! Heights and spectra reduced to the resolution of a picture, and their distribution.
 
 use super::spectrum::SurfaceSpectrum;
 use crate::surface::HeightField;
@@ -41,8 +41,8 @@ impl PlotGrid {
     }
 }
 
-/// How far a picture of a power spectrum reaches along each axis \[1/µm\]: as far as it is sampled, or as light of the wavelength `shortest` \[µm\] can
-/// see, |f| ≤ 2/λ, with room around.
+/// Returns the largest frequency in a picture of a power spectrum along each axis \[1/µm\]: the Nyquist frequency or, if smaller, the
+/// largest frequency that light of the wavelength `shortest` \[µm\] sees, |f| ≤ 2/λ, plus a margin of 10 %.
 pub fn side_of_power(spectrum: &SurfaceSpectrum, shortest: f64) -> f64 {
     let largest = [0, 1].map(|axis| spectrum.samples[axis] as f64 / 2.0 / spectrum.patch[axis]);
     largest[0].min(largest[1]).min(2.2 / shortest)

@@ -38,20 +38,20 @@ pub fn analysed_part(field: &HeightField) -> std::borrow::Cow<'_, HeightField> {
 }
 
 impl SurfaceSpectrum {
-    /// The spectrum of `field` less its plane under a Hann window along each axis, in units of the mean square height.
+    /// Returns the spectrum of `field` less its plane under a Hann window along each axis, in units of the mean square height.
     ///
     /// # Errors
-    /// Where the memory does not hold it, and for heights whose sums are not finite numbers.
+    /// Too little memory, heights whose sums are not finite numbers.
     pub fn windowed(field: &HeightField) -> Result<Self> {
         let level = field.levelled(Levelling::Plane)?;
         let [across, down] = [level.columns(), level.rows()].map(hann);
         Self::of(&level, |row, column| down[row] * across[column])
     }
 
-    /// The spectrum of `field` less its mean, as one period.
+    /// Returns the spectrum of `field` less its mean, taken as one period.
     ///
     /// # Errors
-    /// As [`SurfaceSpectrum::windowed`].
+    /// See [`SurfaceSpectrum::windowed`].
     pub fn of_one_period(field: &HeightField) -> Result<Self> {
         let level = field.levelled(Levelling::Mean)?;
         Self::of(&level, |_, _| 1.0)
@@ -102,7 +102,8 @@ impl SurfaceSpectrum {
         self.transform[i * self.samples[1] + j].norm_sqr()
     }
 
-    /// How often the frequencies with f_x number `i` stand for their opposite ones as well.
+    /// Returns the multiplicity of the frequencies with index `i` along x: 2 if they also stand for their opposite frequencies, otherwise
+    /// 1.
     fn weight(&self, i: usize) -> f64 {
         let own_opposite = i == 0 || 2 * i == self.samples[0];
         if own_opposite { 1.0 } else { 2.0 }
@@ -215,11 +216,11 @@ fn hann(n: usize) -> Vec<f64> {
     (0..n).map(|i| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / n as f64).cos()).collect()
 }
 
-/// The discrete Fourier transform Σ h e^{−2πi(column·i/columns + row·j/rows)} of real heights for i ≤ columns/2, the j of one i side by side.
-/// `row` writes the heights of a row.
+/// Returns the discrete Fourier transform Σ h e^{−2πi(column·i/columns + row·j/rows)} of real heights for i ≤ columns/2; index j varies
+/// fastest. `row` writes the heights of a row.
 ///
 /// # Errors
-/// Where the memory does not hold it.
+/// Too little memory.
 pub(super) fn half_transform(
     [columns, rows]: [usize; 2],
     row: impl Fn(usize, &mut [f64]) + Sync,

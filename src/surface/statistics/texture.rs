@@ -1,4 +1,4 @@
-//! How heights at a distance are related: autocorrelation length and texture direction.
+//! Relation of heights at a distance: autocorrelation length and texture direction.
 
 use super::spectrum::{SurfaceSpectrum, half_transform};
 use crate::error::Result;
@@ -31,7 +31,7 @@ impl Texture {
     /// Measures `field`, whose windowed spectrum is `spectrum`.
     ///
     /// # Errors
-    /// Where the memory does not hold the autocorrelation.
+    /// Too little memory for the autocorrelation.
     pub fn of(field: &HeightField, spectrum: &SurfaceSpectrum) -> Result<Self> {
         let (low, high) = field.range();
         if low == high {
@@ -251,8 +251,8 @@ mod tests {
 
     #[test]
     fn a_sinusoid_falls_to_a_fifth_across_its_grooves() {
-        // The autocorrelation is cos(2π t/d): 0.2 at d·acos(0.2)/2π.
-        // Of 200 periods, so that a part of one at the end hardly counts.
+        // The autocorrelation is cos(2π t/d): 0.2 at d·acos(0.2)/2π. The field has 200 periods, so that a partial period at the end hardly
+        // counts.
         let wave = field(4000, 8, |x, _| (TAU * x / 2.0).sin());
         let texture = Texture::of(&wave, &SurfaceSpectrum::windowed(&wave).unwrap()).unwrap();
         let expected = 2.0 * 0.2_f64.acos() / TAU;

@@ -54,7 +54,7 @@ const WALL: f64 = 0.1;
 pub(super) const SPACING: f64 = WALL / 2.0;
 
 impl DiscFormat {
-    /// What the patch holds a whole number of: tracks along `x`, shortest pits along `y`.
+    /// Lengths of which the patch holds a whole number: the track pitch along `x`, the shortest pit along `y`.
     pub(super) fn period(&self) -> [f64; 2] {
         [self.pitch, SHORTEST as f64 * self.bit]
     }
@@ -90,9 +90,9 @@ struct Tracks {
 
 /// The pits of one track.
 struct Track {
-    /// Where on the patch the first pit starts.
+    /// Position of the first pit's start on the patch.
     start: f64,
-    /// The pits from there on, in order.
+    /// Pits from `start` on, in order.
     pits: Vec<Pit>,
 }
 

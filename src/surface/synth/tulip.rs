@@ -1,13 +1,12 @@
 //! Petals of the tulip 'Queen of the Night': long, irregular striations of the cuticle.
 //!
-//! The striations are a random wave: a sum of plane waves whose frequencies lie on a piece of a ring around the mean
-//! frequency, near the x axis, so that they run along y, bend, fork and end as folds of a cuticle do. The sum alone would
-//! vanish in places and tower in others; it is divided by its own envelope in part, which leaves folds of more equal
-//! height.
+//! The striations are a random wave: a sum of plane waves whose frequencies lie on a piece of a ring around the mean frequency, near the x
+//! axis, so that the striations run along y, bend, fork and end as folds of a cuticle do. The sum alone would vanish in places and tower in
+//! others; division by a part of its envelope leaves folds of more equal height.
 //!
-//! Published: the spacing of 1.2 µm ± 0.3 µm [Whitney et al. 2009, "Floral iridescence, produced by diffractive optics,
-//! acts as a cue for animal pollinators", Science 323, 130–133]. Chosen: the height, how straight the striations are,
-//! and their round profile. The arched cells below the cuticle are left out.
+//! Published: the spacing of 1.2 µm ± 0.3 µm [Whitney et al. 2009, "Floral iridescence, produced by diffractive optics, acts as a cue for
+//! animal pollinators", Science 323, 130–133]. Chosen: the height, the straightness of the striations, and their round profile. The arched
+//! cells below the cuticle are left out.
 
 use super::grid::{SampleGrid, to_full_height};
 use crate::error::Result;

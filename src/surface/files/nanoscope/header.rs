@@ -64,7 +64,7 @@ impl NanoscopeHeader {
     }
 }
 
-/// Key and value of a line. Keys of parameters may begin with `@2:`, whose colon ends no key.
+/// Splits a line into key and value. Keys of parameters may begin with `@2:`, whose colon ends no key.
 fn split(line: &str) -> (&str, &str) {
     let parameter = line.strip_prefix('@').is_some_and(|rest| {
         let mut start = rest.chars();
@@ -78,7 +78,7 @@ fn split(line: &str) -> (&str, &str) {
 }
 
 impl Section {
-    /// Whether it describes an image.
+    /// Returns true if the section describes an image.
     pub fn is_image(&self) -> bool {
         IMAGES.contains(&self.name.as_str())
     }
@@ -125,7 +125,7 @@ pub struct ParameterValue {
     pub number: f64,
     /// Its unit; empty where it has none.
     pub unit: String,
-    /// What stands in brackets: the name of another parameter.
+    /// Name of another parameter, in brackets.
     pub soft_scale: Option<String>,
 }
 
@@ -154,7 +154,7 @@ impl ParameterValue {
     }
 }
 
-/// Where the parenthesis that `text` begins with is closed.
+/// Returns the position of the closing parenthesis of the one that `text` begins with.
 fn closing(text: &str) -> Option<usize> {
     let mut depth = 0;
     text.char_indices().find_map(|(i, c)| {
