@@ -15,13 +15,13 @@ pub(super) type FileOptions = BTreeMap<String, OptionValue>;
 pub(super) enum OptionValue {
     /// A text, which may name a file.
     Text(String),
-    /// A number, as short as it can be written.
+    /// Number, in its shortest form.
     Number(String),
-    /// Anything else, by its kind.
+    /// Value of another kind, with the name of that kind.
     Other(&'static str),
 }
 
-/// The `options` as names and words. Names of files that lie in `folder` start from there.
+/// Returns the `options` as names and words. Names of files in `folder` are made relative to it.
 ///
 /// # Errors
 /// A value that is neither a text nor a number.
@@ -72,12 +72,12 @@ impl<'de> Visitor<'de> for ValueVisitor {
         Ok(OptionValue::Number(number.to_string()))
     }
 
-    /// A seed may be larger than the integers that TOML promises.
+    /// Accepts seeds beyond the integers that TOML guarantees.
     fn visit_u64<E>(self, number: u64) -> std::result::Result<OptionValue, E> {
         Ok(OptionValue::Number(number.to_string()))
     }
 
-    /// An integer beyond all seeds is a word that its option refuses.
+    /// Accepts an integer beyond all seeds as a word, which its option refuses.
     fn visit_u128<E>(self, number: u128) -> std::result::Result<OptionValue, E> {
         Ok(OptionValue::Number(number.to_string()))
     }

@@ -5,11 +5,11 @@ use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::Vec3;
 use std::collections::HashMap;
 
-/// The most triangles around one point that are handed over together.
+/// Largest number of triangles around one point that are handed over together.
 const MOST_AROUND: usize = 1000;
 
-/// Tangent and handedness of every corner: unit, orthogonal to the corner's normal, w = ±1 with B = w · (N × T).
-/// Where the texture coordinates give no direction, any unit vector orthogonal to N with w = 1.
+/// Returns tangent and handedness of every corner: unit, orthogonal to the corner's normal, w = ±1 with B = w · (N × T). If the texture
+/// coordinates give no direction, T is any unit vector orthogonal to N, and w = 1.
 pub(super) fn generate(triangles: &[[CompleteCorner; 3]]) -> Vec<[[f32; 4]; 3]> {
     let place = Normalization::of(triangles);
     let batches = batches(triangles, &place);
@@ -28,7 +28,7 @@ pub(super) fn generate(triangles: &[[CompleteCorner; 3]]) -> Vec<[[f32; 4]; 3]> 
     mikk.tangents
 }
 
-/// `tangent` made orthogonal to `normal`, or a substitute where it has no direction.
+/// Returns `tangent` made orthogonal to `normal`, or a substitute if it has no direction.
 fn orthonormal(normal: Vec3, tangent: [f32; 4]) -> [f32; 4] {
     let t = Vec3::from_slice(&tangent);
     let flat = t - normal * normal.dot(t);
@@ -42,9 +42,9 @@ fn orthonormal(normal: Vec3, tangent: [f32; 4]) -> [f32; 4] {
     t.extend(if tangent[3] < 0.0 { -1.0 } else { 1.0 }).to_array()
 }
 
-/// Numbers of the triangles to hand over together: all of a usual mesh. bevy_mikktspace recurses from triangle to
-/// triangle around a point, so where more than [`MOST_AROUND`] meet, the rest go into further batches; otherwise a fan
-/// of a hundred thousand overflows the stack.
+/// Returns the batches of triangles to hand over together: usually all of the mesh. bevy_mikktspace recurses from triangle to triangle
+/// around a point, so a fan of a hundred thousand would overflow the stack. If more than [`MOST_AROUND`] meet at a point, the rest go into
+/// further batches.
 fn batches(triangles: &[[CompleteCorner; 3]], place: &Normalization) -> Vec<Vec<usize>> {
     // For each point the latest batch that it is in, and how many triangles it has there.
     let mut met: HashMap<[u32; 3], (usize, usize)> = HashMap::new();
