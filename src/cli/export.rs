@@ -16,7 +16,7 @@ use clap::Args;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// Footprints that mean something.
+/// Range of footprints.
 const FOOTPRINTS: (f64, f64) = (0.0, LARGEST_FOOTPRINT);
 
 /// Arguments of `export`.
@@ -104,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     write::stdout(&summary(&description))
 }
 
-/// Size and errors in a line.
+/// Returns size and errors in a line.
 fn summary(description: &MaterialDescription) -> String {
     const MB: f64 = 1e6;
     let MaterialDescription { table_bytes, smallest_footprint, errors, .. } = description;

@@ -70,7 +70,7 @@ pub struct Environment {
     picture: Arc<EnvironmentMap>,
 }
 
-/// Compares the picture number by number only if it is not the very same one.
+/// Compares the pictures number by number only if they are not shared.
 impl PartialEq for Environment {
     fn eq(&self, other: &Self) -> bool {
         let is_same = self.shares_picture_with(other) || self.picture == other.picture;
@@ -131,7 +131,7 @@ struct EnvironmentMap {
     extent: f64,
     /// Cosine and sine of the azimuth of each column.
     azimuths: Vec<DVec2>,
-    /// Number of pixels of the file whose radiance was not finite or out of range.
+    /// Number of pixels of the file whose radiance was NaN or out of range.
     bounded: usize,
 }
 
@@ -180,7 +180,7 @@ impl Environment {
     }
 
     /// Returns the effective solid angle of the light \[sr\], (∫ L dω)² / ∫ L² dω: that of a uniform light with the same total and the same
-    /// mean radiance weighted by itself.
+    /// mean of L, weighted by L.
     pub fn extent(&self) -> f64 {
         self.picture.extent
     }

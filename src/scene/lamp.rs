@@ -190,7 +190,7 @@ impl Lamp {
         [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]
     }
 
-    /// Returns the distance from the middle of the scene; at least the radius of the lamp.
+    /// Returns the distance from the middle of the scene; at least the radius of a disc with the area of the outline.
     fn distance(&self, room: &Room) -> f64 {
         self.middle.distance(room.centre).max(0.5 * (self.outline() / PI).sqrt())
     }

@@ -21,7 +21,7 @@ pub(super) enum OptionValue {
     Other(&'static str),
 }
 
-/// Returns the `options` as names and words. Names of files in `folder` are made relative to it.
+/// Returns the `options` as names and words. Names of files in `folder` are joined to it.
 ///
 /// # Errors
 /// A value that is neither a text nor a number.
