@@ -268,7 +268,7 @@ mod tests {
 
     #[test]
     fn a_read_is_the_blurred_sum_over_the_orders() {
-        // What the audited series and the cut of the Gaussian leave.
+        // Error of the audited series and of the cut-off of the Gaussian.
         const ALLOWED: f64 = 2e-3;
         // With the lag window, whose blur follows the sides of the patch, and with pixels that are not square, the axes differ.
         for (pixel, beyond) in
