@@ -119,7 +119,7 @@ fn hash(text: &str, size: [u32; 2], pixels: &[u8]) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// True if the picture file `path` has the notes and the pixels whose hash it names.
+/// Returns true if the picture file `path` has the notes and the pixels whose hash it names.
 fn is_whole(path: &Path) -> bool {
     let Some(said) = picture_file::text_of(path) else { return false };
     let Some((text, named)) = said.rsplit_once(&format!("\n{SEAL}: ")) else { return false };
@@ -161,7 +161,7 @@ fn decoded(path: &Path) -> Result<([u32; 2], Vec<u8>)> {
 mod tests {
     use super::*;
 
-    /// A picture with the notes of a frame in both formats.
+    /// Returns a picture with the notes of a frame in both formats.
     fn written(folder: &Path) -> Vec<std::path::PathBuf> {
         let count = 40 * 30;
         let picture = Picture {

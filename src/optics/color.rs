@@ -165,7 +165,7 @@ mod tests {
         assert_eq!(display(DVec3::splat(-1.0), 0.0), [0; 3]);
     }
 
-    /// Colours of every kind, also outside of the gamut.
+    /// Returns colours of every kind, also outside of the gamut.
     fn colours() -> Vec<DVec3> {
         let steps = [-0.4, 0.0, 0.03, 0.08, 0.3, 0.76, 1.0, 7.0];
         let with = |r, g| steps.map(|b| DVec3::new(r, g, b));

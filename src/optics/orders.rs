@@ -306,7 +306,7 @@ mod tests {
         }
     }
 
-    /// Relative deviation of the colour through `copies` under `pattern` from the reference, which resolves every lag, and the
+    /// Returns the relative deviation of the colour through `copies` under `pattern` from the reference, which resolves every lag, and the
     /// wavelengths that it takes.
     fn deviation(copies: [u32; 2], phi: f64, tolerance: f64, spoil: f64) -> (f64, usize, Pattern) {
         let spec = Spec {

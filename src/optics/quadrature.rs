@@ -119,7 +119,7 @@ fn kernel_weights(colours: impl Iterator<Item = (f64, DVec3)>, count: usize) -> 
     weights
 }
 
-/// Weights of the four neighbours at −1, 0, 1, 2 of a point at `t` ∈ \[0, 1\] (Catmull & Rom 1974).
+/// Returns the weights of the four neighbours at −1, 0, 1, 2 of a point at `t` ∈ \[0, 1\] (Catmull & Rom 1974).
 fn catmull_rom(t: f64) -> [f64; 4] {
     let (t2, t3) = (t * t, t * t * t);
     [

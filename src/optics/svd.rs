@@ -137,7 +137,7 @@ fn norm(a: &[Complex64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A smooth kernel, whose singular values fall beyond rounding, and one whose do not.
+    /// Returns a smooth kernel, whose singular values fall beyond rounding, and one whose do not.
     fn matrices() -> Vec<Vec<Vec<Complex64>>> {
         let entry = |i: usize, j: usize| Complex64::cis(0.02 * (i * j) as f64 / (1.0 + 0.01 * j as f64));
         let mut smooth: Vec<Vec<Complex64>> =

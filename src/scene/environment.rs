@@ -239,7 +239,7 @@ impl Environment {
         picture.radiance[pixel].as_dvec3() * self.placement.exposure.exp2()
     }
 
-    /// Irradiance over π of a surface that faces `normal`, linear sRGB.
+    /// Returns the irradiance over π of a surface that faces `normal`, linear sRGB.
     pub fn irradiance(&self, normal: DVec3) -> DVec3 {
         let picture = &*self.picture;
         let mut sum = DVec3::ZERO;
@@ -257,17 +257,17 @@ impl Environment {
     }
 }
 
-/// Angle from up, at row 0 of `height`, to `row` \[rad\].
+/// Returns the angle from up, at row 0 of `height`, to `row` \[rad\].
 fn polar_angle(row: f64, height: usize) -> f64 {
     PI * row / height as f64
 }
 
-/// Cosine and sine of the azimuth of the middle of each column.
+/// Returns the cosine and sine of the azimuth of the middle of each column.
 fn azimuths(width: usize) -> Vec<DVec2> {
     (0..width).map(|column| DVec2::from_angle(PI - TAU * (column as f64 + 0.5) / width as f64)).collect()
 }
 
-/// The direction of the middle of a pixel of `row`, at the azimuth of this cosine and sine.
+/// Returns the direction of the middle of a pixel of `row`, at the azimuth of this cosine and sine.
 fn direction(row: usize, height: usize, azimuth: DVec2) -> DVec3 {
     let (sin, cos) = polar_angle(row as f64 + 0.5, height).sin_cos();
     (azimuth * sin).extend(cos)
@@ -293,7 +293,7 @@ fn brightness(radiance: DVec3) -> f64 {
 }
 
 impl EnvironmentMap {
-    /// A picture `width` pixels wide of this radiance over directions.
+    /// Returns a picture `width` pixels wide of this radiance over directions.
     fn of(width: usize, radiance: &dyn Fn(DVec3) -> Vec3) -> Self {
         let height = width / 2;
         let azimuths = azimuths(width);
@@ -314,7 +314,7 @@ impl EnvironmentMap {
         Self { width, height, radiance, light, extent, azimuths, bounded: 0 }
     }
 
-    /// The direction of the middle of a pixel, not turned.
+    /// Returns the direction of the middle of a pixel, without rotation.
     fn direction(&self, row: usize, column: usize) -> DVec3 {
         direction(row, self.height, self.azimuths[column])
     }
@@ -343,7 +343,7 @@ impl EnvironmentMap {
         Self::from_bytes(&PICTURE.read(path)?).map_err(|e| e.at(path.display()))
     }
 
-    /// The picture in the bytes of an .exr or .hdr file.
+    /// Decodes the picture in the bytes of an .exr or .hdr file.
     fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let [width, height] = PICTURE.size(bytes)?;
         if height == 0 || u64::from(width) != 2 * u64::from(height) {
@@ -428,7 +428,7 @@ fn studio(direction: DVec3) -> Vec3 {
 mod tests {
     use super::*;
 
-    /// Points of a regular lattice.
+    /// Returns points of a regular lattice.
     fn points(side: u32) -> impl Iterator<Item = [f64; 2]> {
         let place = move |i: u32| (f64::from(i) + 0.5) / f64::from(side);
         (0..side * side).map(move |i| [place(i % side), place(i / side)])

@@ -227,12 +227,12 @@ fn axes(normal: DVec3) -> [DVec3; 2] {
     [across, normal.cross(across)]
 }
 
-/// Variance of the points of a disc along an axis.
+/// Returns the variance of the points of a disc along an axis.
 fn variance_of_disc(diameter: f64) -> f64 {
     diameter * diameter / 16.0
 }
 
-/// Variance of the points of a rectangle along a side.
+/// Returns the variance of the points of a rectangle along a side.
 fn variance_of_side(side: f64) -> f64 {
     side * side / 12.0
 }

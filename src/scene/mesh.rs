@@ -63,7 +63,7 @@ impl Mesh {
         Self::build(triangles, &|_, _, _| Ok(()))
     }
 
-    /// Same as [`Mesh::from_triangles`], with reports to `progress`.
+    /// Builds a mesh like [`Mesh::from_triangles`], with reports to `progress`.
     ///
     /// # Errors
     /// Those of [`Mesh::from_triangles`] and of `progress`.
@@ -136,29 +136,29 @@ impl Mesh {
         ))
     }
 
-    /// All vertices, ready for a vertex buffer.
+    /// Returns all vertices, ready for a vertex buffer.
     pub fn vertices(&self) -> &[Vertex] {
         &self.vertices
     }
 
-    /// Three vertex numbers per triangle, ready for an index buffer.
+    /// Returns three vertex indices per triangle, ready for an index buffer.
     pub fn indices(&self) -> &[u32] {
         &self.indices
     }
 
-    /// Number of triangles.
+    /// Returns the number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.indices.len() / 3
     }
 
-    /// A sphere around everything.
+    /// Returns the bounding sphere.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
 }
 
 impl Bounds {
-    /// A sphere around all of `meshes`.
+    /// Returns a sphere around all of `meshes`.
     pub fn around(meshes: &[&Mesh]) -> Self {
         match meshes {
             [one] => one.bounds,

@@ -208,7 +208,7 @@ fn next_line(text: &[u8]) -> (Cow<'_, [u8]>, usize, usize) {
     }
 }
 
-/// The beginning of a word, quoted.
+/// Returns the beginning of a word, quoted.
 fn quoted(word: &str) -> String {
     format!("{:?}", word.chars().take(SHOWN).collect::<String>())
 }
@@ -289,7 +289,7 @@ const TAGS: [&str; 3] = ["v", "vt", "vn"];
 /// Place of normals in [`TAGS`].
 const NORMAL: usize = 2;
 
-/// The line up to its comment. Names keep theirs: exporters write materials such as `Material #25`.
+/// Returns the line up to its comment. Names may contain the comment sign: exporters write materials such as `Material #25`.
 fn without_comment(line: &str) -> &str {
     match line.split_whitespace().next() {
         Some("v" | "vt" | "vn" | "f") => line.split(char::from(COMMENT)).next().unwrap_or(line),
@@ -391,7 +391,7 @@ impl Survey {
         Ok(())
     }
 
-    /// A line of at least `least` numbers.
+    /// Reads a line of at least `least` numbers.
     fn numbers(&mut self, kind: usize, least: usize, words: &[&str]) -> Result<()> {
         // A position may have a weight, which is a number as well.
         let checked = if kind == 0 && words.len() == 4 { 4 } else { least };
@@ -433,7 +433,7 @@ impl Survey {
         Ok(())
     }
 
-    /// One of `v`, `v/vt`, `v//vn`, `v/vt/vn`, counted from 1, or back from the latest with −1.
+    /// Reads one of `v`, `v/vt`, `v//vn`, `v/vt/vn`, counted from 1, or back from the latest with −1.
     fn corner(&mut self, number: usize, word: &str) -> Result<()> {
         let malformed = || {
             Error::failed(
@@ -509,7 +509,7 @@ fn cut_faces(
     Ok(())
 }
 
-/// Corners of each face. tobj lists none where all faces are triangles.
+/// Returns the number of corners of each face. tobj lists none if all faces are triangles.
 fn face_sizes(mesh: &tobj::Mesh) -> impl Iterator<Item = usize> {
     let listed = mesh.face_arities.iter().map(|&count| count as usize);
     let triangles = if mesh.face_arities.is_empty() { mesh.indices.len() / 3 } else { 0 };

@@ -71,13 +71,13 @@ fn fan(count: usize) -> impl Iterator<Item = [u32; 3]> {
     (2..count as u32).map(|k| [0, k - 1, k])
 }
 
-/// Twice the area of a triangle, along its normal. Over a fan the sum is that of the polygon (Newell's normal).
+/// Returns twice the area of a triangle, along its normal. Over a fan the sum is that of the polygon (Newell's normal).
 fn cross(corners: &[DVec3], triangle: [u32; 3]) -> DVec3 {
     let [a, b, c] = triangle.map(|k| corners[k as usize]);
     (b - a).cross(c - a)
 }
 
-/// True if the triangle faces away from `normal` and is higher than `rounding`.
+/// Returns true if the triangle faces away from `normal` and is higher than `rounding`.
 fn is_turned_over(corners: &[DVec3], triangle: [u32; 3], normal: DVec3, rounding: f64) -> bool {
     let [a, b, c] = triangle.map(|k| corners[k as usize]);
     let longest = [b - a, c - b, a - c].map(DVec3::length).into_iter().fold(0.0, f64::max);

@@ -160,7 +160,7 @@ impl Scene {
         Self::open_telling(name.as_ref(), &|_, _, _| Ok(()))
     }
 
-    /// Same as [`Scene::open`], with reports to `progress` while a mesh file is read.
+    /// Opens a scene like [`Scene::open`], with reports to `progress` while a mesh file is read.
     ///
     /// # Errors
     /// Those of [`Scene::open`] and of `progress`.

@@ -86,7 +86,7 @@ impl<'de> Visitor<'de> for ValueVisitor {
         Ok(OptionValue::Number(number.to_string()))
     }
 
-    /// `{:?}` writes 1e300, where `{}` writes 301 digits.
+    /// Accepts a number: `{:?}` writes 1e300, while `{}` writes 301 digits.
     fn visit_f64<E>(self, number: f64) -> std::result::Result<OptionValue, E> {
         Ok(OptionValue::Number(format!("{number:?}")))
     }
@@ -100,7 +100,7 @@ impl<'de> Visitor<'de> for ValueVisitor {
         Ok(OptionValue::Other("list"))
     }
 
-    /// A date is a table to the parser.
+    /// Refuses a table; a date is a table to the parser.
     fn visit_map<A: MapAccess<'de>>(self, mut table: A) -> std::result::Result<OptionValue, A::Error> {
         while table.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {}
         Ok(OptionValue::Other("table or a date"))

@@ -41,7 +41,7 @@ impl ObjectDocument {
     }
 }
 
-/// Material and film of a scene file in `folder`.
+/// Returns the material and film of a scene file in `folder`.
 fn reflecting(reflectance: Option<&Reflectance>, folder: &Path) -> Result<[Option<String>; 2]> {
     match reflectance {
         Some(Reflectance::Fresnel { material, film }) if material.constant_index().is_none() => {
@@ -64,7 +64,7 @@ fn grooves(grooves: &Grooves, folder: &Path) -> Result<Option<String>> {
     })
 }
 
-/// A pair of lengths \[µm\] with its unit.
+/// Returns a pair of lengths \[µm\] with its unit.
 fn micrometres([x, y]: [f64; 2]) -> String {
     format!("{x}umx{y}um")
 }
@@ -193,7 +193,7 @@ mod tests {
         Scene::parse(text, folder).unwrap_or_else(|e| panic!("{e} in\n{text}"))
     }
 
-    /// Debug text of a scene without its mesh.
+    /// Returns the debug text of a scene without its mesh.
     fn described(scene: &Scene) -> String {
         let plain =
             Scene { mesh: crate::scene::primitives::plate(), files: Vec::new(), unit: 0.0, ..scene.clone() };

@@ -125,7 +125,7 @@ mod tests {
     use super::*;
     use glam::Vec2;
 
-    /// A square in the xy plane facing +z, texture coordinates by `uv`.
+    /// Returns a square in the xy plane facing +z, texture coordinates by `uv`.
     fn square(uv: impl Fn(f32, f32) -> Vec2) -> Vec<[CompleteCorner; 3]> {
         let corner = |[x, y]: [f32; 2]| CompleteCorner {
             position: Vec3::new(x, y, 0.0),

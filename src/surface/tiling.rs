@@ -56,7 +56,7 @@ impl Tiling {
 }
 
 impl Verdict {
-    /// The verdict in words, for `surface info`.
+    /// Returns the verdict in words, for `surface info`.
     pub fn words(self) -> &'static str {
         match self {
             Self::Tiles => "yes",

@@ -227,7 +227,7 @@ fn histogram(field: &HeightField, middle: f64, half_range: f64, count: usize) ->
 mod tests {
     use super::*;
 
-    /// The largest error over heights in range and 0 ≤ z ≤ z_max.
+    /// Returns the largest error over heights in range and 0 ≤ z ≤ z_max.
     fn sup_error(range: f64, z_max: f64) -> (usize, f64) {
         let heights = (0..4096).map(|i| range * f64::from(i) / 4095.0).collect();
         let field = HeightField::new(64, 64, [0.1, 0.1], heights).unwrap();

@@ -99,7 +99,7 @@ pub fn compute(
     compute_at(field, settings, [0.0; 2], progress)
 }
 
-/// Same as [`compute`], with the centre of the window `shift` \[µm\] from that of the patch.
+/// Transforms `field` like [`compute`], with the centre of the window `shift` \[µm\] from that of the patch.
 ///
 /// # Errors
 /// See [`compute`].

@@ -224,7 +224,7 @@ mod tests {
         }
     }
 
-    /// J_m(x) = (1/π) ∫ cos(mτ − x sin τ) dτ over 0 … π.
+    /// Returns J_m(x) = (1/π) ∫ cos(mτ − x sin τ) dτ over 0 … π.
     fn bessel(m: i64, x: f64) -> f64 {
         const STEPS: usize = 4000;
         let at = |i: usize| {

@@ -110,7 +110,7 @@ impl AxisTaps {
         (self.first[i], &self.weights[i * self.count..(i + 1) * self.count])
     }
 
-    /// True if no place reads anything.
+    /// Returns true if no place reads anything.
     fn is_dark(&self) -> bool {
         self.weights.iter().all(|weight| *weight == 0.0)
     }

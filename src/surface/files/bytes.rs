@@ -30,7 +30,7 @@ pub enum Number {
 }
 
 impl Number {
-    /// Bytes of one sample.
+    /// Returns the size of one sample \[bytes\].
     pub fn bytes(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -45,7 +45,7 @@ impl Number {
         matches!(self, Self::F16 | Self::F32 | Self::F64)
     }
 
-    /// The largest number of an integer type; infinity for floating-point numbers.
+    /// Returns the largest number of an integer type; infinity for floating-point numbers.
     pub fn largest(self) -> f64 {
         match self {
             Self::I8 => f64::from(i8::MAX),
@@ -104,18 +104,18 @@ impl<'a> Cursor<'a> {
         Self { bytes, place: 0, order }
     }
 
-    /// The same bytes, to be read from `place` on.
+    /// Returns a reader of the same bytes from `place` on.
     #[must_use]
     pub fn at(&self, place: usize) -> Self {
         Self { place, ..self.clone() }
     }
 
-    /// Bytes that were read or skipped.
+    /// Returns the number of bytes that were read or skipped.
     pub fn place(&self) -> usize {
         self.place
     }
 
-    /// Bytes that are left.
+    /// Returns the number of bytes that are left.
     pub fn left(&self) -> usize {
         self.bytes.len().saturating_sub(self.place)
     }
@@ -188,7 +188,7 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// The text in a field of fixed width: up to the first NUL, without white space around it; UTF-8 or Latin-1.
+/// Returns the text in a field of fixed width: up to the first NUL, without white space around it; UTF-8 or Latin-1.
 pub fn text(field: &[u8]) -> String {
     let end = field.iter().position(|b| *b == 0).unwrap_or(field.len());
     decode_text(&field[..end]).trim().to_owned()
@@ -202,12 +202,12 @@ pub fn decode_text(bytes: &[u8]) -> String {
     }
 }
 
-/// Error of a file that ends too early.
+/// Returns the error of a file that ends too early.
 pub fn cut_short() -> Error {
     Error::failed("is cut short", "save or copy the file again")
 }
 
-/// Error of a file that contradicts itself or its format.
+/// Returns the error of a file that contradicts itself or its format.
 pub fn damaged(what: impl std::fmt::Display) -> Error {
     Error::failed(format!("is damaged: {what}"), "save or copy the file again")
 }

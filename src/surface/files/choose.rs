@@ -70,7 +70,7 @@ fn names(channels: &[Channel]) -> String {
     channels.iter().enumerate().map(name).collect::<Vec<_>>().join(", ")
 }
 
-/// A unit, for people.
+/// Returns a unit for messages.
 pub fn unit(unit: &str) -> &str {
     if unit.is_empty() { "no unit" } else { unit }
 }

@@ -95,8 +95,10 @@ impl DigitalSurfHeader {
         })
     }
 
+    /// Checks that the object is a surface.
+    ///
     /// # Errors
-    /// A kind of object that is no surface.
+    /// Another kind of object.
     fn check_kind(&self) -> Result<()> {
         let what = match self.kind {
             3 => "a picture of two colours",

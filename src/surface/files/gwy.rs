@@ -167,7 +167,7 @@ fn value<'a>(cursor: &mut Cursor<'a>, kind: u8) -> Result<GwyValue<'a>> {
     })
 }
 
-/// The bytes up to the next NUL, which is skipped.
+/// Reads the bytes up to the next NUL, which is skipped.
 fn string<'a>(cursor: &mut Cursor<'a>) -> Result<&'a [u8]> {
     let rest = cursor.clone().take(cursor.left())?;
     let end = rest.iter().position(|b| *b == 0).ok_or_else(super::bytes::cut_short)?;
@@ -209,12 +209,12 @@ pub fn write(scan: &Topography, file: &mut impl Write) -> io::Result<()> {
 /// The components of a `GwySIUnit` that is the metre.
 const METRE: &[u8] = b"unitstr\0sm\0";
 
-/// A component, or its beginning.
+/// Encodes a component, or its beginning.
 fn component(key: &str, kind: u8, value: &[u8]) -> Vec<u8> {
     [key.as_bytes(), &[0, kind], value].concat()
 }
 
-/// An object whose components take `length` bytes and begin with `body`.
+/// Encodes an object whose components take `length` bytes and begin with `body`.
 fn object_of(name: &str, length: u32, body: &[u8]) -> Vec<u8> {
     [name.as_bytes(), &[0], &length.to_le_bytes()[..], body].concat()
 }

@@ -211,7 +211,7 @@ fn too_large(what: &str) -> Error {
     Error::failed(format!("{what} are more than {MAX_SIDE} on a side"), "crop it or average it down")
 }
 
-/// A decoder's message in the words of this program.
+/// Converts a decoder's message into an error of this program.
 fn explain(cause: &ImageError) -> Error {
     match cause {
         ImageError::Unsupported(_) => Error::failed(format!("cannot be used: {cause}"), EXPORT_GREY),

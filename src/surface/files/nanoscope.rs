@@ -68,7 +68,7 @@ fn channel<'a>(bytes: &'a [u8], header: &NanoscopeHeader, image: &Section) -> Re
     })
 }
 
-/// Samples of a line and lines; Nanoscope E writes both behind `Samps/line`.
+/// Returns the numbers of samples of a line and of lines; Nanoscope E writes both behind `Samps/line`.
 fn counts(image: &Section) -> Result<(u64, u64)> {
     let columns = image.count("samps/line")?;
     let second = || image.text("samps/line")?.split_whitespace().nth(1)?.parse().ok();
@@ -171,7 +171,7 @@ fn spacings(header: &NanoscopeHeader, image: &Section, [columns, lines]: [u64; 2
     [spacing(x, columns), spacing(y, lines)]
 }
 
-/// One length for both axes or two, and their unit \[m\].
+/// Parses one length for both axes or two, and their unit \[m\].
 fn lengths(text: &str) -> Option<[f64; 2]> {
     let words: Vec<&str> = text.split_whitespace().collect();
     let number = |word: &str| word.parse::<f64>().ok();

@@ -4,7 +4,7 @@ use super::*;
 const SENSITIVITY: &str =
     "\\*Scanner list\r\n\\@Sens. Zsens: V 20.00000 nm/V\r\n\\@Sens. Defl: V 50.0 mV/V\r\n";
 
-/// A file by hand: its header ends at byte 1024, then the bottom row and the top row.
+/// Returns a hand-made file: its header ends at byte 1024, then the bottom row and the top row.
 fn file(version: &str, scanner: &str, image: &str, number: Number) -> Vec<u8> {
     let samples = BOTTOM.iter().chain(&TOP);
     let data: Vec<u8> = match number {

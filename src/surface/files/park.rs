@@ -139,12 +139,12 @@ impl Tags {
         self.entries.iter().find(|entry| entry.0 == tag).copied()
     }
 
-    /// The whole number of `tag`.
+    /// Returns the whole number of `tag`.
     fn number(&self, tag: u16) -> Option<u32> {
         self.entry(tag).map(|(_, _, _, value)| value)
     }
 
-    /// The bytes of `tag`, which stand apart from the directory; `None` where there is no such tag.
+    /// Returns the bytes of `tag`, which stand apart from the directory; `None` if there is no such tag.
     fn value<'a>(&self, bytes: &'a [u8], tag: u16) -> Option<Result<&'a [u8]>> {
         let (_, kind, count, place) = self.entry(tag)?;
         let width = match kind {

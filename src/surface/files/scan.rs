@@ -70,7 +70,7 @@ pub struct Scan<'a> {
 }
 
 impl<'a> Scan<'a> {
-    /// A file that holds a single image.
+    /// Returns a file that holds a single image.
     pub fn single(format: &'static str, channel: Channel<'a>) -> Self {
         Self::new(format, vec![channel])
     }

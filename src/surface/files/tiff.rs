@@ -107,7 +107,7 @@ fn value_unit(decoder: &mut Decoder<Cursor<&[u8]>>) -> String {
     image_j(&text, "vunit").unwrap_or_else(|| "m".to_owned())
 }
 
-/// The decoder's messages in the words of this program.
+/// Converts the decoder's message into an error of this program.
 fn explain(cause: &TiffError) -> Error {
     match cause {
         TiffError::UnsupportedError(_) => {

@@ -2,7 +2,7 @@ use super::super::testing::{BOTTOM, TOP, assert_rows, only, whole};
 use super::super::topography::Spacing;
 use super::*;
 
-/// A TIFF of one strip by hand: entries of tag, type, count and value, in either byte order, classic or big.
+/// Returns a hand-made TIFF of one strip: entries of tag, type, count and value, in either byte order, classic or big.
 fn file(big_endian: bool, big: bool, entries: &[(u16, u16, u32)], data: &[u8]) -> Vec<u8> {
     let mut all = entries.to_vec();
     let width = if big { 20 } else { 12 };

@@ -99,7 +99,7 @@ impl Topography {
         Ok(Self { size, spacing, pixel_size, samples, unit, missing, origin })
     }
 
-    /// The heights of a height field, all of them measured.
+    /// Returns the heights of a height field, all of them measured.
     pub fn of(field: HeightField) -> Self {
         let pixel_size = field.pixel_size();
         Self {
@@ -113,12 +113,12 @@ impl Topography {
         }
     }
 
-    /// Samples along `x` and `y`.
+    /// Returns the number of samples along `x` and `y`.
     pub fn size(&self) -> [usize; 2] {
         self.size
     }
 
-    /// Distance of neighbouring samples along `x` and `y` \[m\].
+    /// Returns the distance of neighbouring samples along `x` and `y` \[m\].
     pub fn spacing(&self) -> [f64; 2] {
         self.spacing
     }

@@ -111,7 +111,7 @@ fn no_grid() -> Error {
 mod tests {
     use super::*;
 
-    /// Heights row by row from the top of a grid written in an order of no use.
+    /// Returns the heights of a grid, row by row from the top.
     fn heights(text: &str) -> Vec<f64> {
         read(text.as_bytes()).unwrap().channels.remove(0).samples().unwrap()
     }

@@ -16,7 +16,7 @@ pub struct Crop {
 }
 
 impl Crop {
-    /// `40um`, `40umx20um`, or either with a corner as in `40umx20um+5um+3um`.
+    /// Parses `40um`, `40umx20um`, or either with a corner as in `40umx20um+5um+3um`.
     pub(super) fn parse(text: &str) -> Result<Self> {
         const FORM: &str =
             "give a side as in 40um, two as in 40umx20um, and the corner as in 40umx20um+5um+3um";
@@ -29,7 +29,7 @@ impl Crop {
         Ok(Self { size: units::length_pair(size)?, corner })
     }
 
-    /// The samples of `field` that lie in the rectangle.
+    /// Returns the samples of `field` in the rectangle.
     pub(super) fn apply(&self, field: &HeightField) -> Result<HeightField> {
         let (columns, from_column) = self.range(0, field.columns(), field)?;
         let (rows, from_row) = self.range(1, field.rows(), field)?;

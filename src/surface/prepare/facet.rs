@@ -18,7 +18,7 @@ const CONVERGED: f64 = 1e-10;
 /// Facets that are looked at, evenly spread over larger fields.
 const MOST_FACETS: usize = 1 << 18;
 
-/// `field` less the plane of the most frequent slope and less its mean.
+/// Returns `field` less the plane of the most frequent slope and less its mean.
 ///
 /// # Errors
 /// Heights so large that their sums are not finite numbers.

@@ -5,7 +5,7 @@
 use crate::error::Result;
 use crate::surface::HeightField;
 
-/// `field` with every height `h` replaced by `−h`.
+/// Returns `field` with every height `h` replaced by `−h`.
 pub(super) fn apply(field: &HeightField) -> Result<HeightField> {
     let heights = field.heights().iter().map(|h| -h).collect();
     HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights)

@@ -29,7 +29,7 @@ impl Levelling {
     /// The largest degree of [`Levelling::Polynomial`]. Higher ones follow the structure itself.
     pub const MAX_DEGREE: u8 = 12;
 
-    /// The choice that `text` names.
+    /// Parses a levelling.
     ///
     /// # Errors
     /// Another word, a degree that is missing or out of range.
@@ -75,7 +75,7 @@ impl fmt::Display for Levelling {
 }
 
 impl HeightField {
-    /// The field less what `level` says.
+    /// Returns the field less the part that `level` describes.
     ///
     /// # Errors
     /// Heights so large that their sums are not finite numbers.

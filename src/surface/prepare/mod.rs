@@ -56,7 +56,7 @@ pub enum PreparationStep {
 }
 
 impl PreparationStep {
-    /// The field after this step.
+    /// Returns the field after this step.
     ///
     /// # Errors
     /// A rectangle that is not inside the field, a length that the field is too small for, grooves that cannot be found, a result that is
@@ -95,7 +95,7 @@ pub fn apply_all(field: HeightField, steps: &[PreparationStep]) -> Result<Height
     steps.iter().try_fold(field, |field, step| step.apply(&field))
 }
 
-/// The steps in words, as scene files list them: `level plane, crop 40um`; `none` where there are none.
+/// Returns the steps in words, in the form of scene files: `level plane, crop 40um`; `none` for no step.
 pub fn describe(steps: &[PreparationStep]) -> String {
     if steps.is_empty() {
         return "none".to_owned();
@@ -114,7 +114,7 @@ mod tests {
         HeightField::new(columns, rows, pixel, (0..columns * rows).map(at).collect()).unwrap()
     }
 
-    /// The largest absolute difference of two fields of one grid \[µm\].
+    /// Returns the largest absolute difference of two fields of one grid \[µm\].
     pub(super) fn difference(a: &HeightField, b: &HeightField) -> f64 {
         assert_eq!((a.columns(), a.rows()), (b.columns(), b.rows()));
         a.heights().iter().zip(b.heights()).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()))

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::surface::HeightField;
 use rayon::prelude::*;
 
-/// `field` less the polynomial of least squares of total degree `degree`; of degree 0 that is the mean, of degree 1 the plane.
+/// Returns `field` less the polynomial of least squares of total degree `degree`: the mean for degree 0, the plane for degree 1.
 ///
 /// # Errors
 /// Heights so large that their sums are not finite numbers.
@@ -40,8 +40,8 @@ pub(super) fn subtract(field: &HeightField, degree: usize) -> Result<HeightField
     HeightField::new(columns, field.rows(), field.pixel_size(), heights)
 }
 
-/// The orthonormal polynomials of degree 0 … `degree` on `n` equidistant points, by the three-term recurrence of Stieltjes. Fewer where
-/// there are fewer points than coefficients: those already fit every height.
+/// Returns the orthonormal polynomials of degree 0 … `degree` on `n` equidistant points, by the three-term recurrence of Stieltjes; at most
+/// `n`, which fit every height.
 fn gram_polynomials(n: usize, degree: usize) -> Vec<Vec<f64>> {
     let place = |i: usize| (2 * i + 1) as f64 / n as f64 - 1.0;
     let mut polynomials = vec![vec![1.0 / (n as f64).sqrt(); n]];

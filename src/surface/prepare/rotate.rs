@@ -21,7 +21,7 @@ pub enum Rotation {
 const EXACT: f64 = 1e-9;
 
 impl Rotation {
-    /// An angle, or `auto`.
+    /// Parses an angle, or `auto`.
     pub(super) fn parse(text: &str) -> Result<Self> {
         if text == "auto" {
             return Ok(Self::Auto);
@@ -54,8 +54,8 @@ impl Rotation {
         }
     }
 
-    /// The largest upright rectangle of the turned field, with the same distances between samples. A quarter turn keeps every sample; other
-    /// angles interpolate by cubic splines.
+    /// Rotates `field`, and returns the largest upright rectangle in it, with the same distances between samples. A quarter turn keeps
+    /// every sample; other angles interpolate by cubic splines.
     pub(super) fn apply(self, field: &HeightField) -> Result<HeightField> {
         let angle = self.angle(field)?;
         let quarters = (angle / 90.0).round();
@@ -92,7 +92,7 @@ fn quarter_turns(field: &HeightField, quarters: usize) -> Result<HeightField> {
     }
 }
 
-/// `field` turned counter-clockwise by `angle` \[radians\].
+/// Returns `field` turned counter-clockwise by `angle` \[radians\].
 fn turned(field: &HeightField, angle: f64) -> Result<HeightField> {
     let [dx, dy] = field.pixel_size();
     let last = [field.columns() - 1, field.rows() - 1].map(|n| n as f64);
@@ -118,7 +118,7 @@ fn turned(field: &HeightField, angle: f64) -> Result<HeightField> {
     HeightField::new(columns, rows, field.pixel_size(), heights)
 }
 
-/// Width and height of the largest upright rectangle in one of `size` that is turned by `angle` \[radians\].
+/// Returns the width and height of the largest upright rectangle in one of `size` that is turned by `angle` \[radians\].
 ///
 /// Its corners touch the turned sides: all four of them, w|cos| + h|sin| = W and w|sin| + h|cos| = H, or, where that rectangle would leave
 /// the turned one, two opposite corners the middle of the long sides.

@@ -12,7 +12,7 @@ use crate::surface::HeightField;
 use crate::surface::transpose::transposed;
 use rayon::prelude::*;
 
-/// `field` eroded by a tip whose apex has the radius of curvature `radius` \[µm\].
+/// Returns `field` eroded by a tip whose apex has the radius of curvature `radius` \[µm\].
 ///
 /// Samples beyond the edges are unknown and bound nothing.
 ///

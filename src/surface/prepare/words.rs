@@ -46,7 +46,7 @@ pub(super) const EXAMPLES: [&str; 21] = [
 ];
 
 impl PreparationStep {
-    /// The step that `text` names, its word first: `level plane`.
+    /// Parses a step, its word first: `level plane`.
     ///
     /// # Errors
     /// An unknown word; a value that is missing, superfluous or cannot be meant.
@@ -101,7 +101,7 @@ impl fmt::Display for PreparationStep {
     }
 }
 
-/// A length \[µm\] in the unit that writes it shortest, so that [`units::length`] reads the same number.
+/// Writes a length \[µm\] in the unit with the shortest text, so that [`units::length`] reads the same number.
 pub(super) fn length(um: f64) -> String {
     /// Decimal digits that a rounded number keeps; more than any instrument has.
     const DIGITS: f64 = 1e12;
@@ -117,7 +117,7 @@ pub(super) fn length(um: f64) -> String {
     exact.min_by_key(String::len).unwrap_or_else(|| format!("{um}um"))
 }
 
-/// A length \[µm\] to four digits, for messages.
+/// Writes a length \[µm\] to four digits, for messages.
 pub(super) fn about(um: f64) -> String {
     let decimals = (3.0 - um.abs().max(1e-6).log10().floor()).max(0.0) as usize;
     let text = format!("{um:.decimals$}");
@@ -125,7 +125,7 @@ pub(super) fn about(um: f64) -> String {
     format!("{short}um")
 }
 
-/// Two lengths \[µm\], or one that stands for both.
+/// Writes two lengths \[µm\], or one if both are equal.
 pub(super) fn lengths([x, y]: [f64; 2]) -> String {
     if x == y { length(x) } else { format!("{}x{}", length(x), length(y)) }
 }

@@ -78,13 +78,13 @@ impl HeightParameters {
     }
 }
 
-/// The mean height \[µm\], from sums of rows, which lose less than one long sum.
+/// Returns the mean height \[µm\], from sums of rows, which lose fewer digits than one long sum.
 pub fn mean(field: &HeightField) -> f64 {
     let total: f64 = (0..field.rows()).map(|row| field.row(row).iter().sum::<f64>()).sum();
     total / field.heights().len() as f64
 }
 
-/// The root mean square deviation Sq \[µm\] alone.
+/// Returns the root mean square deviation Sq \[µm\] alone.
 pub fn deviation(field: &HeightField) -> f64 {
     let mean = mean(field);
     let squares = |row: &[f64]| row.iter().map(|h| (h - mean).powi(2)).sum::<f64>();
@@ -92,7 +92,7 @@ pub fn deviation(field: &HeightField) -> f64 {
     (total / field.heights().len() as f64).sqrt()
 }
 
-/// The different heights, lowest first.
+/// Returns the different heights, lowest first.
 fn distinct(heights: &[f64]) -> Vec<f64> {
     /// Heights that are copied at once: those of an image are few different ones, a copy of all of them may be gigabytes.
     const AT_ONCE: usize = 1 << 20;
@@ -106,7 +106,7 @@ fn distinct(heights: &[f64]) -> Vec<f64> {
     sorted(parts.concat())
 }
 
-/// The step between `levels` (lowest first) where all distances are multiples of the smallest one.
+/// Returns the step between `levels` (lowest first); `None` unless all distances are multiples of the smallest one.
 fn quantisation(levels: &[f64]) -> Option<f64> {
     /// Codes of 16 bits; more different heights are taken for numbers without a step.
     const MOST: usize = 1 << 16;
@@ -125,7 +125,7 @@ fn quantisation(levels: &[f64]) -> Option<f64> {
     (span / step <= MOST as f64 && levels.iter().all(whole)).then_some(step)
 }
 
-/// The height range \[µm\] without [`CORE`] of the samples at each end.
+/// Returns the height range \[µm\] without [`CORE`] of the samples at each end.
 pub(super) fn core_range(heights: &[f64]) -> f64 {
     /// Heights that are looked at, evenly spread over larger fields.
     const MOST: usize = 1 << 22;

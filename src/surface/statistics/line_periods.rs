@@ -5,7 +5,7 @@ use crate::surface::HeightField;
 use rustfft::{FftPlanner, num_complex::Complex};
 use std::f64::consts::TAU;
 
-/// The length after which the heights repeat along `x` and `y` \[µm\]; `None` where nothing clearly repeats.
+/// Returns the length after which the heights repeat along `x` and `y` \[µm\]; `None` if nothing clearly repeats.
 pub fn line_periods(field: &HeightField) -> [Option<f64>; 2] {
     let mean = mean(field);
     let (columns, rows) = (field.columns(), field.rows());
@@ -55,8 +55,8 @@ const SURROUNDINGS: f64 = 1.5;
 /// Least ratio of the power density in the band to that outside it. White noise has 1.
 const CLEAR: f64 = 5.0;
 
-/// The number of cycles a line (not whole, in general) that hold the most power within [`BAND`], if that band stands
-/// out of its surroundings and of the whole spectrum.
+/// Returns the number of cycles a line (not whole, in general) with the most power within [`BAND`]; `None` unless that band stands out of
+/// its surroundings and of the whole spectrum.
 fn dominant_cycles(spectrum: &[f64], noise: f64) -> Option<f64> {
     let last = spectrum.len() - 1;
     if last < FEWEST_CYCLES {

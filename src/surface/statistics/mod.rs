@@ -89,7 +89,7 @@ pub(crate) mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// A field of 100 nm × 50 nm samples; `x` and `y` from the left and the TOP edge.
+    /// Returns a field of 100 nm × 50 nm samples; `x` and `y` from the left and the TOP edge.
     pub(crate) fn field(columns: usize, rows: usize, h: impl Fn(f64, f64) -> f64) -> HeightField {
         let pixel = [0.1, 0.05];
         let at = |i: usize| h((i % columns) as f64 * pixel[0], (i / columns) as f64 * pixel[1]);

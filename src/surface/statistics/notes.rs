@@ -46,7 +46,8 @@ fn dust(statistics: &Statistics) -> Option<String> {
     })
 }
 
-/// Levelling by a plane narrows the range of a tilted scan, unless a few samples set it that stand out elsewhere.
+/// Warns if levelling by a plane widens the height range: it narrows that of a tilted scan, unless a few samples that stand out elsewhere
+/// set the range.
 fn levelling(field: &HeightField, statistics: &Statistics) -> Result<Option<String>> {
     let [low, high] = statistics.heights.range;
     let levelled = field.levelled(Levelling::Plane)?;

@@ -96,7 +96,7 @@ fn length(f: [f64; 2]) -> f64 {
     f[0].hypot(f[1])
 }
 
-/// Between `a` and `b` or its opposite, whichever is nearer.
+/// Returns the distance of `a` from `b` or its opposite, whichever is nearer.
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1]).min((a[0] + b[0]).hypot(a[1] + b[1]))
 }
@@ -181,7 +181,7 @@ pub(super) fn refined(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> [f64; 2]
     [x + dx / spectrum.patch[0], y - dy / spectrum.patch[1]] // places grow down, y grows up
 }
 
-/// Amplitude of the sinusoid whose power is that of the main lobe around `place`: A²/2 is twice the power of one sign's lobe.
+/// Returns the amplitude of the sinusoid whose power is that of the main lobe around `place`: A²/2 is twice the power of one sign's lobe.
 pub(super) fn amplitude(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> f64 {
     let [i, j] = place.map(|n| n as isize);
     let reach = |samples: usize| {
@@ -194,7 +194,7 @@ pub(super) fn amplitude(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> f64 {
     2.0 * lobe.sum::<f64>().sqrt()
 }
 
-/// The left, right, upper and lower half of `field`, as far as they have samples enough for [`FEWEST_CYCLES`] of two samples.
+/// Returns the left, right, upper and lower half of `field`, if they have enough samples for [`FEWEST_CYCLES`] of two samples.
 fn halves(field: &HeightField) -> impl Iterator<Item = Result<HeightField>> + '_ {
     const FEWEST_SAMPLES: usize = 6;
     let (columns, rows) = (field.columns(), field.rows());
@@ -227,7 +227,8 @@ fn leaked(spectrum: &SurfaceSpectrum, peak: &SpectralPeak, peaks: &[SpectralPeak
     BINS_PER_SHARE * sum / bins(peak.frequency)
 }
 
-/// A peak with the spread of `in_halves`, the frequencies that half fields have in its place, and the relative error `leaked` of its length.
+/// Returns the period of a peak with its spread in `in_halves`, the frequencies of the peak in half fields, and the relative error `leaked`
+/// of its length.
 fn period(peak: &SpectralPeak, in_halves: &[[f64; 2]], leaked: f64) -> Period {
     let [x, y] = peak.frequency;
     let direction = (y / x).atan().to_degrees(); // ±90 where x is 0
@@ -244,7 +245,7 @@ fn period(peak: &SpectralPeak, in_halves: &[[f64; 2]], leaked: f64) -> Period {
     }
 }
 
-/// Standard deviation of two numbers or more.
+/// Returns the standard deviation of two numbers or more.
 fn deviation(numbers: &[f64]) -> Option<f64> {
     let count = numbers.len() as f64;
     let mean = numbers.iter().sum::<f64>() / count;

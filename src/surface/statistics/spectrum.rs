@@ -25,7 +25,7 @@ pub struct SurfaceSpectrum {
     transform: Vec<Complex<f64>>,
 }
 
-/// The part of `field` whose spectrum stands for it: all, or the middle of a large field.
+/// Returns the part of `field` that is analysed: all, or the middle of a large field.
 pub fn analysed_part(field: &HeightField) -> std::borrow::Cow<'_, HeightField> {
     use std::borrow::Cow;
     let (columns, rows) = (field.columns().min(LONGEST_SIDE), field.rows().min(LONGEST_SIDE));
@@ -72,24 +72,24 @@ impl SurfaceSpectrum {
         Ok(Self { samples, patch: field.patch_size(), transform: half_transform(samples, row)? })
     }
 
-    /// Frequencies along `x` that are kept.
+    /// Returns the number of frequencies along `x` that are kept.
     pub fn half(&self) -> usize {
         self.samples[0] / 2 + 1
     }
 
-    /// The frequency of place `j` among those along `y`, as whole periods over the patch; y grows up.
+    /// Returns the frequency of index `j` along `y` in periods over the patch; y grows up.
     fn cycles_up(&self, j: usize) -> f64 {
         let rows = self.samples[1];
         let signed = if 2 * j > rows { j as f64 - rows as f64 } else { j as f64 };
         -signed
     }
 
-    /// The frequency at `i` along `x` and `j` along `y` \[1/µm\].
+    /// Returns the frequency at `i` along `x` and `j` along `y` \[1/µm\].
     pub fn frequency(&self, i: usize, j: usize) -> [f64; 2] {
         [i as f64 / self.patch[0], self.cycles_up(j) / self.patch[1]]
     }
 
-    /// The complex value there; `i` beyond the half is read at the opposite frequency.
+    /// Returns the complex value at `i`, `j`; `i` beyond the half is read at the opposite frequency.
     pub fn value(&self, i: isize, j: isize) -> Complex<f64> {
         let [columns, rows] = self.samples.map(|n| n as isize);
         let (i, j) = (i.rem_euclid(columns), j.rem_euclid(rows));
@@ -97,7 +97,7 @@ impl SurfaceSpectrum {
         if i < self.half() as isize { at(i, j) } else { at(columns - i, (rows - j) % rows).conj() }
     }
 
-    /// Power at `i`, `j`, the same at the opposite frequency \[µm²\].
+    /// Returns the power at `i`, `j`, equal to that at the opposite frequency \[µm²\].
     pub fn power(&self, i: usize, j: usize) -> f64 {
         self.transform[i * self.samples[1] + j].norm_sqr()
     }
@@ -128,13 +128,13 @@ impl SurfaceSpectrum {
             .reduce(&zero, add)
     }
 
-    /// The larger share of a frequency's components of the largest ones that the samples hold.
+    /// Returns the larger of |f_x| and |f_y|, each relative to its Nyquist frequency.
     fn share_of_band(&self, i: usize, j: usize) -> f64 {
         let [columns, rows] = self.samples;
         (2.0 * i as f64 / columns as f64).max(2.0 * self.cycles_up(j).abs() / rows as f64)
     }
 
-    /// RMS height of white noise as strong as the spectrum in the outer band of the frequencies \[µm\].
+    /// Returns the RMS height of white noise as strong as the spectrum in the outer band of the frequencies \[µm\].
     ///
     /// From the median there, which single lines of a grating's spectrum do not move.
     pub fn noise(&self) -> f64 {
@@ -147,7 +147,7 @@ impl SurfaceSpectrum {
         (mean * (self.samples[0] * self.samples[1]) as f64).sqrt()
     }
 
-    /// Share of the power at frequencies that are hardly sampled; 0 where there is no power.
+    /// Returns the share of the power at undersampled frequencies; 0 if there is no power.
     pub fn undersampled_share(&self) -> f64 {
         let part = |sums: &mut [f64; 2], i: usize, j: usize, weight: f64| {
             let power = weight * self.power(i, j);
@@ -158,7 +158,8 @@ impl SurfaceSpectrum {
         if all > 0.0 { fine / all } else { 0.0 }
     }
 
-    /// The mean power of noise at frequencies whose |f| is about `frequency` \[1/µm\], in µm²: from the median, which peaks do not move.
+    /// Returns the mean power of noise at frequencies whose |f| is about `frequency` \[1/µm\], in µm²: from the median, which peaks do not
+    /// move.
     pub fn background(&self, frequency: f64) -> f64 {
         /// Half the width of the ring of frequencies, as a share of |f|.
         const WIDTH: f64 = 0.1;
@@ -172,8 +173,8 @@ impl SurfaceSpectrum {
         mean_of_noise(self.sum(Vec::new, near, joined))
     }
 
-    /// Power spectral density \[µm⁴\] averaged over rings of |f|: (frequency \[1/µm\], density). The rings are as wide as the coarser
-    /// spacing of the frequencies and end at the smaller of the two largest ones.
+    /// Returns the power spectral density \[µm⁴\] averaged over rings of |f|: (frequency \[1/µm\], density). The rings are as wide as the
+    /// coarser spacing of the frequencies and end at the smaller Nyquist frequency.
     pub fn radial(&self) -> Vec<[f64; 2]> {
         let [width, height] = self.patch;
         let ring = (1.0 / width).max(1.0 / height);
@@ -202,7 +203,7 @@ fn joined(mut a: Vec<f64>, mut b: Vec<f64>) -> Vec<f64> {
     a
 }
 
-/// The mean of exponentially distributed powers from their median, which is ln 2 of it; 0 where there are none.
+/// Returns the mean of exponentially distributed powers from their median, which is ln 2 of the mean; 0 for none.
 fn mean_of_noise(mut powers: Vec<f64>) -> f64 {
     if powers.is_empty() {
         return 0.0;
@@ -211,7 +212,7 @@ fn mean_of_noise(mut powers: Vec<f64>) -> f64 {
     *powers.select_nth_unstable_by(middle, f64::total_cmp).1 / LN_2
 }
 
-/// Half a period of a raised cosine over `n` samples, 0 at the outer edges of the first and the last.
+/// Returns half a period of a raised cosine over `n` samples, 0 at the outer edges of the first and the last.
 fn hann(n: usize) -> Vec<f64> {
     (0..n).map(|i| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / n as f64).cos()).collect()
 }

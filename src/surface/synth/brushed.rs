@@ -38,7 +38,7 @@ struct ScratchMark {
     lean: f64,
 }
 
-/// Scratches on `grid`, scaled in the plane to its mean distance along `x`, and to the full height \[µm\].
+/// Returns scratches on `grid`, scaled in the plane to its mean distance along `x`, and to the full height \[µm\].
 pub(super) fn make(grid: &SampleGrid, height: f64, seed: u64) -> Result<HeightField> {
     let patch = grid.patch();
     let scratches = scratch(patch, patch[0] / grid.periods[0] as f64, seed);
@@ -50,7 +50,7 @@ pub(super) fn make(grid: &SampleGrid, height: f64, seed: u64) -> Result<HeightFi
     to_full_height(&raw, height)
 }
 
-/// Scratches that a line along `x` meets every `distance`, on average.
+/// Returns scratches that a line along `x` meets every `distance`, on average.
 fn scratch(patch: [f64; 2], distance: f64, seed: u64) -> Vec<ScratchMark> {
     let mut random = Random::new(seed);
     let mut scratches = Vec::new();
@@ -71,7 +71,7 @@ fn scratch(patch: [f64; 2], distance: f64, seed: u64) -> Vec<ScratchMark> {
     scratches
 }
 
-/// A random number from `least` to `most` whose logarithm is spread evenly.
+/// Returns a random number from `least` to `most` whose logarithm is spread evenly.
 fn between(random: &mut Random, [least, most]: [f64; 2]) -> f64 {
     least * (most / least).powf(random.share())
 }

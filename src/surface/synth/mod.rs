@@ -105,7 +105,7 @@ impl SurfaceKind {
         !matches!(self, Self::Flat | Self::Sinusoid | Self::Blaze | Self::Bumps)
     }
 
-    /// The kind that `name` means.
+    /// Returns the kind of that name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
@@ -138,7 +138,7 @@ impl SurfaceKind {
 }
 
 impl Dimensions {
-    /// The same with all lengths in the plane but the patch scaled to a period of `period` along `x`.
+    /// Returns the dimensions with all lengths in the plane but the patch scaled to a period of `period` along `x`.
     fn with_period(self, period: f64) -> Self {
         let scale = period / self.period[0];
         Self { period: [period, self.period[1] * scale], spacing: self.spacing * scale, ..self }
@@ -146,7 +146,7 @@ impl Dimensions {
 }
 
 impl Spec {
-    /// The default surface of `kind`.
+    /// Returns the default surface of `kind`.
     pub fn new(kind: SurfaceKind) -> Self {
         Self { kind, seed: 0, patch: None, pixel_size: None, period: None, height: None }
     }
@@ -205,7 +205,7 @@ fn check(spec: &Spec) -> Result<()> {
     Ok(())
 }
 
-/// From 0 at 0 to 1 at 1, level at both ends.
+/// Rises smoothly from 0 at 0 to 1 at 1, level at both ends.
 fn smooth_step(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

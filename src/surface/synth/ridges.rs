@@ -95,7 +95,7 @@ struct Fingers<'a> {
     swell: Waves,
 }
 
-/// The skin on `grid`, scaled to the full height \[µm\], its lowest point at 0.
+/// Returns the skin on `grid`, scaled to the full height \[µm\], its lowest point at 0.
 pub(super) fn make(grid: &SampleGrid, height: f64, seed: u64, skin: &Skin) -> Result<HeightField> {
     let fingers = Fingers::grow(grid, seed, skin);
     to_full_height(&grid.sample(|x, y| fingers.height(x, y))?, height)
@@ -122,7 +122,7 @@ impl<'a> Fingers<'a> {
         Self { skin, columns, rows, each, bend, swell }
     }
 
-    /// The height at `x`, `y`, shares of the patch.
+    /// Returns the height at `x`, `y`, shares of the patch.
     fn height(&self, x: f64, y: f64) -> f64 {
         let [bend_x, bend_y] = [0, 1].map(|i| self.skin.bend[i] * self.bend[i].at(x, y));
         // Column and row coordinates after bending; rows count downward.
@@ -151,7 +151,7 @@ impl<'a> Fingers<'a> {
 }
 
 impl Skin {
-    /// One finger with its roof at `across` its axis and `along` it from the tip; far below 0 where it is not.
+    /// Returns the height of one finger with its roof at `across` its axis and `along` it from the tip; far below 0 outside.
     fn finger(&self, across: f64, along: f64, finger: &Finger) -> f64 {
         /// Deep enough to vanish from every soft maximum.
         const NOWHERE: f64 = -1.0;

@@ -5,7 +5,7 @@ fn made(kind: SurfaceKind) -> HeightField {
     generate(&Spec::new(kind)).unwrap()
 }
 
-/// The largest step between neighbours, inside the patch and over its seams, along x and y.
+/// Returns the largest step between neighbours, inside the patch and over its seams, along x and y.
 fn steps(field: &HeightField) -> [[f64; 2]; 2] {
     let (columns, rows) = (field.columns(), field.rows());
     let mut largest = [[0.0_f64; 2]; 2];

@@ -182,7 +182,7 @@ impl Expansion for Optimal {
 mod tests {
     use super::*;
 
-    /// Heights spread evenly over `range` \[µm\].
+    /// Returns heights spread evenly over `range` \[µm\].
     fn even(range: f64) -> HeightField {
         let heights = (0..4096).map(|i| range * f64::from(i) / 4095.0).collect();
         HeightField::new(64, 64, [0.1, 0.1], heights).unwrap()

@@ -24,7 +24,7 @@ pub struct NanoscopeHeader {
 }
 
 impl NanoscopeHeader {
-    /// The header at the start of `bytes`.
+    /// Parses the header at the start of `bytes`.
     ///
     /// # Errors
     /// The header does not end.
@@ -57,7 +57,7 @@ impl NanoscopeHeader {
         Ok(Self { version, sections })
     }
 
-    /// The value of `key` (in any case) in the first section that has it and is no image.
+    /// Returns the value of `key` (in any case) in the first section that has it and is no image.
     pub fn lookup(&self, key: &str) -> Option<&str> {
         let key = key.to_lowercase();
         self.sections.iter().filter(|s| !s.is_image()).find_map(|s| s.text(&key))
@@ -83,12 +83,12 @@ impl Section {
         IMAGES.contains(&self.name.as_str())
     }
 
-    /// The value of `key`, in lower case; the last one where a key stands twice.
+    /// Returns the value of `key`, in lower case; the last value of a key that stands twice.
     pub fn text(&self, key: &str) -> Option<&str> {
         self.lines.iter().rev().find(|(k, _)| k == key).map(|(_, value)| value.as_str())
     }
 
-    /// The value of `@2:key`, or of the lowest other number that there is.
+    /// Returns the value of `@2:key`, or of the lowest other number that there is.
     pub fn numbered(&self, key: &str) -> Option<&str> {
         let number = |k: &str| {
             let (number, name) = k.strip_prefix('@')?.split_once(':')?;
@@ -100,7 +100,7 @@ impl Section {
         found.min_by_key(|(n, _)| order(*n)).map(|(_, value)| value.as_str())
     }
 
-    /// The whole number of `key`.
+    /// Returns the whole number of `key`.
     ///
     /// # Errors
     /// It is missing or none.
@@ -110,7 +110,7 @@ impl Section {
         word.parse().map_err(|_| damaged(format!("`{key}: {text}` is no count")))
     }
 
-    /// The image's name, as the instrument's software shows it.
+    /// Returns the image's name, as in the instrument's software.
     pub fn name(&self) -> String {
         let text = self.numbered("image data").or_else(|| self.text("image data")).unwrap_or("image");
         let quoted = text.split('"').nth(1);
