@@ -15,7 +15,7 @@ pub const MAX_TEXT: u64 = 256 << 20;
 /// Opens a regular file of at most `limit` bytes; a folder, a pipe or a device is refused before it can block.
 ///
 /// # Errors
-/// Another kind of file at `path`; the message names it and what was `expected`.
+/// Another kind of file at `path`; the message names it and the `expected` kind.
 pub fn open(path: &Path, expected: &str, limit: u64) -> Result<File> {
     let place = path.display();
     let describe = |e: std::io::Error| {

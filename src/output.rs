@@ -17,7 +17,7 @@ const BEFORE_UMASK: u32 = 0o666;
 /// The bytes go to a temporary file in the same folder, which becomes `path` when all of them are on disk. A failure
 /// leaves a former file as it was and nothing new behind; so does a signal that ends the program, where the file system
 /// has files without a name (Linux, most local file systems). A link is followed. A file that is replaced passes on its
-/// permissions, and its owner and group where the system allows that; hard links to it keep the former content.
+/// permissions, and its owner and group if the system allows that; hard links to it keep the former content.
 ///
 /// # Errors
 /// Whatever `write` returns; a folder that is missing or not writable; a target that is a folder or a device, or that
@@ -128,7 +128,7 @@ fn link(file: &File, path: &Path) -> io::Result<()> {
     Ok(linkat(CWD, own, CWD, path, AtFlags::SYMLINK_FOLLOW)?)
 }
 
-/// Gives `file` the permissions of `former`, and its owner and group where the system allows it.
+/// Gives `file` the permissions of `former`, and its owner and group if the system allows it.
 fn pass_on(former: &Metadata, file: &File) -> io::Result<()> {
     #[cfg(unix)]
     {

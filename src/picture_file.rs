@@ -13,7 +13,7 @@ use std::path::Path;
 /// Format of a picture file, by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// 8-bit sRGB, as displayed over the background; alpha is the coverage, or 1 where the background is surroundings.
+    /// 8-bit sRGB, as displayed over the background; alpha is the coverage, or 1 before an environment map.
     Png,
     /// Linear radiance, signed 32-bit float RGBA, before exposure; alpha is the coverage, and colours are premultiplied by it.
     Exr,

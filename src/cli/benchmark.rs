@@ -322,7 +322,7 @@ impl BenchmarkScene {
         })
     }
 
-    /// Computes the f64 reference of `pixels`, linear sRGB; black where nothing is covered.
+    /// Computes the f64 reference of `pixels`, linear sRGB; black for uncovered pixels.
     fn reference(
         &self,
         shading: &Shading,

@@ -194,7 +194,7 @@ mod tests {
             assert_eq!(state().unwrap(), KeptPicture::Finished, "{}", path.display());
             assert!(frame(&path, "a key, picture 4").is_err(), "another picture");
             let whole = std::fs::read(&path).unwrap();
-            // A file that is cut before it says what it is, is refused; the notes of so small a picture are longer than its pixels.
+            // A file that is cut before its notes is refused; the notes of so small a picture are longer than its pixels.
             std::fs::write(&path, &whole[..whole.len() - 20]).unwrap();
             assert_eq!(state().unwrap(), KeptPicture::Damaged, "most of {}", path.display());
             for cut in [0, 10, whole.len() / 10, whole.len() - 1] {

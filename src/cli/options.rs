@@ -6,7 +6,7 @@ mod surface;
 mod view;
 
 pub use display::Exposure;
-#[cfg(any(feature = "viewer", test))] // for what the viewer saves
+#[cfg(any(feature = "viewer", test))] // for scene files that the viewer saves
 pub use preparation::as_options;
 pub use surface::SurfaceOptions;
 pub use view::{ViewOptions, light_by};

@@ -89,7 +89,7 @@ pub fn neutral(rgb: DVec3) -> DVec3 {
     const ROOM: f64 = 1.0 - START;
     let rgb = without_negatives(rgb);
     let least = rgb.min_element();
-    // A parabola from 0 to the reflectance at twice of it, where its slope is that of the line.
+    // A parabola from 0 that joins the constant offset smoothly at twice the reflectance.
     let offset = if least < 2.0 * FRESNEL { least - least * least / (4.0 * FRESNEL) } else { FRESNEL };
     let rgb = (rgb - offset).max(DVec3::ZERO);
     let peak = rgb.max_element();

@@ -293,7 +293,7 @@ mod tests {
         for order in [0.0, 1.0, 13.0] {
             for offset in [0.0, 1e-10, -1e-10, 1e-6, 3e-3, 0.3] {
                 let f = (order + offset / (2.0 * PI)) / 2.5;
-                // The sum around the order, where its terms are known exactly.
+                // Sum around the order, in terms that are known exactly.
                 let phase: f64 = offset;
                 let (re, im) = (0..40).fold((0.0, 0.0), |(re, im), m| {
                     let (sin, cos) = (f64::from(m) * phase).sin_cos();

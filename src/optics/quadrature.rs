@@ -305,7 +305,7 @@ pub(super) mod tests {
 
     #[test]
     fn near_the_mirror_the_weights_stand_in_for_nodes() {
-        // A response that varies with the wavelength as slowly as a mirror's: what is left is the jagged daylight.
+        // A response that varies with the wavelength as slowly as a mirror's: only the jagged daylight remains.
         let smooth = |q: f64| (q / 2.0).powi(2) * (1.0 + 0.5 * (3.0 * q).sin());
         let truth = colour(&Wavelengths::trapezoid(&Illuminant::D65, 8001), &smooth);
         let error = |nodes: Wavelengths| (colour(&nodes, &smooth) - truth).length() / truth.length();

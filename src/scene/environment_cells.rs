@@ -160,7 +160,7 @@ mod tests {
         // Nothing is left out, and nothing counts twice.
         let sum: f64 = cells.iter().map(|cell| light_of(cell, width, &light) / f64::from(cell.samples)).sum();
         assert!((sum / light.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-        // Nor where there is no light at all.
+        // The same without any light.
         let dark = LightSums::new(4, &[0.0; 8]);
         assert_eq!((0..100).map(|index| dark.cell(index, 100).columns.start).max(), Some(3));
     }

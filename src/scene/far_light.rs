@@ -170,7 +170,7 @@ mod tests {
         let variance = directions.iter().map(|d| d.dot(across).powi(2)).sum::<f64>() / count;
         assert!((variance / light.variance() - 1.0).abs() < 1e-3);
         assert!((light.incident([0.1, 0.2], 4).direction - centre).length() < 1e-7);
-        // However many samples there are, their spread and what each averages over make up the light's variance.
+        // For any number of samples, their spread and the variance of each add up to the light's variance.
         for count in [5, 16, 100] {
             let all = (0..side * side)
                 .map(|i| light.incident([place((i % side) as usize), place((i / side) as usize)], count));

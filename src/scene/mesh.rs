@@ -225,7 +225,7 @@ pub(super) mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Fails unless `mesh` keeps what [`Mesh`] promises.
+    /// Fails unless `mesh` keeps the invariants of [`Mesh`].
     pub fn assert_sound(mesh: &Mesh) {
         assert!(!mesh.indices.is_empty() && mesh.indices.len().is_multiple_of(3));
         assert!(mesh.indices.iter().all(|&i| (i as usize) < mesh.vertices.len()));

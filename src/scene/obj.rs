@@ -157,7 +157,7 @@ fn not_an_obj() -> Error {
 }
 
 /// Calls `act` with every line of `text`; errors name the line. Lines end in \n, \r\n or \r. A backslash at the end joins the next line, except
-/// in a comment. Names and comments may be in any encoding; what matters is ASCII.
+/// in a comment. Names and comments may be in any encoding; all other words are ASCII.
 fn each_line(
     text: &[u8],
     what: &'static str,

@@ -20,7 +20,7 @@ const NEGLIGIBLE: f64 = 0.05;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tiling {
     /// RMS height difference across the seam over that of the two neighbouring columns (rows) inside whose difference is nearest to it; over
-    /// the median difference where it is smaller than that. 0 where there is no difference across the seam.
+    /// the median difference for a smaller seam. 0 for a seam without a difference.
     pub ratio: [f64; 2],
     /// RMS height difference across the seam \[µm\].
     #[serde(rename = "seam_m", serialize_with = "metres_of_both")]

@@ -99,7 +99,7 @@ pub struct Scratch {
     reading: ReadScratch,
     /// `[place][term]`.
     terms: Vec<f32>,
-    /// R, `[place][w]`; empty where R stands in front of the sums.
+    /// R, `[place][w]`; empty if R is a factor in front of the sums.
     reflectances: Vec<[f32; LANES]>,
     /// `[place][channel][w]`, w padded to [`LANES`].
     sums: Vec<Vec4>,
@@ -188,7 +188,7 @@ struct Products<'a> {
     polynomials: &'a [[f32; LANES]],
     /// Number of terms.
     terms: usize,
-    /// R, `[place][w / LANES][w % LANES]`; empty where R stands in front of the sums.
+    /// R, `[place][w / LANES][w % LANES]`; empty if R is a factor in front of the sums.
     reflectances: &'a [[f32; LANES]],
 }
 

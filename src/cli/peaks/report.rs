@@ -17,7 +17,7 @@ pub struct Found {
     pub peaks: Vec<Peak>,
     /// Period over all of them.
     pub statistics: PeriodStatistics,
-    /// Spread of that period over windows, where several are averaged.
+    /// Spread of that period over windows, if several are averaged.
     pub spread: Option<WindowSpread>,
     /// Branches between which the largest response changes, the strongest first; empty if it does not change.
     pub branches: Vec<FollowedBranch>,
@@ -28,7 +28,7 @@ pub struct Found {
 pub struct FollowedBranch {
     /// Maxima of the branch and their period.
     pub branch: Branch,
-    /// Spread of the period over windows, where several are averaged.
+    /// Spread of the period over windows, if several are averaged.
     pub spread: Option<WindowSpread>,
     /// Period of the branch through each window alone.
     pub windows: Vec<PeriodStatistics>,
@@ -176,18 +176,18 @@ pub struct PeaksReport {
     clear: usize,
     /// Period over the wavelengths that have one; of the strongest branch if there are several.
     period_nm: PeriodSummary,
-    /// Over windows, where several are averaged.
+    /// Spread over windows, if several are averaged.
     #[serde(skip_serializing_if = "Option::is_none")]
     over_windows: Option<PeriodSpread>,
-    /// The same through each window alone, where several are averaged.
+    /// Reports of each window alone, if several are averaged.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     windows: Vec<WindowReport>,
-    /// Branches between which the largest response changes, the strongest first; absent where it does not change.
+    /// Branches between which the largest response changes, the strongest first; absent if it does not change.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     branches: Vec<BranchReport>,
 }
 
-/// `None` where there are too few wavelengths \[nm\].
+/// Mean and spread of a period \[nm\]; `None` for too few wavelengths.
 #[derive(Serialize)]
 struct PeriodSummary {
     mean: Option<f64>,
@@ -200,7 +200,7 @@ struct PeriodSpread {
     windows: usize,
     independent_windows: f64,
     standard_error_nm: f64,
-    /// `None` where there are too few windows.
+    /// Confidence interval; `None` for too few windows.
     interval_95_nm: Option<[f64; 2]>,
 }
 

@@ -49,7 +49,7 @@ impl HeightBasis {
         let rows: Vec<Vec<Complex64>> = phases
             .iter()
             .map(|&phase| {
-                // Errors count relative to what is scattered.
+                // Errors are relative to the scattered light.
                 let mean: Complex64 = bins.iter().map(|&(t, w)| Complex64::cis(phase * t) * w).sum();
                 let weight = (1.0 - mean.norm_sqr()).max(1e-12).sqrt().recip();
                 jacobi_anger(phase, degrees).into_iter().map(|c| c * weight).collect()

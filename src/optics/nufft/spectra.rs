@@ -175,7 +175,7 @@ impl<'a> Spectra<'a> {
         let mut power = vec![0.0; count];
         let mut coefficients = vec![Complex64::ZERO; self.basis.terms()];
         let mut sums = vec![0.0; self.stride];
-        // |P(f, −z)| = |Σ c_n(z)* P_n(f)|, and P_n(−f) = P_n(f)*: turning f around conjugates what is stored instead.
+        // |P(f, −z)| = |Σ c_n(z)* P_n(f)|, and P_n(−f) = P_n(f)*: for −f the stored values are conjugated instead.
         let conjugate = if uvw.x < 0.0 { 1.0 } else { -1.0 };
         let (u, v) = if uvw.x < 0.0 { (-uvw.x, -uvw.y) } else { (uvw.x, uvw.y) };
         for (j, power) in power.iter_mut().enumerate() {

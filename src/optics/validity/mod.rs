@@ -21,7 +21,7 @@ pub struct ScalarTheory {
     line: String,
     /// The profile that was looked up.
     grooves: Option<ProfileShape>,
-    /// Errors by the angle of incidence; empty where they are not known.
+    /// Errors by the angle of incidence; empty if unknown.
     errors: Vec<AngleErrors>,
 }
 

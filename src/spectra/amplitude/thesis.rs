@@ -79,7 +79,7 @@ pub fn layers(field: &HeightField, sigma: f64, shortest: f64) -> Result<Layers> 
         },
         errors: Errors {
             expansion: expansion.truncation_bound(z_max, TERMS),
-            interpolation: f64::INFINITY, // what 3 x 3 bins leave out has no bound
+            interpolation: f64::INFINITY, // the error of 3 x 3 bins has no bound
             truncation_bound: expansion.truncation_bound(z_max, TERMS),
             rounding_bound: expansion.rounding_bound(z_max, F32_ROUNDOFF),
         },

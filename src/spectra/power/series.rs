@@ -53,7 +53,7 @@ pub struct OrderSeries {
     pub blur: Blur,
     /// Largest |f_x|, |f_y| that the samples hold \[µm⁻¹\].
     pub band: [f64; 2],
-    /// Relative error between the nodes in z, measured on the surface; 0 where it was not asked for.
+    /// Relative error between the nodes in z, measured on the surface; 0 without an audit.
     pub error: f64,
     // [row][column][term], without the specular order.
     coefficients: Vec<f32>,

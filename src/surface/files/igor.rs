@@ -115,7 +115,7 @@ fn check_axes(wave: &IgorWave, tail: &Tail) -> Result<()> {
 }
 
 fn header(cursor: &mut Cursor) -> Result<IgorWave> {
-    // File header: version, check sum, size of the wave, then the lengths of what stands behind the data.
+    // File header: version, check sum, size of the wave, then the lengths of the parts behind the data.
     cursor.take(2 + 4)?;
     let mut tail = [0; 11];
     for length in &mut tail {

@@ -132,7 +132,7 @@ fn decode_with(mut decoder: impl ImageDecoder) -> Result<DynamicImage> {
     let heights = u64::from(columns) * u64::from(rows) * size_of::<f64>() as u64;
     memory::ensure_room(decoded.saturating_add(heights), &format!("an image of {columns} x {rows} pixels"))?;
     let orientation = decoder.orientation().map_err(|e| explain(&e))?;
-    // Decoders count the picture's buffer too, and once more where they convert it.
+    // Decoders count the picture's buffer too, twice if they convert it.
     decoder.set_limits(limits(decoded.saturating_mul(2) + DECODER_ROOM)).map_err(|e| explain(&e))?;
     let mut image = DynamicImage::from_decoder(decoder).map_err(|e| explain(&e))?;
     image.apply_orientation(orientation);

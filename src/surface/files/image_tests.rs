@@ -127,7 +127,7 @@ fn a_flat_field_is_code_zero_of_full_height_zero() {
 #[test]
 fn black_is_zero_and_the_largest_code_of_each_depth_is_the_full_height() {
     let folder = folder();
-    let path = folder.path().join("image.dat"); // the content says what it is
+    let path = folder.path().join("image.dat"); // the content tells the format
     let eight = GrayImage::from_raw(3, 1, vec![0, 51, 255]).unwrap();
     let sixteen: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_raw(3, 1, vec![0_u16, 13107, 65535]).unwrap();
     for picture in [DynamicImage::from(eight), DynamicImage::from(sixteen)] {

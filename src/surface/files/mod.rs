@@ -104,7 +104,7 @@ fn load(path: &Path) -> Result<Vec<u8>> {
     }
     memory::ensure_room(length, "the file").map_err(at)?;
     let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-    // The file may grow while it is read: the limit holds for what is read, too.
+    // The file may grow while it is read, so the limit applies to the read bytes as well.
     file.take(MAX_FILE)
         .read_to_end(&mut bytes)
         .map_err(|e| at(Error::failed(format!("cannot be read: {e}"), "check the disk")))?;

@@ -11,7 +11,7 @@ use std::borrow::Cow;
 pub enum Quantity {
     /// Heights \[m\].
     Height,
-    /// Shares of the largest code of an integer without a scale, 0 … 1 (−1 … 1 where codes are signed).
+    /// Shares of the largest code of an integer without a scale, 0 … 1 (−1 … 1 for signed codes).
     Code {
         /// The largest code.
         largest: f64,
@@ -25,9 +25,9 @@ pub type Decode<'a> = Box<dyn FnOnce() -> Result<Vec<f64>> + 'a>;
 
 /// One image of a file. Samples are decoded when they are asked for.
 pub struct Channel<'a> {
-    /// Name, as the file has it.
+    /// Name as in the file.
     pub name: String,
-    /// Unit of the samples, as the file has it; empty where it has none.
+    /// Unit of the samples as in the file; empty for none.
     pub unit: String,
     /// Samples along `x` and `y`.
     pub size: [usize; 2],

@@ -1,6 +1,6 @@
 //! Scales in a file beside an image: `scan.toml` or `scan.tif.toml` beside `scan.tif`.
 //!
-//! `pixel_size = "10nm"` and `height = "138.5nm"` mean what [`ReadSettings`](super::ReadSettings) does.
+//! `pixel_size = "10nm"` and `height = "138.5nm"` have the meaning of [`ReadSettings`](super::ReadSettings).
 
 use crate::error::{Error, Result};
 use crate::{input, units};

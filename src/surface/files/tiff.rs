@@ -255,7 +255,7 @@ fn rational(x: f64) -> Rational {
             break;
         }
         (before, now) = (now, next);
-        // Closer than this, what is left is rounding.
+        // A smaller remainder is rounding.
         if (now[0] / now[1] - x).abs() <= f64::EPSILON * x || rest == whole {
             break;
         }

@@ -1,4 +1,4 @@
-//! One channel of a file as heights, with what is known about it.
+//! One channel of a file as heights, with its origin.
 
 use super::super::HeightField;
 use super::{invalid, plausible};
@@ -11,9 +11,9 @@ const UM: f64 = 1e6;
 /// A channel, for lists.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ChannelInfo {
-    /// Name, as the file has it.
+    /// Name as in the file.
     pub name: String,
-    /// Unit, as the file has it; empty where it has none.
+    /// Unit as in the file; empty for none.
     pub unit: String,
     /// Samples along `x` and `y`.
     pub size: [usize; 2],

@@ -68,7 +68,7 @@ pub fn grid(table: &TextTable) -> Result<Scan<'static>> {
 /// Places along one axis: `count` of them, `step` apart.
 struct XyzAxis {
     low: f64,
-    /// 0 where there is one place only.
+    /// Distance of neighbouring places; 0 for a single place.
     step: f64,
     count: usize,
 }

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::surface::HeightField;
 use rayon::prelude::*;
 
-/// A sample is a spike where it is beyond the range of its eight neighbours by more than this many large steps.
+/// Distance of a spike from the range of its eight neighbours, in large steps.
 const CLEAR: f64 = 3.0;
 /// The step that counts as large: nine of ten steps between neighbouring samples are smaller. Some spikes do not move it, and the crest of
 /// a smooth surface is never three of its larger steps above its neighbours.

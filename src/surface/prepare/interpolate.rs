@@ -1,4 +1,4 @@
-//! Heights between the samples of a line: a windowed sinc, and what lies beyond the ends.
+//! Heights between the samples of a line: a windowed sinc, and the continuation beyond the ends.
 
 use crate::surface::HeightField;
 use crate::surface::tiling::Tiling;

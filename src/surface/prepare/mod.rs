@@ -62,7 +62,7 @@ impl PreparationStep {
     /// A rectangle that is not inside the field, a length that the field is too small for, grooves that cannot be found, a result that is
     /// too large, heights whose sums are not finite numbers.
     pub fn apply(&self, field: &HeightField) -> Result<HeightField> {
-        /// The result, and what a step holds beside it.
+        /// Fields in memory during a step: the result and working copies.
         const COPIES: u64 = 3;
         let bytes = COPIES * size_of_val(field.heights()) as u64;
         memory::ensure_room(bytes, &format!("the step `{self}`"))?;

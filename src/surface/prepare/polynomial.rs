@@ -48,7 +48,7 @@ fn gram_polynomials(n: usize, degree: usize) -> Vec<Vec<f64>> {
     while polynomials.len() <= degree.min(n - 1) {
         let mut next: Vec<f64> =
             polynomials[polynomials.len() - 1].iter().enumerate().map(|(i, p)| place(i) * p).collect();
-        // Against all before and twice, not only against the last two: what rounding leaves would grow with the degree.
+        // Orthogonalised against all former ones, twice, not only against the last two: rounding errors would grow with the degree.
         for _ in 0..2 {
             for p in &polynomials {
                 let part: f64 = next.iter().zip(p).map(|(a, b)| a * b).sum();

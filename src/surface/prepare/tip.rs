@@ -1,4 +1,4 @@
-//! The probe's tip: what it could reach of the surface, from what it recorded.
+//! Deconvolution of the probe's tip: an upper bound of the surface from the recorded heights.
 //!
 //! A scan is the surface dilated by the reflected tip: hills look wider, pits narrower. Eroding the scan by the same tip gives the least upper
 //! bound of all surfaces that the scan allows, and the surface itself wherever the tip touched it [Villarrubia 1997, "Algorithms for scanned
@@ -68,7 +68,7 @@ impl ParabolaEnvelope {
                 lowest += 1;
             }
             let j = self.seen[lowest].0;
-            // A sample bounds itself, also where rounding puts a crossing on the wrong side of it.
+            // A sample bounds itself, even if rounding puts a crossing on the wrong side of it.
             *h = h.min(self.line[j] + bend * (i as f64 - j as f64).powi(2));
         }
     }

@@ -26,10 +26,10 @@ pub struct HeightParameters {
     pub sku: f64,
     /// Number of different heights.
     pub levels: usize,
-    /// The step of which all heights are multiples, apart from an offset \[µm\]; `None` where there is no such step.
+    /// Step of which all heights are multiples, apart from an offset \[µm\]; `None` if there is no such step.
     #[serde(rename = "quantisation_m", serialize_with = "metres_of_option")]
     pub quantisation: Option<f64>,
-    /// Share of the samples beyond three standard deviations: 0.0027 for normally distributed heights, more where there is dust.
+    /// Share of the samples beyond three standard deviations: 0.0027 for normally distributed heights, more with dust.
     pub outliers: f64,
     /// Height range of all samples but the 0.05 % highest and the 0.05 % lowest \[µm\]. Where it is much smaller than the whole range,
     /// a few samples set the range, and with it the cost of the optics.
@@ -59,7 +59,7 @@ impl HeightParameters {
         let [sa, variance, third, fourth] = sums.map(|sum| sum / count);
         let sq = variance.sqrt();
         let (low, high) = field.range();
-        // Rounding leaves this much where all heights are equal.
+        // Equal heights have an `sq` of at most this by rounding.
         let flat = sq <= 1e-15 * low.abs().max(high.abs());
         let beyond = heights.par_iter().filter(|h| (*h - mean).abs() > OUTLIER * sq).count();
         let levels = distinct(heights);
@@ -99,7 +99,7 @@ fn distinct(heights: &[f64]) -> Vec<f64> {
     let sorted = |mut some: Vec<f64>| {
         some.par_sort_unstable_by(f64::total_cmp);
         some.dedup_by(|a, b| *a == *b); // 0 and −0 are one height
-        some.shrink_to_fit(); // or each keeps the room of what it was
+        some.shrink_to_fit(); // otherwise each keeps its former capacity
         some
     };
     let parts: Vec<Vec<f64>> = heights.par_chunks(AT_ONCE).map(|part| sorted(part.to_vec())).collect();

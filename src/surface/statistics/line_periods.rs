@@ -12,7 +12,7 @@ pub fn line_periods(field: &HeightField) -> [Option<f64>; 2] {
     let [width, height] = field.patch_size();
     let along_x = line_spectrum(columns, rows, |line, i| field.row(line)[i] - mean);
     let along_y = line_spectrum(rows, columns, |line, i| field.row(i)[line] - mean);
-    // Rounding leaves this much of the heights behind where a line is constant.
+    // Upper bound of the power that rounding leaves of a constant line.
     let (low, high) = field.range();
     let noise = (1e-12 * low.abs().max(high.abs())).powi(2);
     [(along_x, width), (along_y, height)]

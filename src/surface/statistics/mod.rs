@@ -46,7 +46,7 @@ pub struct Statistics {
     pub texture: Texture,
     /// The periods that stand out of the power spectrum, strongest first.
     pub periods: Vec<Period>,
-    /// The length after which the heights repeat along `x` and `y` \[µm\]; `None` where nothing clearly repeats.
+    /// Length after which the heights repeat along `x` and `y` \[µm\]; `None` if nothing clearly repeats.
     #[serde(rename = "line_periods_m", serialize_with = "metres_of_some")]
     pub line_periods: [Option<f64>; 2],
     /// RMS height of white noise that is as strong as the spectrum at the highest frequencies \[µm\]: an upper bound of the

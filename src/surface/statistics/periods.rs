@@ -14,7 +14,7 @@ pub struct Period {
     #[serde(rename = "length_m", serialize_with = "metres")]
     pub length: f64,
     /// Uncertainty of the length \[µm\]: its standard deviation over the left, right, upper and lower half of the field, and what other
-    /// components of the spectrum may shift the peak by. `None` where halves are too small for the period.
+    /// components of the spectrum may shift the peak by. `None` if halves are too small for the period.
     #[serde(rename = "length_spread_m", serialize_with = "metres_of_option")]
     pub length_spread: Option<f64>,
     /// Direction of its wave vector from +x toward +y, across the grooves, −90 … 90 \[degrees\].

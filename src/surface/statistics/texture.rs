@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Texture {
     /// Autocorrelation length Sal (4.3.2): the shortest distance, over all directions, at which the autocorrelation has fallen to
-    /// `THRESHOLD` \[µm\]; `None` where it does not within a quarter of the field.
+    /// `THRESHOLD` \[µm\]; `None` if it does not within a quarter of the field.
     #[serde(rename = "sal_m", serialize_with = "metres_of_option")]
     pub sal: Option<f64>,
     /// Texture direction Std (4.3.4): where the angular amplitude density of the spectrum is largest, from +x toward +y, 0 … 180
@@ -35,7 +35,7 @@ impl Texture {
     pub fn of(field: &HeightField, spectrum: &SurfaceSpectrum) -> Result<Self> {
         let (low, high) = field.range();
         if low == high {
-            return Ok(Self { sal: None, std: None }); // what rounding leaves has a direction, too
+            return Ok(Self { sal: None, std: None }); // rounding errors would have a direction, too
         }
         Ok(Self { sal: Autocorrelation::of(field)?.shortest_decay(), std: direction(spectrum) })
     }

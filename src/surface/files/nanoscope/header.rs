@@ -123,7 +123,7 @@ impl Section {
 pub struct ParameterValue {
     /// The number behind the parentheses.
     pub number: f64,
-    /// Its unit; empty where it has none.
+    /// Unit; empty for none.
     pub unit: String,
     /// Name of another parameter, in brackets.
     pub soft_scale: Option<String>,
