@@ -1,4 +1,4 @@
-//! Results of long computations kept on disk, so that the next run need not repeat them.
+//! Cache on disk for the results of long computations.
 //!
 //! One folder, `$XDG_CACHE_HOME/diffract` or `~/.cache/diffract`, holds all of them. A [`EntryFormat`] names a kind of result
 //! and its version, a [`Key`] is a hash of everything that a result depends on, and a [`Store`] loads and saves.

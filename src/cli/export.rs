@@ -41,7 +41,7 @@ pub struct Arguments {
     /// Smallest footprint that the table serves, as a standard deviation of (u, v); 0 for single directions. Larger footprints take a smaller table
     #[arg(long, value_name = "SIGMA", value_parser = footprint, allow_hyphen_values = true, default_value = "0.02")]
     footprint: f64,
-    /// Most bytes of the texels, as in 8MB: the smallest footprint grows until the table keeps them
+    /// Largest size of the texels, as in 8MB: the smallest footprint grows until the table fits
     #[arg(long, value_name = "SIZE", value_parser = units::bytes, allow_hyphen_values = true)]
     budget: Option<u64>,
     /// Check an export instead: its version, check sums and numbers

@@ -175,7 +175,7 @@ impl WindowedAxis {
     }
 }
 
-/// A Gaussian window at every sample of an axis.
+/// Gaussian window at every sample of an axis.
 #[derive(Clone, Debug)]
 pub struct GaussianWindow {
     axis: WindowedAxis,

@@ -79,9 +79,9 @@ impl Tone {
 /// Fresnel's equations add to a dielectric of index 1.5; only colours with a bright component go to white, and hue stays. Twin of `neutral`
 /// in `color.glsl`.
 pub fn neutral(rgb: DVec3) -> DVec3 {
-    /// Reflectance at normal incidence of a dielectric, which is taken away.
+    /// Reflectance at normal incidence of a dielectric, which is subtracted.
     const FRESNEL: f64 = 0.04;
-    /// The brightest component from which on highlights are compressed.
+    /// Brightest component from which highlights are compressed.
     const START: f64 = 0.8 - FRESNEL;
     /// Rate at which highlights lose their saturation.
     const DESATURATION: f64 = 0.15;

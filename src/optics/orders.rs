@@ -45,7 +45,7 @@ impl ColourFunctions {
     /// Returns the colour functions of `illuminant`, for a relative error of the colour of `tolerance`.
     pub fn new(illuminant: &Illuminant, tolerance: f64) -> Self {
         let densities = density_table(illuminant, COLOUR_ENTRIES);
-        // A dark direction is made of the faint lags as much as of the strong ones.
+        // The faint lags contribute as much to a dark direction as the strong ones.
         let lag = lag_of(&densities, tolerance.min(COLOUR_TOLERANCE));
         Self { densities, lag }
     }
@@ -361,7 +361,7 @@ mod tests {
         assert_eq!(needed([100, 1], [0.8, 0.1], 15.0), needed([9000, 1], [0.8, 0.1], 15.0));
         assert!(needed([100, 50], [0.8, 0.1], 15.0) > 2.0 * needed([100, 1], [0.8, 0.1], 15.0));
         assert!(needed([100, 1], [0.8, 0.1], 150.0) > 2.5 * needed([100, 1], [0.8, 0.1], 15.0));
-        // In the mirror direction the colour functions alone are left.
+        // In the specular direction only the colour functions vary.
         assert!((needed([9000, 9000], [0.0, 0.0], 15.0) - SPAN * 15.0).abs() < 1.0);
     }
 

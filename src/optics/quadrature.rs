@@ -185,7 +185,7 @@ impl WavelengthSets {
     pub fn gaussian(illuminant: &Illuminant, sigma: f64, tolerance: f64) -> Self {
         /// Ratio of the level of aliases to the error of the colour.
         const AVERAGED: f64 = 2.0;
-        // Above one half the logarithm would ask for no wavelengths at all.
+        // Above one half the logarithm would give no wavelengths at all.
         let level = (AVERAGED * tolerance).clamp(1e-8, 0.5);
         let density = WavelengthDensity::new(illuminant, level);
         let base = 5.0 + 4.0 * (1.0 / level).log10();
@@ -354,7 +354,7 @@ pub(super) mod tests {
                 );
                 assert!(rms <= tolerance, "{tolerance} at {uv}: {rms}");
                 if uv > 0.3 {
-                    // Else the count would be a waste.
+                    // Otherwise the count would be too high.
                     assert!(half > tolerance, "{tolerance} at {uv}: {half}");
                 }
             }

@@ -1,4 +1,4 @@
-//! The direct sum in f64: no expansion, no transform, no interpolation. It judges every faster path.
+//! The direct sum in f64: no expansion, no transform, no interpolation. Every faster path is tested against it.
 //!
 //! P = dx·dy Σ_y Σ_x W_u(x) W_v(y) e^{ikwh(x,y)} for each pair of directions and wavelength, with the window and the
 //! copies of the patch folded into W (see [`super::coherence`]). Several wavelengths of one pair are summed together:
@@ -17,11 +17,11 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Fewest nodes of the colour integral: 1 nm apart on average, the resolution of the colour tables.
+/// Smallest number of nodes of the colour integral: 1 nm apart on average, the resolution of the colour tables.
 const COLOUR_NODES: usize = 401;
 /// Autocorrelation of the window beyond which the colour integral may alias.
 const ALIAS_LEVEL: f64 = 1e-9;
-/// Most nodes of the colour integral: beyond it the sum would take minutes a direction.
+/// Largest number of nodes of the colour integral: beyond it the sum would take minutes a direction.
 const MAX_NODES: usize = 200_000;
 /// Rows summed by one task: fixed, so that the order of the sum, and with it the last bit, does not depend on the
 /// number of cores.

@@ -20,7 +20,7 @@ const NM_PER_UM: f64 = 1e3;
 /// Peak of the blue colour function z̄ of the CIE 1931 observer \[µm\], rounded: coherence blurs directions least there.
 pub const BLUE: f64 = 0.45;
 
-/// A function of wavelength given at increasing wavelengths \[nm\], linear between them and 0 outside.
+/// Function of wavelength, tabulated at increasing wavelengths \[nm\], linear between them and 0 outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpectralTable<const N: usize> {
     wavelengths: Vec<f64>,

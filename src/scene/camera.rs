@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use glam::camera::rh::{proj::vulkan, view::look_at_mat4};
 use glam::{DVec2, DVec3, Mat4, Vec3};
 
-/// A perspective camera that orbits a target. The world's up is +z.
+/// Perspective camera that orbits a target. The world's up is +z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Point looked at.
@@ -19,7 +19,7 @@ pub struct Camera {
     pub field_of_view: f32,
 }
 
-/// The eye stays this far from the poles, where up and view direction coincide \[rad\].
+/// Smallest angle of the eye from the poles, at which up and view direction coincide \[rad\].
 const POLE_MARGIN: f32 = 1e-3;
 
 impl Camera {
@@ -56,7 +56,7 @@ impl Camera {
     /// Returns the matrix from the world to Vulkan clip space (y down, depth 0 … 1) for a picture of `size` pixels that shows a scene of
     /// `radius` around `centre`.
     pub fn clip_from_world(&self, size: [u32; 2], centre: Vec3, radius: f32) -> Mat4 {
-        /// Depth precision falls with far/near; nothing nearer than this part of the far distance is shown.
+        /// Smallest near over far distance: depth precision falls with far/near.
         const NEAREST: f32 = 1e-3;
         let eye = self.eye();
         let far = (centre - eye).length() + radius.max(1e-6);

@@ -196,7 +196,7 @@ impl Environment {
         // The length of the mean of unit vectors falls with their spread: 1 − |m|² is the sum of the variances.
         let spread = 0.5 * (1.0 - middle.length_squared());
         let of_pixel = (PI / self.picture.height as f64).powi(2) / 12.0;
-        // A single part has no neighbour to overlap with.
+        // A single sample has no neighbours to overlap with.
         let wider = WIDER.min(f64::from(count));
         let direction =
             middle.try_normalize().unwrap_or_else(|| self.picture.direction(centre[0], centre[1]));
@@ -352,7 +352,7 @@ impl EnvironmentMap {
                 "give an equirectangular picture, twice as wide as high",
             ));
         }
-        /// Copies of a pixel: as read, as three floats, and averaged with its distribution.
+        /// Memory of a pixel: as read, as three floats, and averaged with its distribution \[bytes\].
         const BYTES: u64 = 64;
         let pixels = u64::from(width).saturating_mul(u64::from(height));
         memory::ensure_room(pixels.saturating_mul(BYTES), "the surroundings")?;

@@ -11,7 +11,7 @@ use std::fmt;
 /// Largest intensity of a light.
 const MAX_INTENSITY: f64 = 1e6;
 
-/// A light from far away: `THETA,PHI[,INTENSITY]`, a point of the sky; `sun:THETA,PHI[,INTENSITY]`, the sun's disc; or
+/// Distant light: `THETA,PHI[,INTENSITY]`, a point of the sky; `sun:THETA,PHI[,INTENSITY]`, the sun's disc; or
 /// `disc:SIZE:THETA,PHI[,INTENSITY]`, a disc of this angular diameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FarLight {

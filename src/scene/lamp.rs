@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::PI;
 use std::fmt;
 
-/// A lamp: an even, diffuse emitter.
+/// Lamp: a uniform, diffuse emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lamp {
     /// Shape of the emitter.
@@ -119,7 +119,7 @@ impl Lamp {
     /// stays.
     #[must_use]
     pub fn beyond(self, coherence: &Coherence, room: &Room) -> Self {
-        /// A lamp keeps this share of its size, so that its radiance stays finite.
+        /// Smallest remaining share of a lamp's size, which keeps its radiance finite.
         const LEAST: f64 = 1e-3;
         let held = spread_of(coherence) * self.distance(room).powi(2);
         let left = |own: f64| (1.0 - held / own).max(0.0).sqrt().max(LEAST);

@@ -21,7 +21,7 @@ pub struct Light {
 /// Spectrum of a light, and its name or file.
 #[derive(Clone, PartialEq)]
 pub struct LightSpectrum {
-    /// Name of an illuminant that is built in, or a file.
+    /// Name of a built-in illuminant, or of a file.
     name: String,
     /// The illuminant.
     pub illuminant: Illuminant,

@@ -20,7 +20,7 @@ use std::fs::{self, File};
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
-/// The largest file that is read, in bytes.
+/// Largest file \[bytes\].
 pub const MAX_BYTES: u64 = 512 << 20;
 
 /// Byte order mark that some programs put in front of text.
@@ -29,16 +29,16 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// The byte that begins a comment.
 const COMMENT: u8 = b'#';
 
-/// Most corners of one face: a second of work. Nobody models faces of so many corners; of concave ones fewer are read.
+/// Largest number of corners of one face: a second of work. Real faces have far fewer; the limit of concave ones is lower.
 const MAX_CORNERS: usize = 1 << 17;
 
 /// Peak memory per triangle while a mesh is built: measured 420 bytes for a fan of 130 000, 640 for a million that share no vertex.
 const BYTES_PER_TRIANGLE: u64 = 700;
 
-/// Bytes of text between two reports of progress: some milliseconds.
+/// Text between two reports of progress \[bytes\]: some milliseconds.
 const REPORT_EVERY: usize = 1 << 20;
 
-/// The most characters of a word that an error shows.
+/// Largest length of a word in an error \[characters\].
 const SHOWN: usize = 40;
 
 /// Reads the mesh in the OBJ file at `path`, or only the `part` that is an object, a group or a material of this name, with reports to
@@ -286,7 +286,7 @@ impl Parts {
 
 const TAGS: [&str; 3] = ["v", "vt", "vn"];
 
-/// Place of normals in [`TAGS`].
+/// Index of normals in [`TAGS`].
 const NORMAL: usize = 2;
 
 /// Returns the line up to its comment. Names may contain the comment sign: exporters write materials such as `Material #25`.
@@ -367,7 +367,7 @@ impl Survey {
                 "cut large faces into triangles before exporting",
             ));
         }
-        // No other line has so many words that count.
+        // No other line has as many relevant words.
         let words: Vec<&str> = line.split_whitespace().take(MAX_CORNERS + 1).collect();
         let kept = match words.first() {
             // A fourth number is a weight; more are colours, which would only be refused for odd counts.

@@ -185,7 +185,7 @@ fn reading_tells_how_far_it_is_and_ends_at_once_when_it_is_cancelled() {
         let times = told.iter().filter(|(now, _)| *now == what).count();
         assert!(times > text.len() / REPORT_EVERY, "{what} {times} times in {} bytes", text.len());
     }
-    // Whichever report is answered with an error is the last one.
+    // A report that returns an error is the last one.
     for last in 1..=told.len() {
         let calls = Cell::new(0);
         let cancel = |_: &str, _, _| {

@@ -14,7 +14,7 @@ const THINNEST: f64 = 1e-6;
 /// Height of a triangle relative to the largest coordinate, below which its direction is the rounding of coordinates to `f32`: four times half a bit.
 const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
 
-/// Cutter of polygons; keeps its memory from one polygon to the next.
+/// Cutter of polygons, whose buffers are reused from one polygon to the next.
 #[derive(Default)]
 pub(super) struct PolygonCutter {
     earcut: Earcut<f64>,

@@ -45,7 +45,7 @@ impl<'de> Deserialize<'de> for OptionValue {
     }
 }
 
-/// Numbers are written as texts, which read as the same words.
+/// Writes numbers as texts, which read as the same words.
 impl Serialize for OptionValue {
     fn serialize<S: Serializer>(&self, into: S) -> std::result::Result<S::Ok, S::Error> {
         let (Self::Text(word) | Self::Number(word)) = self else {

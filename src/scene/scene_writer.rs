@@ -163,7 +163,7 @@ fn degrees(radians: f32) -> f64 {
 
 /// Returns an eye that makes `camera` when it is read again. The eye that follows from a camera's angles may be off in the last bits.
 fn eye_of(camera: &Camera) -> Vec3 {
-    /// Representable numbers by which a coordinate may be off.
+    /// Offsets of a coordinate that are tried, in units in the last place.
     const STEPS: [i32; 5] = [0, 1, -1, 2, -2];
     let eye = camera.eye();
     let moved = |x: f32, steps: i32| {

@@ -32,7 +32,7 @@ pub(super) fn generate(triangles: &[[CompleteCorner; 3]]) -> Vec<[[f32; 4]; 3]> 
 fn orthonormal(normal: Vec3, tangent: [f32; 4]) -> [f32; 4] {
     let t = Vec3::from_slice(&tangent);
     let flat = t - normal * normal.dot(t);
-    // Shorter than this the difference above is rounding.
+    // A shorter difference is rounding.
     if !(flat.is_finite() && flat.length() > 1e-4) {
         return normal.any_orthonormal_vector().extend(1.0).to_array();
     }
@@ -46,7 +46,7 @@ fn orthonormal(normal: Vec3, tangent: [f32; 4]) -> [f32; 4] {
 /// around a point, so a fan of a hundred thousand would overflow the stack. If more than [`MOST_AROUND`] meet at a point, the rest go into
 /// further batches.
 fn batches(triangles: &[[CompleteCorner; 3]], place: &Normalization) -> Vec<Vec<usize>> {
-    // For each point the latest batch that it is in, and how many triangles it has there.
+    // Latest batch of each point, and number of its triangles in that batch.
     let mut met: HashMap<[u32; 3], (usize, usize)> = HashMap::new();
     let mut batches = vec![Vec::new()];
     for (i, triangle) in triangles.iter().enumerate() {
@@ -68,7 +68,7 @@ fn batches(triangles: &[[CompleteCorner; 3]], place: &Normalization) -> Vec<Vec<
     batches
 }
 
-/// Moves the mesh to the origin and to unit size, where products of lengths neither overflow nor vanish.
+/// Translation to the origin and scaling to unit size, so that products of lengths neither overflow nor vanish.
 struct Normalization {
     centre: Vec3,
     scale: f32,

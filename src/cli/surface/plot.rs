@@ -32,7 +32,7 @@ pub fn figure(
     let mut figure = Figure::new(format!("{name}: heights, spectrum, colours and distributions"))
         .panel_size(PANEL[0], PANEL[1])
         .row(vec![heights(field, statistics), power(&spectrum)]);
-    // A page without colours is better than none.
+    // Without colours the page is still useful.
     let colours = match hemisphere::panels(field, statistics) {
         Ok((panels, words)) => {
             figure = figure.row(panels);

@@ -103,7 +103,7 @@ fn described(grooves: &ProfileShape, reflectance: &Reflectance) -> String {
 
 /// Describes the errors of unpolarised light, one phrase for a range of angles with nearly equal errors.
 fn by_angle(errors: &[AngleErrors]) -> String {
-    /// Errors below this share, or below [`ALIKE`] times the first of a group, are told together.
+    /// Share below which errors form one group, like those below [`ALIKE`] times the first of a group.
     const SMALL: f64 = 0.02;
     const ALIKE: f64 = 1.5;
     let mut groups: Vec<(f64, f64, f64)> = Vec::new(); // first angle, last angle, largest error

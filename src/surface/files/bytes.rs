@@ -1,14 +1,14 @@
-//! Numbers and texts from bytes that may end too soon.
+//! Numbers and texts from bytes that may end too early.
 
 use crate::error::{Error, Result};
 use half::f16;
 
-/// The order of the bytes of a number.
+/// Byte order of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// The least significant byte first (Intel).
+    /// Least significant byte first (Intel).
     Little,
-    /// The most significant byte first (Motorola).
+    /// Most significant byte first (Motorola).
     Big,
 }
 
@@ -99,7 +99,7 @@ pub struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    /// Starts at the first of `bytes`.
+    /// Returns a reader that starts at the first of `bytes`.
     pub fn new(bytes: &'a [u8], order: Order) -> Self {
         Self { bytes, place: 0, order }
     }

@@ -22,7 +22,7 @@ pub const COMPRESSED_MAGIC: &[u8] = b"DSCOMPRESSED";
 const HEADER: usize = 512;
 /// The number in `format` of files whose numbers have their most significant byte first.
 const MACINTOSH: u16 = 257;
-/// Streams of a compressed file; real ones have one for each core.
+/// Largest number of streams of a compressed file; real files have one for each core.
 const MOST_STREAMS: u32 = 1 << 16;
 
 /// Reads the file in `bytes`. Several surfaces in one file are channels.

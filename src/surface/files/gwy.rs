@@ -206,7 +206,7 @@ pub fn write(scan: &Topography, file: &mut impl Write) -> io::Result<()> {
     scan.metres().try_for_each(|h| file.write_all(&h.to_le_bytes()))
 }
 
-/// The components of a `GwySIUnit` that is the metre.
+/// Components of a `GwySIUnit` for the metre.
 const METRE: &[u8] = b"unitstr\0sm\0";
 
 /// Encodes a component, or its beginning.

@@ -1,4 +1,4 @@
-//! Igor binary waves (.ibw) as Asylum Research's microscopes write them.
+//! Igor binary waves (.ibw) of Asylum Research's microscopes.
 //!
 //! Format: WaveMetrics, Technical Note 003 (version 5 of the file, which alone can hold images). x runs fastest, the first row is
 //! the bottom, and the third dimension counts channels. One data unit serves all of them, so that a channel's label decides
@@ -12,11 +12,11 @@ use std::borrow::Cow;
 
 /// Bytes of the file's and the wave's header, over which the check sum is taken.
 const HEADERS: usize = 384;
-/// The file's version that can hold images.
+/// Version of files that can hold images.
 const VERSION: u16 = 5;
 /// Bytes of a dimension label.
 const LABEL: usize = 32;
-/// Channels of a wave; microscopes have at most a few dozen.
+/// Largest number of channels of a wave; microscopes have at most a few dozen.
 const MOST_CHANNELS: u64 = 1024;
 
 /// First letters of the names of Asylum's channels, and the unit of their samples, whatever the data unit says.
@@ -98,7 +98,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     Ok(Scan::new("Igor binary wave", channels))
 }
 
-/// Fails for curves that stand beside each other: their columns have names, or their axes are of other quantities than lengths.
+/// Fails for curves in columns: the columns have names, or the axes are other quantities than lengths.
 fn check_axes(wave: &IgorWave, tail: &Tail) -> Result<()> {
     let choose = "choose an image file";
     if tail.has_named_columns {
@@ -166,7 +166,7 @@ struct Tail {
     data_unit: String,
     lateral_units: [String; 2],
     labels: Vec<String>,
-    /// True if every column has a name, beside that of the dimension.
+    /// True if every column has a name in addition to that of the dimension.
     has_named_columns: bool,
 }
 

@@ -190,7 +190,7 @@ fn every_truncation_is_an_error() {
         write(&path, &lopsided()).unwrap();
         let bytes = fs::read(&path).unwrap();
         for length in 1..bytes.len() - 12 {
-            // The last 12 bytes of a PNG are its end mark, which holds no heights.
+            // The last 12 bytes of a PNG are its end mark, without heights.
             let cut = file(&folder, "cut", &bytes[..length]);
             if name == "whole.png" {
                 refusal(&cut);

@@ -39,7 +39,7 @@ use std::io::Read;
 use std::path::Path;
 pub use topography::{ChannelInfo, FileSummary, ScanOrigin, Spacing, Topography};
 
-/// The largest file that is read \[bytes\]: several channels of the largest field in double precision.
+/// Largest file \[bytes\]: several channels of the largest field in double precision.
 pub const MAX_FILE: u64 = 8 << 30;
 
 /// Kinds of files that can be read, for messages.
@@ -56,7 +56,7 @@ pub struct ReadSettings<'a> {
     pub pixel_size: Option<[f64; 2]>,
     /// Height of the largest code of an image; for heights with a scale, their new range \[µm\].
     pub height: Option<f64>,
-    /// The channel by name, or by number from 1.
+    /// Channel by name, or by number from 1.
     pub channel: Option<&'a str>,
 }
 
@@ -150,7 +150,7 @@ pub fn recognise<'a>(bytes: &'a [u8], extension: &str) -> Result<Scan<'a>> {
     if igor::recognise(bytes).is_some() || extension == "ibw" {
         return igor::read(bytes);
     }
-    // Text has no mark, and no NUL.
+    // Text has no magic bytes, and no NUL.
     if bytes.contains(&0) {
         return Err(Error::failed("is of no known format", format!("give {KNOWN}")));
     }
@@ -178,7 +178,7 @@ fn assemble(
     let spacing = match (settings.pixel_size.or(beside.pixel_size), channel.spacing) {
         (Some(um), _) => Spacing::Micrometres(um),
         (None, [Some(x), Some(y)]) => Spacing::Metres([x, y]),
-        // A line has no distance of lines: it is as wide as its samples.
+        // A single line has no distance of lines: its width is that of a sample.
         (None, [Some(x), None]) if size[1] == 1 => Spacing::Metres([x, x]),
         (None, [None, Some(y)]) if size[0] == 1 => Spacing::Metres([y, y]),
         _ => return Err(missing("distance of samples", Remedy::PixelSize)),

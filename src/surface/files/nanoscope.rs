@@ -19,7 +19,7 @@ pub const MAGICS: [&[u8]; 3] = [b"\\*File list", b"?*File list", b"\\*EC File li
 /// First bytes of a file of force curves.
 pub const FORCE_MAGIC: &[u8] = b"\\*Force file list";
 
-/// From this version on samples have four bytes, whatever `Bytes/pixel` says.
+/// Version from which samples have four bytes, whatever `Bytes/pixel` says.
 const WIDE_SAMPLES: u32 = 0x0920_0000;
 
 /// Reads the file in `bytes`.
@@ -139,7 +139,7 @@ fn scale(header: &NanoscopeHeader, image: &Section, bytes: u64) -> Result<Sample
     if let Some(value) = image.text("z scale").and_then(ParameterValue::parse_plain) {
         return Ok(by_unit(value.number, &value.unit));
     }
-    /// Files without a version: the unit of `Z magnify image` over the whole range of codes \[m\].
+    /// Unit of `Z magnify image` over the whole range of codes, for files without a version \[m\].
     const MAGNIFIED: f64 = 1e-7;
     let magnified = image.text("z magnify image").and_then(ParameterValue::parse_plain);
     let value = magnified.ok_or_else(|| damaged("`Z scale` is missing"))?;

@@ -14,7 +14,7 @@ const VERSION_TAG: u16 = 50433;
 const DATA_TAG: u16 = 50434;
 const HEADER_TAG: u16 = 50435;
 
-/// The version from which on the header says how samples are stored; before, they are 16-bit integers.
+/// Version from which the header names the type of samples; older files have 16-bit integers.
 const TYPED: u32 = 0x0100_0002;
 
 /// Offset of the type of samples in the header \[bytes\].
@@ -113,7 +113,7 @@ impl ParkHeader {
     }
 }
 
-/// The entries of the first directory of a TIFF: tag, type, count, and the four bytes of the value or its place.
+/// Entries of the first directory of a TIFF: tag, type, count, and the four bytes of the value or of its offset.
 struct Tags {
     order: Order,
     entries: Vec<(u16, u16, u32, u32)>,

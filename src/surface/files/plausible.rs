@@ -1,10 +1,10 @@
 //! Questions about scales that are probably wrong by a factor of a thousand.
 
-/// Distances of samples that microscopes have \[m\]: a tenth of an atom, and more than any optical profiler's.
+/// Plausible distances of samples \[m\]: from a tenth of an atom to more than any optical profiler's.
 const SPACINGS: (f64, f64) = (5e-12, 20e-6);
-/// The largest range of heights that is not asked about \[m\].
+/// Largest plausible range of heights \[m\].
 const HIGHEST: f64 = 1e-3;
-/// Ranges of heights over the longer side of the patch that surfaces have: a polished mirror's, and a deep trench's.
+/// Plausible ranges of heights relative to the longer side of the patch: from a polished mirror's to a deep trench's.
 const RELIEFS: (f64, f64) = (1e-7, 3.0);
 
 /// End of a question about heights, which is not asked if the user gives the full height.

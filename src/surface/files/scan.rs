@@ -23,7 +23,7 @@ pub enum Quantity {
 /// Function that returns the samples row by row from the top; samples that are not finite were not measured.
 pub type Decode<'a> = Box<dyn FnOnce() -> Result<Vec<f64>> + 'a>;
 
-/// One image of a file. Samples are decoded when they are asked for.
+/// One image of a file. Samples are decoded on demand.
 pub struct Channel<'a> {
     /// Name as in the file.
     pub name: String,
@@ -65,7 +65,7 @@ pub struct Scan<'a> {
     pub channels: Vec<Channel<'a>>,
     /// Facts that a user should know about the file, one line each.
     pub notes: Vec<String>,
-    /// True if a user has to say which of several channels the surface is.
+    /// True if a user has to choose the channel.
     pub asks: bool,
 }
 
@@ -137,7 +137,7 @@ pub enum Rows {
     BottomFirst,
 }
 
-/// Samples as they stand in a file.
+/// Samples as stored in a file.
 #[derive(Clone, Debug)]
 pub struct Block<'a> {
     /// The samples' bytes, x fastest.

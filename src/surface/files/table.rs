@@ -1,4 +1,4 @@
-//! Lines of numbers, as instruments and spreadsheets write them.
+//! Lines of numbers, as written by instruments and spreadsheets.
 
 use super::bytes::damaged;
 use crate::error::{Error, Result};

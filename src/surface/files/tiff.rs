@@ -17,10 +17,10 @@ use ::tiff::tags::{PhotometricInterpretation, ResolutionUnit, Tag};
 use ::tiff::{ColorType, TiffError};
 use std::io::{Cursor, Seek, Write};
 
-/// Samples that lie farther apart than this say how large a picture is printed, not how large the surface is \[m\].
+/// Largest distance of samples in resolution tags \[m\]; larger ones are the size of a print, not of the surface.
 const COARSEST: f64 = 10e-6;
 
-/// The tag in which JPK's microscopes keep the width of the scan.
+/// Tag of JPK's microscopes for the width of the scan.
 const JPK_WIDTH: u16 = 32834;
 
 /// First words of the description of a TIFF of this program.

@@ -50,7 +50,7 @@ pub struct Topography {
     origin: Option<ScanOrigin>,
 }
 
-/// Sample spacing, as it was given.
+/// Sample spacing in its original unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spacing {
     /// Along `x` and `y` \[m\].

@@ -1,4 +1,4 @@
-//! Units as instruments write them.
+//! Units in the spellings of instruments.
 
 /// SI prefixes. Nanoscope files write `~` for µ.
 const PREFIXES: [(&str, f64); 12] = [
@@ -46,7 +46,7 @@ pub fn is_of_another_quantity(unit: &str) -> bool {
     const BASES: [&str; 13] = ["V", "A", "N", "Hz", "s", "K", "Pa", "W", "J", "g", "rad", "F", "C"];
     const OTHERS: [&str; 10] =
         ["deg", "degree", "degrees", "\u{b0}", "\u{ba}", "\u{b0}C", "\u{2126}", "Ohm", "%", "radian"];
-    /// Letters that stand for other things, too, as for ångström and counts.
+    /// Letters with other meanings, such as ångström and counts.
     const AMBIGUOUS: [&str; 4] = ["A", "C", "F", "g"];
     let unit = unit.trim();
     let is_known = !AMBIGUOUS.contains(&unit);

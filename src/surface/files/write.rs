@@ -1,4 +1,4 @@
-//! Writes heights to a file of the format that its name asks for.
+//! Writes heights to a file in the format of its extension.
 
 use super::{Topography, gsf, gwy, npy, text, tiff, x3p};
 use crate::error::{Error, Result};

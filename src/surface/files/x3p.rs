@@ -22,7 +22,7 @@ pub const MAGIC: &[u8] = b"PK\x03\x04";
 /// Largest number of declarations of namespaces in a description; real ones have two.
 const MOST_NAMESPACES: usize = 100;
 
-/// The name of the description.
+/// Name of the description.
 const MAIN: &str = "main.xml";
 
 /// Reads the file in `bytes`.
@@ -235,7 +235,7 @@ fn main_name(archive: &ZipArchive<Cursor<&[u8]>>) -> Result<String> {
     })
 }
 
-/// Returns the name of a member as zips have it; some programs write backslashes.
+/// Returns the name of a member with slashes; some programs write backslashes.
 fn with_slashes(name: &str) -> String {
     name.replace('\\', "/")
 }

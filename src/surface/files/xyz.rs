@@ -6,11 +6,11 @@ use super::table::{self, TextTable};
 use crate::error::{Error, Result};
 use crate::memory;
 
-/// Coordinates that differ by less than this share of the axis' length are one.
+/// Difference of equal coordinates, relative to the length of the axis.
 const SAME: f64 = 1e-7;
 /// Largest distance of a coordinate from its grid place, in steps: coordinates are written with few digits.
 const AWAY: f64 = 0.1;
-/// The fewest measured points of a grid, as a share of its nodes.
+/// Smallest number of measured points of a grid, as a share of its nodes.
 const FEWEST: f64 = 0.25;
 
 /// Reads the file in `bytes`. Nodes without a point were not measured.

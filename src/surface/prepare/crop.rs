@@ -1,4 +1,4 @@
-//! Keeping a rectangle of a height field.
+//! Cropping of a height field to a rectangle.
 
 use super::words::{about, length, lengths};
 use crate::error::{Error, Result};
@@ -9,9 +9,9 @@ use std::fmt;
 /// A rectangle \[µm\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crop {
-    /// Its width and height; the nearest whole samples are kept.
+    /// Width and height, rounded to whole samples.
     pub size: [f64; 2],
-    /// Its left edge from the field's left one and its top edge from the field's top one; `None`: in the middle.
+    /// Distances of the left edge from the field's left edge and of the top edge from the field's top edge; `None`: in the middle.
     pub corner: Option<[f64; 2]>,
 }
 

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// A streak is above (or below) both rows beside it by more than this many times the RMS step from row to row. For a sinusoid of any period
 /// and direction the factor is at most √2.
 const CLEAR: f64 = 2.0;
-/// Rows that one streak covers at most.
+/// Largest number of rows of a streak.
 const WIDEST: usize = 3;
 /// Samples that a streak has at least; a quarter of a shorter row. Anything shorter may be a particle, which is about as high as wide.
 const SHORTEST: usize = 16;

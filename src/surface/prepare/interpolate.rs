@@ -54,9 +54,9 @@ impl EdgeRule {
     }
 }
 
-/// The weights that take a line of one number of samples to another over the same length.
+/// Weights of the interpolation from one number of samples to another over the same length.
 pub(super) struct Resampler {
-    /// For each new sample the first of the padded old ones that it reads, and their weights.
+    /// First padded old sample of each new sample, and the weights from there on.
     taps: Vec<(usize, Vec<f64>)>,
     pad: usize,
 }

@@ -26,7 +26,7 @@ pub enum Levelling {
 }
 
 impl Levelling {
-    /// The largest degree of [`Levelling::Polynomial`]. Higher ones follow the structure itself.
+    /// Largest degree of [`Levelling::Polynomial`]. Higher degrees follow the structure itself.
     pub const MAX_DEGREE: u8 = 12;
 
     /// Parses a levelling.

@@ -39,7 +39,7 @@ pub enum PreparationStep {
     Despike,
     /// Replaces streaks along rows: runs of samples that differ from the rows above and below.
     Destripe,
-    /// Takes away the shape of a tip with this radius of curvature.
+    /// Removes the shape of a tip with this radius of curvature.
     DeconvolveTip(f64),
     /// Keeps a rectangle.
     Crop(Crop),
@@ -47,11 +47,11 @@ pub enum PreparationStep {
     Resample([f64; 2]),
     /// Turns the surface about its normal.
     Rotate(Rotation),
-    /// Lets the heights fade to their mean over this length at each edge.
+    /// Fades the heights to their mean over this length at each edge.
     Taper(f64),
     /// Makes the edges meet.
     Tile(Tile),
-    /// Turns hills into valleys: the mould of the surface.
+    /// Inverts heights: the mould of the surface.
     Invert,
 }
 

@@ -17,7 +17,7 @@ pub enum Rotation {
     Auto,
 }
 
-/// Angles nearer to a quarter turn than this are one \[degrees\]: samples change their places and nothing is interpolated.
+/// Largest deviation from a quarter turn that counts as one \[degrees\]: samples change their places without interpolation.
 const EXACT: f64 = 1e-9;
 
 impl Rotation {

@@ -94,7 +94,7 @@ pub fn deviation(field: &HeightField) -> f64 {
 
 /// Returns the different heights, lowest first.
 fn distinct(heights: &[f64]) -> Vec<f64> {
-    /// Heights that are copied at once: those of an image are few different ones, a copy of all of them may be gigabytes.
+    /// Heights that are copied at once: an image has few different ones, and a copy of all may be gigabytes.
     const AT_ONCE: usize = 1 << 20;
     let sorted = |mut some: Vec<f64>| {
         some.par_sort_unstable_by(f64::total_cmp);
@@ -108,7 +108,7 @@ fn distinct(heights: &[f64]) -> Vec<f64> {
 
 /// Returns the step between `levels` (lowest first); `None` unless all distances are multiples of the smallest one.
 fn quantisation(levels: &[f64]) -> Option<f64> {
-    /// Codes of 16 bits; more different heights are taken for numbers without a step.
+    /// Number of codes of 16 bits; more different heights count as numbers without a step.
     const MOST: usize = 1 << 16;
     /// A distance may be off by this share of the step: rounding, and steps written in decimal.
     const OFF: f64 = 1e-3;
@@ -127,7 +127,7 @@ fn quantisation(levels: &[f64]) -> Option<f64> {
 
 /// Returns the height range \[µm\] without [`CORE`] of the samples at each end.
 pub(super) fn core_range(heights: &[f64]) -> f64 {
-    /// Heights that are looked at, evenly spread over larger fields.
+    /// Largest number of heights, evenly spread over larger fields.
     const MOST: usize = 1 << 22;
     let mut some: Vec<f64> = heights.iter().copied().step_by(heights.len().div_ceil(MOST)).collect();
     let place = (some.len() as f64 * CORE) as usize;

@@ -46,11 +46,11 @@ fn line_spectrum(n: usize, lines: usize, sample: impl Fn(usize, usize) -> f64) -
     power.iter().map(|p| p * scale).collect()
 }
 
-/// Fewer repeats than this in a patch are no period.
+/// Smallest number of repeats in a patch for a period.
 const FEWEST_CYCLES: usize = 3;
-/// Half the width of the band that counts as one period, relative to its centre: natural ridges vary by about so much.
+/// Half the width of the band of one period, relative to its centre: about the variation of natural ridges.
 const BAND: f64 = 0.1;
-/// A period rules its surroundings from 1/OCTAVES to OCTAVES times its frequency.
+/// Ratio of frequencies to a period's within which the period has to dominate.
 const SURROUNDINGS: f64 = 1.5;
 /// Least ratio of the power density in the band to that outside it. White noise has 1.
 const CLEAR: f64 = 5.0;

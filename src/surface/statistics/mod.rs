@@ -29,7 +29,7 @@ use crate::error::Result;
 use serde::Serialize;
 use spectrum::SurfaceSpectrum;
 
-/// The numbers of `surface info`. Serialised, lengths are metres and angles degrees.
+/// Statistics of `surface info`. Serialised, lengths are metres and angles degrees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Statistics {
     /// Side lengths of the patch \[µm\].

@@ -28,7 +28,7 @@ pub struct Period {
     pub amplitude: f64,
 }
 
-/// Fewer repeats than this over the field are no period.
+/// Smallest number of repeats over the field for a period.
 const FEWEST_CYCLES: f64 = 3.0;
 /// A peak's power over the mean power of noise at its |f|: white noise alone reaches 20 once in 5·10⁸ frequencies.
 const CLEAR: f64 = 30.0;
@@ -217,7 +217,7 @@ fn leaked(spectrum: &SurfaceSpectrum, peak: &SpectralPeak, peaks: &[SpectralPeak
     let bins = |f: [f64; 2]| (f[0] * spectrum.patch[0]).hypot(f[1] * spectrum.patch[1]);
     let [x, y] = peak.frequency;
     let side_lobe = |other: &SpectralPeak, sign: f64| {
-        // Nearer than the main lobe nothing is told apart; the nearest bin of the peak is one nearer.
+        // Nearer than the main lobe nothing is resolved; the nearest bin of the peak is one nearer.
         let d = (bins([x - sign * other.frequency[0], y - sign * other.frequency[1]]) - 1.0).max(LOBE);
         other.amplitude / peak.amplitude / (PI * d * (d * d - 1.0))
     };

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 /// A smooth, random, periodic function of the patch: a sum of the waves with few cycles along its sides.
 pub(super) struct Waves {
-    /// Most cycles along x and y.
+    /// Largest number of cycles along x and y.
     cycles: [usize; 2],
     /// Amplitude and phase of each wave: `[n][m + most]` for n cycles along x and m along y.
     waves: Vec<Vec<Complex64>>,

@@ -3,13 +3,13 @@
 use super::super::bytes::{cut_short, damaged, decode_text};
 use crate::error::Result;
 
-/// The longest header that is looked for \[bytes\]; real ones are 8 to 100 kB.
+/// Longest header \[bytes\]; real ones are 8 to 100 kB.
 const LONGEST: usize = 4 << 20;
 
 /// Names of sections that describe an image, in lower case.
 const IMAGES: [&str; 4] = ["ciao image list", "afm image list", "stm image list", "ncafm image list"];
 
-/// A part of the header: its lines by their keys, in lower case.
+/// Section of the header: its lines by their keys, in lower case.
 pub struct Section {
     name: String,
     lines: Vec<(String, String)>,
@@ -146,7 +146,7 @@ impl ParameterValue {
         Some(Self { number, unit, soft_scale })
     }
 
-    /// Reads `1500 nm (16384)`, as old files have it.
+    /// Reads the form of old files, `1500 nm (16384)`.
     pub fn parse_plain(text: &str) -> Option<Self> {
         let text = text.split('(').next().unwrap_or(text);
         let (number, unit) = number_and_unit(text.trim())?;
