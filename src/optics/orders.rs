@@ -197,7 +197,8 @@ impl Repeats {
         periodic_factor(n, 2.0 * PI * (cycles - cycles.round())).norm_sqr() / f64::from(n).powi(2)
     }
 
-    /// Returns the sampling along (u, v) against colour functions of lag `colour_lag` \[µm\], for a relative error of about `tolerance`. Its twin is `sampling` of `shaders/repeats.glsl`.
+    /// Returns the sampling along (u, v) against colour functions of lag `colour_lag` \[µm\], for a relative error of about `tolerance`.
+    /// Twin of `sampling` in `shaders/repeats.glsl`.
     fn sampling(&self, uv: DVec2, colour_lag: f64, tolerance: f64) -> PeriodSampling {
         let n = self.copies.map(f64::from);
         let lag = [0, 1].map(|axis| n[axis] * uv[axis].abs() * self.period[axis]);
