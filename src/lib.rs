@@ -4,7 +4,7 @@
 //! default) the window; without them the library has height fields, optics, spectra, colour tables and 64-bit references.
 //!
 //! Data flows one way: `surface` → `spectra` → `table` → `render` (with `scene` and `vk`) → picture, and `optics::reference` checks the
-//! result. `docs/ARCHITECTURE.md` has the layers of modules.
+//! result. `docs/ARCHITECTURE.md` lists the imports allowed to each module.
 
 #![deny(unsafe_code)]
 
