@@ -16,7 +16,7 @@ use clap::Args;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// Footprints that mean something.
+/// Range of footprints.
 const FOOTPRINTS: (f64, f64) = (0.0, LARGEST_FOOTPRINT);
 
 /// Arguments of `export`.
@@ -41,7 +41,7 @@ pub struct Arguments {
     /// Smallest footprint that the table serves, as a standard deviation of (u, v); 0 for single directions. Larger footprints take a smaller table
     #[arg(long, value_name = "SIGMA", value_parser = footprint, allow_hyphen_values = true, default_value = "0.02")]
     footprint: f64,
-    /// Most bytes of the texels, as in 8MB: the smallest footprint grows until the table keeps them
+    /// Largest size of the texels, as in 8MB: the smallest footprint grows until the table fits
     #[arg(long, value_name = "SIZE", value_parser = units::bytes, allow_hyphen_values = true)]
     budget: Option<u64>,
     /// Check an export instead: its version, check sums and numbers
@@ -104,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     write::stdout(&summary(&description))
 }
 
-/// Size and errors in a line.
+/// Returns size and errors in a line.
 fn summary(description: &MaterialDescription) -> String {
     const MB: f64 = 1e6;
     let MaterialDescription { table_bytes, smallest_footprint, errors, .. } = description;

@@ -1,4 +1,4 @@
-//! The command line that draws what the window shows.
+//! Command line that draws the picture in the window.
 
 use super::options::as_options;
 use super::scene_options;
@@ -15,8 +15,8 @@ use crate::viewer::{Output, ViewSettings};
 use std::io::Write;
 use std::path::Path;
 
-/// The `diffract render` that draws the picture of `settings` into `output`. What is the default, or `scene`'s own, is
-/// left out.
+/// Returns the `diffract render` that draws the picture of `settings` into `output`, without options that have their default or the value
+/// of `scene`.
 pub fn render(settings: &ViewSettings, scene: &Scene, output: &Output<'_>) -> String {
     let mut words = Words(vec![settings.scene.clone()]);
     words.settings(settings, scene);
@@ -29,17 +29,17 @@ pub fn render(settings: &ViewSettings, scene: &Scene, output: &Output<'_>) -> St
     format!("diffract render {} -o {}", words.join(" "), quoted(file))
 }
 
-/// The arguments of the `diffract view` that begins with `settings`, from whatever folder.
+/// Returns the arguments of the `diffract view` that begins with `settings`, independent of the current folder.
 pub fn view(settings: &ViewSettings, scene: &Scene) -> Vec<String> {
     let mut words = Words(vec![settings.scene.clone()]);
     words.settings(settings, scene);
     words.0.into_iter().map(absolute).collect()
 }
 
-/// Writes `settings` of `scene` as a scene file: all that determines the picture but its size.
+/// Writes `settings` of `scene` as a scene file: all settings of the picture except its size.
 ///
 /// # Errors
-/// Where the file cannot be written, and for names of files that are not UTF-8.
+/// A file that cannot be written; names of files that are not UTF-8.
 pub fn write_scene(settings: &ViewSettings, scene: &Scene, path: &Path) -> Result<()> {
     let mut words = Words(Vec::new());
     words.optics(settings);
@@ -49,7 +49,7 @@ pub fn write_scene(settings: &ViewSettings, scene: &Scene, path: &Path) -> Resul
     }
     let pairs =
         words.0.chunks_exact(2).map(|pair| [pair[0].trim_start_matches('-').to_owned(), pair[1].clone()]);
-    // A material with a spectrum has keys of its own in the file.
+    // A material with a spectrum has separate keys in the file.
     let has_spectrum = matches!(&settings.reflectance, Reflectance::Fresnel { material, .. } if material.constant_index().is_none());
     let is_option = |[name, _]: &[String; 2]| {
         scene_options::OF_SCENES.contains(&name.as_str()) && !(has_spectrum && name == "film")
@@ -76,14 +76,14 @@ pub fn write_scene(settings: &ViewSettings, scene: &Scene, path: &Path) -> Resul
     })
 }
 
-/// The name of a file from the root, and any other word as it is.
+/// Returns the absolute name of a file, and any other word unchanged.
 fn absolute(word: String) -> String {
     let path = Path::new(&word);
     let from_root = path.is_file().then(|| std::path::absolute(path).ok()).flatten();
     from_root.and_then(|path| path.to_str().map(str::to_owned)).unwrap_or(word)
 }
 
-/// A command line as it grows.
+/// Command line under construction.
 struct Words(Vec<String>);
 
 impl Words {
@@ -91,7 +91,7 @@ impl Words {
         self.0.extend([format!("--{name}"), value.into()]);
     }
 
-    /// What `settings` change in `scene` and in the defaults.
+    /// Adds the options for `settings` that differ from `scene` and from the defaults.
     fn settings(&mut self, settings: &ViewSettings, scene: &Scene) {
         let words = self;
         words.surface(&settings.surface, scene);
@@ -141,7 +141,7 @@ impl Words {
         }
         let own_steps: &[PreparationStep] = if own { &scene.prepare } else { &[] };
         if surface.prepare != own_steps {
-            // Without a step the scene's own would stay.
+            // Without a step the scene's steps would stay.
             let none = [PreparationStep::Level(Levelling::None)];
             let steps = if surface.prepare.is_empty() { &none[..] } else { &surface.prepare };
             self.0.extend(as_options(steps).split(' ').map(str::to_owned));

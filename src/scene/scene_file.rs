@@ -35,64 +35,65 @@ pub const BUILT_IN: [(&str, &str); 6] = [
     ("skin", include_str!("../../assets/scenes/skin.toml")),
 ];
 
-/// Length of a unit of scenes that do not say it, as of OBJ files \[um\]: a metre.
+/// Default length of a unit of scenes, as of OBJ files \[um\]: a metre.
 const UNIT: f64 = 1e6;
-/// What lengths with their unit are read as.
+/// Metres in the unit of parsed lengths.
 const METRES_PER_MICROMETRE: f64 = 1e-6;
 
-/// A scene: everything that a picture shows, before any option changes it.
+/// Scene: everything that a picture shows, before any option changes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// The mesh, in a world whose up is +z.
+    /// Mesh of the first object, in a world whose up is +z.
     pub mesh: Mesh,
-    /// Where the mesh is from.
+    /// Source of the mesh.
     pub mesh_source: MeshSource,
     /// The surface: a built-in name or a file.
     pub surface: OsString,
-    /// Distance between samples of a surface file, where the scene gives it \[µm\].
+    /// Distance between samples of a surface file, if the scene gives it \[µm\].
     pub pixel_size: Option<[f64; 2]>,
-    /// Height of the file's largest code, where the scene gives it \[µm\].
+    /// Height of the file's largest code, if the scene gives it \[µm\].
     pub full_height: Option<f64>,
-    /// What is done to the heights before use, in this order.
+    /// Preparation steps of the heights, in this order.
     pub prepare: Vec<PreparationStep>,
     /// The camera.
     pub camera: Camera,
     /// The lights.
     pub lights: Vec<Light>,
-    /// Surroundings that light the scene beside the lights.
+    /// Environment map that lights the scene beside the lights.
     pub environment: Option<Environment>,
-    /// Whether the mesh casts shadows on itself.
+    /// True if the mesh casts shadows on itself.
     pub shadows: bool,
     /// Albedo of the pigment, linear sRGB.
     pub base_color: Vec3,
     /// Pigment texture, multiplied with the base colour.
     pub pigment: Option<PathBuf>,
-    /// How the patch of the height field lies on the mesh.
+    /// Orientation of the height field's patch on the mesh.
     pub grooves: Grooves,
-    /// What else stands in the scene, the ground last.
+    /// Further objects, the ground last.
     pub objects: Vec<Object>,
-    /// What the surface reflects, where the scene says.
+    /// Reflectance of the surface, if the scene gives it.
     pub reflectance: Option<Reflectance>,
     /// Exposure of the display \[stops\].
     pub exposure: f64,
-    /// True if the exposure that suits the first picture is measured; `exposure` counts where nothing is lit.
+    /// True if the exposure is measured from the first picture; `exposure` is used for a picture without light.
     pub auto_exposure: bool,
-    /// What the display makes of highlights.
+    /// Tone curve of the display.
     pub tone: Tone,
-    /// What is displayed where nothing is covered.
+    /// Background of the pixels that no mesh covers.
     pub background: Background,
     /// Length of one unit of the scene's coordinates \[m\].
     pub unit: f64,
-    /// Options of the program that draws it, by name, with their values: what is computed and how. Nobody has checked them yet.
+    /// Options of the program that draws the scene, by name, with their values: parameters of the computation. They are not checked yet.
     pub options: Vec<[String; 2]>,
-    /// The files that the scene consists of: its own, those of mesh, surface and pigment.
+    /// Files of the scene: the scene file, and those of mesh, surface and pigment.
     pub files: Vec<PathBuf>,
-    /// A sphere around everything but the ground, where there are several objects: each frame asks, and they may have many vertices.
+    /// Bounding sphere of everything but the ground, if there are several objects. It is stored because each frame needs it and meshes may
+    /// have many vertices.
     pub around: Bounds,
 }
 
 impl EnvironmentDocument {
-    /// Opens the surroundings; names of files start from `folder`.
+    /// Opens the environment map; names of files are relative to `folder`.
     fn open(&self, folder: &Path) -> Result<Environment> {
         let name = if environment::is_built_in(&self.name) {
             self.name.clone().into()
@@ -107,7 +108,7 @@ impl EnvironmentDocument {
 }
 
 impl ObjectDocument {
-    /// Opens the object; names of files start from `folder`.
+    /// Opens the object; names of files are relative to `folder`.
     fn open(self, folder: &Path, progress: &Progress<'_>) -> Result<Object> {
         let Triple(base_color) = self.base_color;
         check_colors(base_color.map(f64::from))?;
@@ -151,18 +152,18 @@ impl ObjectDocument {
 }
 
 impl Scene {
-    /// A built-in scene by name, a scene file, or an OBJ file shown by the sphere's camera and lights.
+    /// Opens a built-in scene by name, a scene file, or an OBJ file shown by the sphere's camera and lights.
     ///
     /// # Errors
-    /// A name that is neither, or a file that does not hold a scene; says where and what to do.
+    /// A name that is neither, or a file that does not hold a scene; the message tells the place and the remedy.
     pub fn open(name: impl AsRef<OsStr>) -> Result<Self> {
         Self::open_telling(name.as_ref(), &|_, _, _| Ok(()))
     }
 
-    /// As [`Scene::open`], and tells `progress` how far a mesh file is read.
+    /// Opens a scene like [`Scene::open`], with reports to `progress` while a mesh file is read.
     ///
     /// # Errors
-    /// As [`Scene::open`], and what `progress` returns.
+    /// Those of [`Scene::open`] and of `progress`.
     pub fn open_telling(name: &OsStr, progress: &Progress<'_>) -> Result<Self> {
         if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
             return Self::parse(text, Path::new("")).map_err(|e| e.at(format!("scene {}", name.display())));
@@ -191,17 +192,17 @@ impl Scene {
         scene.mesh = open_mesh(&scene.mesh_source, progress)?;
         scene.files.push(path.to_owned());
         let bounds = scene.mesh.bounds();
-        /// A little air around the mesh.
+        /// Radius of the framed sphere relative to that of the mesh.
         const AIR: f32 = 1.1;
         scene.camera.target = bounds.centre;
         scene.camera.distance = AIR * bounds.radius / (scene.camera.field_of_view / 2.0).sin();
         Ok(scene)
     }
 
-    /// The scene in the text of a scene file; names of files in it start from `folder`.
+    /// Parses the text of a scene file; names of files in it are relative to `folder`.
     ///
     /// # Errors
-    /// As [`Scene::open`].
+    /// See [`Scene::open`].
     pub fn parse(text: &str, folder: &Path) -> Result<Self> {
         Self::read(text, folder, &|_, _, _| Ok(()))
     }
@@ -278,30 +279,31 @@ impl Scene {
 }
 
 impl Scene {
-    /// A sphere around everything but the ground.
+    /// Returns the bounding sphere of everything but the ground.
     pub fn bounds(&self) -> Bounds {
         if self.objects.is_empty() { self.mesh.bounds() } else { self.around }
     }
 
-    /// The meshes of all objects, the first object first.
+    /// Returns the meshes of all objects, the first object first.
     pub fn meshes(&self) -> impl Iterator<Item = &Mesh> {
         std::iter::once(&self.mesh).chain(self.objects.iter().map(|object| &object.mesh))
     }
 
-    /// The meshes of everything but the ground, the first object first.
+    /// Returns the meshes of everything but the ground, the first object first.
     pub fn standing(&self) -> Vec<&Mesh> {
         let others = self.objects.iter().filter(|object| !object.is_ground).map(|object| &object.mesh);
         std::iter::once(&self.mesh).chain(others).collect()
     }
 
-    /// Distance from `centre` to the farthest point of anything.
+    /// Returns the distance from `centre` to the farthest point of all objects.
     pub fn reach(&self, centre: Vec3) -> f32 {
         let far = |mesh: &Mesh| mesh.bounds().centre.distance(centre) + mesh.bounds().radius;
         self.meshes().skip(1).map(far).fold(self.bounds().radius, f32::max)
     }
 }
 
-/// The objects of a scene file beside its first, which has this `mesh`, and the ground where it has a color; and what is around all but the ground.
+/// Opens the further objects of a scene file, the ground last, if it has a color. Returns them with the bounding sphere of all but the
+/// ground. `mesh` is that of the first object.
 fn objects(
     objects: Vec<ObjectDocument>,
     mesh: &Mesh,
@@ -331,7 +333,7 @@ fn objects(
     Ok((objects, around))
 }
 
-/// What to do about what the parser of TOML says: where a key is unknown, the one that it resembles.
+/// Returns the remedy for an error of the TOML parser: for an unknown key, the known key that resembles it.
 fn remedy(message: &str) -> String {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let unknown = quoted.next().filter(|_| message.starts_with("unknown field"));
@@ -345,7 +347,7 @@ fn remedy(message: &str) -> String {
     }
 }
 
-/// The options of the scene file called `name`, whose other content is not looked at; none of a built-in scene and of a mesh.
+/// Reads only the options of the scene file called `name`; a built-in scene and a mesh have none.
 ///
 /// # Errors
 /// A file that cannot be read or is no TOML.
@@ -361,7 +363,7 @@ pub fn options_of(name: &OsStr) -> Result<Vec<[String; 2]>> {
         #[serde(default)]
         options: FileOptions,
     }
-    // What is wrong with the rest is said when the scene is opened.
+    // Errors in the rest are reported when the scene is opened.
     let Ok(OptionsAlone { options }) = toml::from_str(&text) else { return Ok(Vec::new()) };
     scene_options::words(options, path.parent().unwrap_or(Path::new(""))).map_err(|e| e.at(path.display()))
 }
@@ -475,7 +477,7 @@ mod tests {
         assert!(near(corner.normal, [1.0, 0.0, 0.0]), "{corner:?}");
         let lowest = ground.mesh.vertices()[0].position[2];
         assert!(ground.is_ground && lowest == 0.0, "{lowest}");
-        // What is framed is what stands on the ground; what is drawn reaches farther.
+        // The framed bounds leave out the ground; the drawn scene reaches farther.
         let bounds = two.bounds();
         assert!(bounds.radius < 3.0 && two.reach(bounds.centre) > 3.0 * bounds.radius);
         for (head, more, said) in [

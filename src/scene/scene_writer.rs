@@ -41,7 +41,7 @@ impl ObjectDocument {
     }
 }
 
-/// Material and film of a scene file in `folder`.
+/// Returns the material and film of a scene file in `folder`.
 fn reflecting(reflectance: Option<&Reflectance>, folder: &Path) -> Result<[Option<String>; 2]> {
     match reflectance {
         Some(Reflectance::Fresnel { material, film, .. }) if material.constant_index().is_none() => {
@@ -54,7 +54,7 @@ fn reflecting(reflectance: Option<&Reflectance>, folder: &Path) -> Result<[Optio
     }
 }
 
-/// How the patch lies, as a scene file in `folder` says it.
+/// Writes the orientation of the patch in the form of a scene file in `folder`.
 fn grooves(grooves: &Grooves, folder: &Path) -> Result<Option<String>> {
     Ok(match grooves {
         Grooves::Along => None,
@@ -64,16 +64,17 @@ fn grooves(grooves: &Grooves, folder: &Path) -> Result<Option<String>> {
     })
 }
 
-/// A pair of lengths \[µm\] with its unit.
+/// Returns a pair of lengths \[µm\] with its unit.
 fn micrometres([x, y]: [f64; 2]) -> String {
     format!("{x}umx{y}um")
 }
 
 impl Scene {
-    /// The text of a scene file in `folder` that reads as this scene. Files that lie in the folder are named from there, others from the root.
+    /// Writes the text of a scene file in `folder` that reads as this scene. Names of files in the folder are relative to it, others
+    /// absolute.
     ///
     /// # Errors
-    /// For names of files that are not UTF-8.
+    /// Names of files that are not UTF-8.
     pub fn to_toml(&self, folder: &Path) -> Result<String> {
         let path = |path: &Path| named_from(path, folder);
         let [material, film] = reflecting(self.reflectance.as_ref(), folder)?;
@@ -130,7 +131,7 @@ impl Scene {
     }
 }
 
-/// The name of a file as a scene file in `folder` has it; what is no file, such as the name of something built in, as it is.
+/// Returns the name of a file relative to `folder`, if it lies there; a name of something built in is returned unchanged.
 fn named_from(path: &Path, folder: &Path) -> Result<String> {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let named = if path.is_file() {
@@ -145,12 +146,12 @@ fn named_from(path: &Path, folder: &Path) -> Result<String> {
         .ok_or_else(|| Error::failed(format!("the name {} is not UTF-8", path.display()), "rename the file"))
 }
 
-/// `x` to twelve digits: what a length loses on the way to metres and back is left out.
+/// Rounds `x` to twelve digits, without the rounding of lengths on the way to metres and back.
 fn significant(x: f64) -> f64 {
     format!("{x:.11e}").parse().unwrap_or(x)
 }
 
-/// An angle \[rad\] in degrees, with as many digits as it takes to read the same angle.
+/// Converts an angle \[rad\] to degrees, with as many digits as reading back the same angle needs.
 fn degrees(radians: f32) -> f64 {
     let exact = f64::from(radians).to_degrees();
     let rounded = |digits: i32| {
@@ -160,9 +161,9 @@ fn degrees(radians: f32) -> f64 {
     (0..12).map(rounded).find(|degrees| degrees.to_radians() as f32 == radians).unwrap_or(exact)
 }
 
-/// An eye that makes `camera` when it is read again. The eye that follows from a camera's angles may be off in the last bits.
+/// Returns an eye that makes `camera` when it is read again. The eye that follows from a camera's angles may be off in the last bits.
 fn eye_of(camera: &Camera) -> Vec3 {
-    /// Representable numbers by which a coordinate may be off.
+    /// Offsets of a coordinate that are tried, in units in the last place.
     const STEPS: [i32; 5] = [0, 1, -1, 2, -2];
     let eye = camera.eye();
     let moved = |x: f32, steps: i32| {
@@ -192,7 +193,7 @@ mod tests {
         Scene::parse(text, folder).unwrap_or_else(|e| panic!("{e} in\n{text}"))
     }
 
-    /// What a scene is, without its mesh.
+    /// Returns the debug text of a scene without its mesh.
     fn described(scene: &Scene) -> String {
         let plain =
             Scene { mesh: crate::scene::primitives::plate(), files: Vec::new(), unit: 0.0, ..scene.clone() };

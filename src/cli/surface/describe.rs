@@ -1,4 +1,4 @@
-//! The numbers of a height field, for reading by eye.
+//! Description of a height field in numbers, for reading by eye.
 
 use crate::error::Result;
 use crate::optics::coherence::{Beyond, SUNLIGHT_LENGTH};
@@ -14,10 +14,10 @@ use crate::surface::prepare;
 use crate::surface::statistics::{Period, notes};
 use crate::surface::{HeightField, Statistics, SurfaceSource};
 
-/// A name and what stands behind it.
+/// Name and text of a line.
 type Line = (&'static str, String);
 
-/// `field`, which `source` gave, line by line, with the errors of scalar theory that `theory` has for it.
+/// Describes `field`, which `source` gave, line by line, with the errors of scalar theory in `theory`.
 pub fn text(
     source: &SurfaceSource,
     field: &HeightField,
@@ -56,7 +56,7 @@ fn grid(source: &SurfaceSource, field: &HeightField, statistics: &Statistics) ->
     ]
 }
 
-/// What `--beyond` is for `field` unless it is given, and why.
+/// Returns the default of `--beyond` for `field`, with the reason.
 fn beyond(field: &HeightField) -> &'static str {
     match setup::beyond_of(field) {
         Beyond::Copies => "copies by default, because copies join",
@@ -81,7 +81,7 @@ fn distributions(statistics: &Statistics) -> Vec<Line> {
     ]
 }
 
-/// The two parts of Sdq.
+/// Returns the two parts of Sdq.
 fn slopes_along_axes(rms: [f64; 2]) -> String {
     let [x, y] = rms.map(|slope| format!("{slope:.4} ({:.2} deg)", slope.atan().to_degrees()));
     format!("{x}, {y}")

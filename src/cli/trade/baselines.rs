@@ -1,4 +1,4 @@
-//! The baselines that `trade` compares with: the grating equation and the thesis' own shader.
+//! Baselines that `trade` compares with: the grating equation and the shader of the thesis.
 
 use crate::cli::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimits, shown};
 use crate::error::Result;
@@ -23,7 +23,7 @@ impl Baselines<'_> {
     /// Measures the baseline called `series`; `None` if it does not apply to this surface or coherence.
     ///
     /// # Errors
-    /// When it cannot be drawn.
+    /// A baseline that cannot be drawn.
     pub fn measure(&self, series: &str, references: &mut References) -> Result<Option<Measurement>> {
         match series {
             GRATING => self.grating(references),
@@ -31,8 +31,8 @@ impl Baselines<'_> {
         }
     }
 
-    /// The classical shader of a grating of one period, at the brightness that fits the reference best. `None` for a surface
-    /// that is not periodic.
+    /// Measures the classical shader of a grating of one period, at the brightness that fits the reference best. `None` for a surface that
+    /// is not periodic.
     fn grating(&self, references: &mut References) -> Result<Option<Measurement>> {
         let [along_x, along_y] = line_periods(&self.scene.field);
         let (axis, period) = match (along_x, along_y) {
@@ -65,7 +65,7 @@ impl Baselines<'_> {
         }))
     }
 
-    /// The sum of the thesis' own shader. `None` for repeats, for which the thesis has another sum.
+    /// Measures the sum of the thesis' shader. `None` for repeats, for which the thesis has another sum.
     fn thesis(&self, references: &mut References) -> Result<Option<Measurement>> {
         let shading = self.scene.shading(self.options)?;
         let Coherence::Gaussian { length } = shading.coherence else { return Ok(None) };

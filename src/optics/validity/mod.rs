@@ -1,8 +1,8 @@
 //! Errors of scalar theory for a surface, looked up in a table of rigorous efficiencies.
 //!
-//! The optics takes each point of the surface for a part of its tangent plane (the Kirchhoff approximation) and light for a scalar wave.
-//! `tools/validity` compares it with the C method [Chandezon et al. 1982, J. Opt. Soc. Am. 72, 839] for grooves in one direction, light in the
-//! plane across them; `docs/VALIDITY.md` has the results. The angles of the orders follow from the period alone and are exact.
+//! The optics replaces the surface at each point by its tangent plane (the Kirchhoff approximation) and light by a scalar wave.
+//! `tools/validity` compares it with the C method [Chandezon et al. 1982, J. Opt. Soc. Am. 72, 839] for grooves in one direction, light in
+//! the plane across them; `docs/VALIDITY.md` has the results. The angles of the orders follow from the period alone and are exact.
 
 mod table;
 
@@ -22,7 +22,7 @@ pub struct ScalarTheory {
     line: String,
     /// The profile that was looked up.
     grooves: Option<ProfileShape>,
-    /// Errors by the angle of incidence; empty where they are not known.
+    /// Errors by the angle of incidence; empty if unknown.
     errors: Vec<AngleErrors>,
     /// Polarisation of the light, whose error the line tells.
     polarisation: Polarisation,
@@ -68,17 +68,17 @@ impl ScalarTheory {
         Ok(Self::new(Relief::of(field)?, reflectance))
     }
 
-    /// [`Self::line`] of `field` for a picture's metadata, or why there is none.
+    /// Returns [`Self::line`] of `field` for a picture's metadata, or the reason why there is none.
     pub fn note(field: &HeightField, reflectance: &Reflectance) -> String {
         Self::of_field(field, reflectance).map_or_else(|e| format!("not known: {e}"), |found| found.line)
     }
 
-    /// The line of `surface info` and of a picture's metadata.
+    /// Returns the line of `surface info` and of a picture's metadata.
     pub fn line(&self) -> &str {
         &self.line
     }
 
-    /// The errors of the least and the greatest angle of incidence, for a row of a panel.
+    /// Returns the errors of the least and the greatest angle of incidence, for a row of a panel.
     pub fn brief(&self) -> String {
         match self.errors.as_slice() {
             [] => self.line.split([':', ';']).next().unwrap_or_default().to_owned(),
@@ -94,7 +94,7 @@ impl ScalarTheory {
     }
 }
 
-/// Returns what was looked up, in words.
+/// Describes the entry of the table in words.
 fn described(grooves: &ProfileShape, reflectance: &Reflectance) -> String {
     let [period, height] = [grooves.period, grooves.height].map(|length| length / MIDDLE);
     let [profile, material] =
@@ -110,9 +110,9 @@ fn described(grooves: &ProfileShape, reflectance: &Reflectance) -> String {
     )
 }
 
-/// Returns the errors in light of this polarisation in words: those up to an angle together while they hardly differ.
+/// Describes the errors in light of this polarisation, one phrase for a range of angles with nearly equal errors.
 fn by_angle(errors: &[AngleErrors], polarisation: Polarisation) -> String {
-    /// Errors below this share, or below [`ALIKE`] times the first of a group, are told together.
+    /// Share below which errors form one group, like those below [`ALIKE`] times the first of a group.
     const SMALL: f64 = 0.02;
     const ALIKE: f64 = 1.5;
     let mut groups: Vec<(f64, f64, f64)> = Vec::new(); // first angle, last angle, largest error
@@ -134,7 +134,7 @@ fn by_angle(errors: &[AngleErrors], polarisation: Polarisation) -> String {
     format!("diffracted orders err by {}", words.collect::<Vec<_>>().join(", "))
 }
 
-/// Returns a share in whole percent, rounded up; more than all is told as such.
+/// Returns a share in whole percent, rounded up, or "more than 100 %".
 fn percent(share: f64) -> String {
     if share > 1.0 {
         "more than 100 %".to_owned()

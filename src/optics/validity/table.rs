@@ -12,7 +12,7 @@ const TABLE: &str = include_str!("../../../assets/validity/table.csv");
 /// Errors below this are not told apart: an error that changes its sign passes 0, and reading beside that place would promise too much.
 const SMALLEST: f64 = 0.01;
 
-/// Longer periods err by no more than this one \[wavelengths\].
+/// Period beyond which errors do not grow \[wavelengths\].
 const LONG_ENOUGH: f64 = 3.0;
 
 /// Materials that behave alike.

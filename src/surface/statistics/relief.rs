@@ -51,7 +51,7 @@ pub struct ProfileShape {
     pub height: f64,
 }
 
-/// Shape of a field as far as scalar theory asks for it.
+/// Shape of a field in the terms of scalar theory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Relief {
     /// A mirror.
