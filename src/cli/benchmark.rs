@@ -209,8 +209,13 @@ impl BenchmarkScene {
         let mut settings = Settings::new(method, shading.clone());
         if setup::averages_footprints(&settings) {
             let views = std::slice::from_ref(&self.view);
-            settings.footprints =
-                footprints::sizes(&self.device, &self.scene.mesh, views, self.size, &Sampling::ONE)?;
+            settings.footprints = footprints::sizes(
+                &self.device,
+                &self.scene.main_object().mesh,
+                views,
+                self.size,
+                &Sampling::ONE,
+            )?;
         }
         let source = prepare::source(&self.field, &settings, &self.device, &mut InUse::default())?;
         let (painter, directions) = self.painter(&source, &shading)?;
@@ -229,7 +234,8 @@ impl BenchmarkScene {
     /// # Errors
     /// A frame that does not fit on the device, directions that `source` cannot shade.
     pub fn painter(&self, source: &Source, shading: &Shading) -> Result<(Painter, Vec<Directions>)> {
-        let (mesh, grooves) = (&self.scene.mesh, &GrooveDirections::of(&self.scene.grooves)?);
+        let (mesh, grooves) =
+            (&self.scene.main_object().mesh, &GrooveDirections::of(&self.scene.main_object().grooves)?);
         let (pigment, base_color, casts_shadows) = (&Pigment::white(), None, true);
         let sources = &ObjectSources::new(source.clone(), shading.clone());
         let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, sources };
@@ -284,8 +290,12 @@ impl BenchmarkScene {
 
     /// Casts the rays of each light in f64.
     fn cast(&self, shading: &Shading) -> Result<Vec<Directions>> {
-        let grooves = &GrooveDirections::of(&self.scene.grooves)?;
-        let rays = RayScene::new(vec![RayObject { mesh: &self.scene.mesh, grooves, casts_shadows: true }]);
+        let grooves = &GrooveDirections::of(&self.scene.main_object().grooves)?;
+        let rays = RayScene::new(vec![RayObject {
+            mesh: &self.scene.main_object().mesh,
+            grooves,
+            casts_shadows: true,
+        }]);
         let settings = RaySettings::new(self.size, self.scene.shadows, shading);
         let pass = |light| LightPass::of_all(light, Sampling::ONE.sample(0));
         let lights = 0..self.view.light_count();

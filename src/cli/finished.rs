@@ -56,7 +56,7 @@ impl SequenceOrigin {
                 .map(|f| ([f.columns(), f.rows()], f.pixel_size(), hash(bytemuck::cast_slice(f.heights()))));
             (object.base_color, object.is_ground, field, surface.optics.clone())
         };
-        let others: Vec<_> = scene.objects.iter().zip(&surfaces[1..]).map(other).collect();
+        let others: Vec<_> = scene.objects.iter().zip(surfaces).skip(1).map(other).collect();
         let shown = (scene.exposure, measured, scene.tone, scene.background, scene.shadows);
         // Rust writes numbers so that they are read back exactly.
         let turned = (sequence.motion, sequence.count, first);

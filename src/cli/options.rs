@@ -189,7 +189,7 @@ impl OpticsOptions {
 
     /// Returns `shading` with the material of `scene`, unless the options name another.
     pub fn material_of(&self, scene: &Scene, shading: Shading) -> Shading {
-        Shading { reflectance: self.reflectance(scene.reflectance.as_ref()), ..shading }
+        Shading { reflectance: self.reflectance(scene.main_object().reflectance.as_ref()), ..shading }
     }
 
     /// Returns the relative error that the user accepts.

@@ -215,7 +215,7 @@ fn draw(
     let PictureWork { scene, surfaces, settings, .. } = *work;
     let shading = &settings.optics.shading;
     let reference = settings.optics.method == Method::Reference;
-    let textured = scene.pigment.is_some() || scene.objects.iter().any(|object| object.pigment.is_some());
+    let textured = scene.objects.iter().any(|object| object.pigment.is_some());
     if reference && textured {
         return Err(Error::usage(
             "--method reference knows no pigment texture",
@@ -342,7 +342,8 @@ fn reference_picture(
     };
     // Pixel indices increase, so that a binary search finds them.
     let chosen = |pixel| chosen.as_ref().is_none_or(|chosen| chosen.binary_search(&pixel).is_ok());
-    let colors = std::iter::once(view.base_color).chain(work.scene.objects.iter().map(|o| o.base_color));
+    let colors =
+        std::iter::once(view.base_color).chain(work.scene.objects.iter().skip(1).map(|o| o.base_color));
     let mut objects = Vec::new();
     for (ObjectSurface { field, optics }, base_color) in surfaces.iter().zip(colors) {
         objects.push(ReferenceObject { field: field.as_deref(), shading: &optics.shading, base_color });

@@ -54,22 +54,20 @@ pub fn write_scene(settings: &ViewSettings, scene: &Scene, path: &Path) -> Resul
     let is_option = |[name, _]: &[String; 2]| {
         scene_options::OF_SCENES.contains(&name.as_str()) && !(has_spectrum && name == "film")
     };
-    let written = Scene {
-        surface: settings.surface.name.clone(),
-        pixel_size: settings.surface.pixel_size,
-        full_height: settings.surface.height,
-        prepare: settings.surface.prepare.clone(),
+    let mut written = Scene {
         camera: settings.shown_camera(scene),
         lights: settings.lights.clone(),
         environment: scene.environment.as_ref().map(|own| own.placed(settings.surroundings)),
-        base_color: settings.base_color,
-        reflectance: has_spectrum.then(|| settings.reflectance.clone()),
         exposure: settings.exposure,
         auto_exposure: false,
         tone: settings.tone,
         options: pairs.filter(is_option).collect(),
         ..scene.clone()
     };
+    let object = written.main_object_mut();
+    object.surface = Some(settings.surface.clone());
+    object.base_color = settings.base_color;
+    object.reflectance = has_spectrum.then(|| settings.reflectance.clone());
     let text = written.to_toml(path.parent().unwrap_or(Path::new("")))?;
     output::write_atomically(path, |file| {
         file.write_all(text.as_bytes()).map_err(|e| output::write_failed(path, &e))
@@ -112,7 +110,7 @@ impl Words {
         if settings.tone != scene.tone {
             words.option("tone", settings.tone.name());
         }
-        if settings.base_color != scene.base_color {
+        if settings.base_color != scene.main_object().base_color {
             words.option("base-color", ViewSettings::triple(settings.base_color));
         }
         let camera = &settings.camera;
@@ -126,20 +124,21 @@ impl Words {
     }
 
     fn surface(&mut self, surface: &SurfaceSource, scene: &Scene) {
-        let own = surface.name == scene.surface;
+        let of_scene = scene.main_surface();
+        let own = surface.name == of_scene.name;
         if !own {
             self.option("surface", surface.name.to_string_lossy());
         }
-        if let Some([x, y]) = surface.pixel_size.filter(|p| !own || Some(*p) != scene.pixel_size) {
+        if let Some([x, y]) = surface.pixel_size.filter(|p| !own || Some(*p) != of_scene.pixel_size) {
             self.option("pixel-size", format!("{x}umx{y}um"));
         }
-        if let Some(height) = surface.height.filter(|h| !own || Some(*h) != scene.full_height) {
+        if let Some(height) = surface.height.filter(|h| !own || Some(*h) != of_scene.height) {
             self.option("height", format!("{height}um"));
         }
         if let Some(channel) = &surface.channel {
             self.option("channel", channel);
         }
-        let own_steps: &[PreparationStep] = if own { &scene.prepare } else { &[] };
+        let own_steps: &[PreparationStep] = if own { &of_scene.prepare } else { &[] };
         if surface.prepare != own_steps {
             // Without a step the scene's steps would stay.
             let none = [PreparationStep::Level(Levelling::None)];

@@ -79,7 +79,7 @@ impl View {
             lights,
             environment: None,
             shows_surroundings: false,
-            base_color: scene.base_color,
+            base_color: scene.main_object().base_color,
             pigment: false,
         }
     }

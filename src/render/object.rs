@@ -8,10 +8,9 @@ use super::shading::Shading;
 use super::source::Source;
 use super::target::Geometry;
 use crate::error::Result;
-use crate::scene::{Grooves, Mesh, Scene};
+use crate::scene::{Mesh, Object, Scene};
 use crate::vk::device::Device;
 use glam::Vec3;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Data that an object is drawn from.
@@ -81,35 +80,39 @@ pub struct ObjectTextures {
 }
 
 impl ObjectTextures {
-    /// Reads the textures of all objects of `scene`, the first object first.
+    /// Reads the textures of all objects of `scene`, in their order.
     ///
     /// # Errors
     /// Fails if a picture cannot be read.
     pub fn of(scene: &Scene) -> Result<Vec<Self>> {
-        let first = (&scene.pigment, &scene.grooves);
-        let others = scene.objects.iter().map(|object| (&object.pigment, &object.grooves));
-        let read = |(pigment, grooves): (&Option<PathBuf>, &Grooves)| {
-            let pigment = pigment.as_deref().map(Pigment::read).transpose()?;
-            let grooves = GrooveDirections::of(grooves)?;
+        let read = |object: &Object| {
+            let pigment = object.pigment.as_deref().map(Pigment::read).transpose()?;
+            let grooves = GrooveDirections::of(&object.grooves)?;
             Ok(Self { pigment: pigment.unwrap_or_else(Pigment::white), grooves })
         };
-        std::iter::once(first).chain(others).map(read).collect()
+        scene.objects.iter().map(read).collect()
     }
 }
 
-/// Returns the draw data of the objects of `scene`, with their `textures` and `sources`, the first object first.
+/// Returns the draw data of the objects of `scene`, with their `textures` and `sources`, in their order.
 pub fn objects<'a>(
     scene: &'a Scene,
     textures: &'a [ObjectTextures],
     sources: impl IntoIterator<Item = &'a ObjectSources>,
 ) -> Vec<ObjectData<'a>> {
-    let others = scene.objects.iter().map(|o| (&o.mesh, Some(o.base_color), !o.is_ground));
-    let meshes = std::iter::once((&scene.mesh, None, true)).chain(others);
-    let object = |(((mesh, base_color, casts_shadows), own), sources): ((_, &'a ObjectTextures), _)| {
-        let ObjectTextures { pigment, grooves } = own;
-        ObjectData { mesh, pigment, grooves, base_color, casts_shadows, sources }
+    let objects = scene.objects.iter().enumerate().zip(textures).zip(sources);
+    let data = |(((number, object), textures), sources): ((_, &'a ObjectTextures), _)| {
+        let object: &'a Object = object;
+        ObjectData {
+            mesh: &object.mesh,
+            pigment: &textures.pigment,
+            grooves: &textures.grooves,
+            base_color: (number > 0).then_some(object.base_color),
+            casts_shadows: !object.is_ground,
+            sources,
+        }
     };
-    meshes.zip(textures).zip(sources).map(object).collect()
+    objects.map(data).collect()
 }
 
 /// Object on the device.

@@ -43,7 +43,10 @@ impl PictureSettings {
 
 /// Returns the scene's view under `shading`, with its pigment texture if it has one.
 pub fn own_view(scene: &Scene, shading: &Shading) -> View {
-    View { pigment: scene.pigment.is_some(), ..View::under(scene, &scene.lights, &shading.coherence) }
+    View {
+        pigment: scene.main_object().pigment.is_some(),
+        ..View::under(scene, &scene.lights, &shading.coherence)
+    }
 }
 
 /// Surface of an object and settings of its optics.
@@ -69,9 +72,9 @@ impl ObjectSurface {
     ) -> Result<Vec<Self>> {
         let first = Self { field: Some(field.clone()), optics: optics.clone() };
         let other = |(number, object): (usize, &Object)| {
-            Self::of_object(object, optics, load).map_err(|e| e.at(format!("object {}", number + 1)))
+            Self::of_object(object, optics, load).map_err(|e| e.at(format!("object {number}")))
         };
-        let others = scene.objects.iter().enumerate().map(other).collect::<Result<Vec<_>>>()?;
+        let others = scene.objects.iter().enumerate().skip(1).map(other).collect::<Result<Vec<_>>>()?;
         first.check_heights()?;
         Ok(std::iter::once(first).chain(others).collect())
     }

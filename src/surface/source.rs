@@ -26,16 +26,21 @@ pub struct SurfaceSource {
 }
 
 impl SurfaceSource {
-    /// Returns the built-in surface of `kind` with its default settings.
-    pub fn built_in(kind: SurfaceKind) -> Self {
+    /// Returns the surface called `name`, a built-in one or a file, with default settings.
+    pub fn named(name: &OsStr) -> Self {
         Self {
-            name: kind.name().into(),
+            name: name.to_owned(),
             pixel_size: None,
             height: None,
             channel: None,
             prepare: Vec::new(),
             seed: 1,
         }
+    }
+
+    /// Returns the built-in surface of `kind` with its default settings.
+    pub fn built_in(kind: SurfaceKind) -> Self {
+        Self::named(OsStr::new(kind.name()))
     }
 
     /// Returns the first levelling among the steps.

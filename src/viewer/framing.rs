@@ -63,7 +63,7 @@ mod tests {
                 for (theta, phi) in [(0.3, 0.0), (1.2, 2.0), (2.6, 4.0)] {
                     let away = Camera { target: Vec3::splat(7.0), distance: 0.1, theta, phi, ..scene.camera };
                     let framed = whole(away, &scene.standing(), size);
-                    let reach = reach(&framed, &scene.mesh, size);
+                    let reach = reach(&framed, &scene.main_object().mesh, size);
                     assert!((0.6..=FILLED + 1e-3).contains(&reach), "{name} {size:?}: {reach}");
                     assert_eq!((framed.theta, framed.phi), (theta, phi));
                 }
@@ -76,7 +76,7 @@ mod tests {
         let text = include_str!("../../assets/scenes/objects.toml");
         let scene = Scene::parse(text, std::path::Path::new("")).unwrap();
         let meshes = scene.standing();
-        assert_eq!((meshes.len(), scene.objects.len()), (3, 3));
+        assert_eq!((meshes.len(), scene.objects.len()), (3, 4));
         assert_eq!(of_scene(scene.camera, &meshes, USUAL), scene.camera);
         for size in [[640, 480], [300, 900]] {
             let framed = [whole(scene.camera, &meshes, size), of_scene(scene.camera, &meshes, size)];
@@ -93,10 +93,10 @@ mod tests {
             let scene = Scene::open(name).unwrap();
             let of_size = |size| of_scene(scene.camera, &scene.standing(), size);
             assert_eq!(of_size(USUAL), scene.camera, "{name}");
-            let composed = reach(&scene.camera, &scene.mesh, USUAL) <= 1.0;
+            let composed = reach(&scene.camera, &scene.main_object().mesh, USUAL) <= 1.0;
             let narrow = of_size([300, 900]);
             if composed {
-                let reach = reach(&narrow, &scene.mesh, [300, 900]);
+                let reach = reach(&narrow, &scene.main_object().mesh, [300, 900]);
                 assert!(reach <= FILLED + 1e-3, "{name}: {reach}");
             } else {
                 assert_eq!(narrow, scene.camera, "{name} shows a part");

@@ -657,7 +657,7 @@ mod tests {
         assert_eq!((&now.surface, now.exposure, now.base_color), (&set.surface, 1.5, set.base_color));
         let scene = &model.loaded.scene;
         assert_eq!((&now.lights, now.tone, now.camera), (&scene.lights, scene.tone, scene.camera));
-        assert_eq!(now.reflectance, scene.reflectance.clone().unwrap());
+        assert_eq!(now.reflectance, scene.main_object().reflectance.clone().unwrap());
         // All settings come from the scenes.
         show(&mut model, "plate");
         model.return_to_start();

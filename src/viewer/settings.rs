@@ -86,20 +86,13 @@ impl SceneSettings {
     /// Returns the settings of `scene`.
     pub fn of(scene: &Scene) -> Self {
         Self {
-            surface: SurfaceSource {
-                name: scene.surface.clone(),
-                pixel_size: scene.pixel_size,
-                height: scene.full_height,
-                channel: None,
-                prepare: scene.prepare.clone(),
-                seed: 1,
-            },
-            reflectance: scene.reflectance.clone().unwrap_or_default(),
+            surface: scene.main_surface(),
+            reflectance: scene.main_object().reflectance.clone().unwrap_or_default(),
             lights: scene.lights.clone(),
             surroundings: placement(scene),
             exposure: scene.exposure,
             tone: scene.tone,
-            base_color: scene.base_color,
+            base_color: scene.main_object().base_color,
         }
     }
 
@@ -240,18 +233,13 @@ impl ViewSettings {
 pub(crate) mod tests {
     use super::*;
     use crate::scene::light::LightSpectrum;
+    use crate::surface::synth::SurfaceKind;
 
     /// Returns settings for one window of the plate's surface, and its scene.
     pub(crate) fn settings() -> (ViewSettings, Scene) {
         let scene = Scene::open("plate").unwrap();
-        let surface = SurfaceSource {
-            name: scene.surface.clone(),
-            pixel_size: None,
-            height: None,
-            channel: None,
-            prepare: Vec::new(),
-            seed: 1,
-        };
+        let name = scene.main_surface().name;
+        let surface = SurfaceSource { name, ..SurfaceSource::built_in(SurfaceKind::Flat) };
         let optics = OpticsSettings {
             windows: Windows::ONE,
             basis: Basis::Taylor,
@@ -271,7 +259,7 @@ pub(crate) mod tests {
             surroundings: placement(&scene),
             exposure: scene.exposure,
             tone: scene.tone,
-            base_color: scene.base_color,
+            base_color: scene.main_object().base_color,
             camera: scene.camera,
             samples: 1,
         };
@@ -314,10 +302,7 @@ pub(crate) mod tests {
         assert_eq!(brought, [true; 3]);
         assert_eq!((s.exposure, s.tone, s.base_color), (new.exposure, new.tone, new.base_color));
         s.exposure += 1.0;
-        s.surface = SurfaceSource {
-            height: Some(0.3),
-            ..SurfaceSource::built_in(crate::surface::synth::SurfaceKind::Elaphe)
-        };
+        s.surface = SurfaceSource { height: Some(0.3), ..SurfaceSource::built_in(SurfaceKind::Elaphe) };
         s.base_color = Vec3::splat(0.25);
         let set = s.clone();
         s.change_scene(&new, &old);

@@ -122,7 +122,7 @@ impl Start {
             surroundings: placement(&self.scene),
             exposure: self.scene.exposure,
             tone: self.scene.tone,
-            base_color: self.scene.base_color,
+            base_color: self.scene.main_object().base_color,
             camera: self.scene.camera,
             samples: self.samples,
         }

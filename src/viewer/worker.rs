@@ -233,7 +233,7 @@ impl Preparer {
         let (sources, others) = match &request.picture {
             Some(picture) => {
                 let scene = &picture.loaded.scene;
-                let sources = self.object(&own, &scene.mesh, picture, &mut note, progress)?;
+                let sources = self.object(&own, &scene.main_object().mesh, picture, &mut note, progress)?;
                 (sources, self.others(request, &field, picture, progress)?)
             }
             None => (own.sources(&[], &mut |own| self.source(own, &mut note, progress))?, Vec::new()),
@@ -277,10 +277,10 @@ impl Preparer {
         };
         let surfaces = ObjectSurface::of(scene, field, &request.settings, &mut load);
         known.retain(|(surface, _)| {
-            scene.objects.iter().any(|object| object.surface.as_ref() == Some(surface))
+            scene.objects.iter().skip(1).any(|object| object.surface.as_ref() == Some(surface))
         });
         self.of_objects = known;
-        let others = surfaces?.into_iter().skip(1).zip(&scene.objects);
+        let others = surfaces?.into_iter().zip(&scene.objects).skip(1);
         others
             .map(|(surface, object)| self.object(&surface, &object.mesh, picture, &mut None, progress))
             .collect()

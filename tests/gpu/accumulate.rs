@@ -21,7 +21,8 @@ const SHOWN: Shown = Shown::plain(0.5, DVec3::new(0.1, 0.2, 0.3));
 fn painter(device: &Arc<Device>, scene: &Scene) -> Painter {
     let shading = shading(4.0, 1e-1);
     let layers = layers(&patch(SurfaceKind::Flat, 2.0), &shading);
-    Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap()
+    Painter::new(device, &window(&layers), &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+        .unwrap()
 }
 
 fn view(scene: &Scene) -> View {

@@ -54,10 +54,13 @@ fn many_samples_show_what_many_more_pixels_show() {
     with_device(|device| {
         let fine = SIZE.map(|n| n * FINER);
         let views = std::slice::from_ref(&view);
-        let sizes = footprints::sizes(device, &scene.mesh, views, fine, &Sampling::ONE).unwrap();
+        let sizes =
+            footprints::sizes(device, &scene.main_object().mesh, views, fine, &Sampling::ONE).unwrap();
         let source = source(device, &field, &shading, Method::Table, sizes);
-        let painter =
-            |size| Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), size).unwrap();
+        let painter = |size| {
+            Painter::new(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), size)
+                .unwrap()
+        };
         let exact = painter(fine).paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
         let exact = supersampled(&exact.radiance);
         let mut small = painter(SIZE);
@@ -82,7 +85,7 @@ fn more_samples_have_smaller_footprints_and_average_over_as_much() {
     with_device(|device| {
         let of = |count| {
             let (views, sampling) = (std::slice::from_ref(&view), Sampling { count, seed: 1 });
-            footprints::sizes(device, &scene.mesh, views, SIZE, &sampling).unwrap()
+            footprints::sizes(device, &scene.main_object().mesh, views, SIZE, &sampling).unwrap()
         };
         let [few, many] = [of(16), of(64)];
         assert_eq!(few.longer, many.longer);

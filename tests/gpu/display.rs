@@ -22,8 +22,15 @@ fn the_displayed_picture_is_the_twin_s_within_one_code() {
     let background = DVec3::new(0.1, 0.2, 0.3);
     with_device(|device| {
         let layers = layers(&field, &shading);
-        let mut painter =
-            Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
+        let mut painter = Painter::new(
+            device,
+            &window(&layers),
+            &shading,
+            &scene.main_object().mesh,
+            &Pigment::white(),
+            SIZE,
+        )
+        .unwrap();
         let shows = |exposure, tone| Shown { exposure, tone, background };
         let one = Sampling::ONE.sample(0);
         for (exposure, tone) in

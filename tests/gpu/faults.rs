@@ -51,7 +51,8 @@ fn view(scene: &Scene) -> View {
 }
 
 fn paint(device: &Arc<Device>, source: &Source, shading: &Shading, scene: &Scene) -> Result<Picture> {
-    let mut painter = Painter::new(device, source, shading, &scene.mesh, &Pigment::white(), [16, 12])?;
+    let mut painter =
+        Painter::new(device, source, shading, &scene.main_object().mesh, &Pigment::white(), [16, 12])?;
     painter.paint(&view(scene), 0.0, DVec3::ZERO)
 }
 
@@ -121,7 +122,7 @@ fn a_profile_and_what_a_window_adds_fail_cleanly_at_each_of_their_allocations() 
     let view = view(&scene);
     with_device(|device| {
         let (allocations, samples) = with_each_allocation_failing(device, || {
-            let mesh = &scene.mesh;
+            let mesh = &scene.main_object().mesh;
             let mut painter =
                 Painter::new(device, &window(&layers), &shading, mesh, &Pigment::white(), [16, 12])?;
             let times = profile::measure(&mut painter, &view, 3, 1.0, &|_, _| Ok(()))?;
@@ -161,9 +162,15 @@ fn a_painter_that_could_not_grow_still_paints() {
     let scene = Scene::open("plate").unwrap();
     let view = view(&scene);
     with_device(|device| {
-        let mut painter =
-            Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), [16, 12])
-                .unwrap();
+        let mut painter = Painter::new(
+            device,
+            &window(&layers),
+            &shading,
+            &scene.main_object().mesh,
+            &Pigment::white(),
+            [16, 12],
+        )
+        .unwrap();
         let before = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
         for n in 1.. {
             device.refuse_allocation(n);
@@ -192,8 +199,14 @@ fn a_budget_of_memory_holds() {
     let scene = Scene::open("plate").unwrap();
     paint(&device, &window(&layers), &shading, &scene).unwrap();
     // 4096² pixels of geometry alone take four times as much.
-    let large =
-        Painter::new(&device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), [4096, 4096]);
+    let large = Painter::new(
+        &device,
+        &window(&layers),
+        &shading,
+        &scene.main_object().mesh,
+        &Pigment::white(),
+        [4096, 4096],
+    );
     let error = large.err().expect("more than the budget");
     assert!(error.to_string().contains("no memory for the"), "{error}");
     assert!(error.remedies().contains(&Remedy::SmallerPicture), "{error}");

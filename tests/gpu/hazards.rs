@@ -106,7 +106,7 @@ fn pictures_from_spectra_tables_and_windows_have_all_their_barriers() {
             let view = view(&scene, lights);
             let draw = |source: &_, shading: &Shading| {
                 let white = Pigment::white();
-                let mesh = &scene.mesh;
+                let mesh = &scene.main_object().mesh;
                 let mut painter = Painter::new(device, source, shading, mesh, &white, SIZE).unwrap();
                 // A frame and its read-back, the accumulation of several, and another size.
                 painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
@@ -164,7 +164,8 @@ fn a_picture_before_its_surroundings_and_under_a_lamp_has_all_its_barriers() {
             source(device, &field, &mean(), Method::Table, FootprintSizes { shorter: 1e-2, longer: 1e-2 });
         let events = recorded(device, || {
             let mut painter =
-                Painter::new(device, &source, &mean(), &scene.mesh, &Pigment::white(), SIZE).unwrap();
+                Painter::new(device, &source, &mean(), &scene.main_object().mesh, &Pigment::white(), SIZE)
+                    .unwrap();
             painter.cast_shadows().unwrap();
             painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
             painter.paint_samples(&view, &Sampling { count: 3, seed: 1 }, SHOWN, &mut |_| Ok(())).unwrap();

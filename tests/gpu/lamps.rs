@@ -164,7 +164,8 @@ fn pictures_under_a_lamp_are_those_of_the_reference() {
     with_device(|device| {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
         let new = |source: &Source| {
-            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), [160, 120]).unwrap()
+            Painter::new(device, source, &shading, &scene.main_object().mesh, &Pigment::white(), [160, 120])
+                .unwrap()
         };
         let mut found = new(&probe);
         found.ask_for_footprints().unwrap();
@@ -197,7 +198,8 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
     let shown = Shown { exposure: -1.0, tone: Tone::Neutral, background: DVec3::ZERO };
     with_device(|device| {
         let mut painter =
-            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), size).unwrap();
+            Painter::new(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), size)
+                .unwrap();
         for count in [1, 2, 8] {
             let sampling = Sampling { count, seed: 1 };
             let picture = painter.paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap();

@@ -35,7 +35,8 @@ fn alone_and_together(view: &View, alone: Sampling, together: Sampling) -> [Vec<
         let sizes = FootprintSizes { shorter: 1e-2, longer: 1e-2 };
         let source = source(device, &field, &shading, Method::Table, sizes);
         let mut painter =
-            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
+            Painter::new(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+                .unwrap();
         painter.cast_shadows().unwrap();
         let mut paint = |view: &View, sampling: &Sampling| {
             painter.paint_samples(view, sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance

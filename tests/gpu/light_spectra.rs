@@ -168,7 +168,8 @@ fn a_white_surface_has_the_white_of_the_light() {
             let shading = Shading { reflectance: 1.0.into(), ..shading(illuminant.clone()) };
             let pigment = Pigment::white();
             let mut painter =
-                Painter::new(device, &pigment_alone(), &shading, &scene.mesh, &pigment, SIZE).unwrap();
+                Painter::new(device, &pigment_alone(), &shading, &scene.main_object().mesh, &pigment, SIZE)
+                    .unwrap();
             let lights = vec![Light::point(0.0, 0.0, 2.0)];
             let view = View { base_color: Vec3::ONE, ..View::of(&scene, lights) };
             let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();

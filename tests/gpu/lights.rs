@@ -65,7 +65,8 @@ fn radiance(
 ) -> Vec<DVec3> {
     const SIZE: [u32; 2] = [12, 12];
     let source = source(device, field, shading, Method::Table, FootprintSizes::default());
-    let mut painter = Painter::new(device, &source, shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
+    let mut painter =
+        Painter::new(device, &source, shading, &scene.main_object().mesh, &Pigment::white(), SIZE).unwrap();
     let mean = |sampling: &Sampling| {
         let picture = painter.paint_samples(view, sampling, SHOWN, &mut |_| Ok(())).unwrap();
         let inside = picture.radiance.iter().filter(|p| p[3] == 1.0);
@@ -156,7 +157,7 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
     // What is measured, and a fifth or more on top.
     let cases = [(&in_studio, 0.02, 0.08), (&without_lamp, 0.028, 0.4)];
     with_device(|device| {
-        let (mesh, white) = (&scene.mesh, Pigment::white());
+        let (mesh, white) = (&scene.main_object().mesh, Pigment::white());
         for (view, allowed, least_unmirrored) in cases {
             let (views, lights) = (std::slice::from_ref(view), view.light_count());
             let sizes = footprints::sizes(device, mesh, views, SIZE, &sampling).unwrap();
@@ -339,7 +340,7 @@ fn convex_meshes_cast_no_shadow_on_themselves() {
                         device,
                         &source,
                         &Shading::default(),
-                        &scene.mesh,
+                        &scene.main_object().mesh,
                         &Pigment::white(),
                         [160, 120],
                     )
@@ -398,7 +399,8 @@ fn no_single_sample_at_a_silhouette_outshines_all_others() {
         let sizes = FootprintSizes { shorter: 0.01, longer: 0.03 };
         let source = source(device, &field, &shading, Method::Table, sizes);
         let mut painter =
-            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
+            Painter::new(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+                .unwrap();
         let [few, more, most] = [16, 64, 256].map(|count| {
             let sampling = Sampling { count, seed: 1 };
             painter.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance

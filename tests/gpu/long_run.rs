@@ -39,8 +39,15 @@ fn run(device: &Arc<Device>, frames: usize, looks: usize) -> Vec<Sample> {
     let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
     let scene = Scene::open("plate").unwrap();
     let mut view = View::of(&scene, vec![Light::point(40.0, 0.0, 1.0)]);
-    let mut painter =
-        Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), [16, 12]).unwrap();
+    let mut painter = Painter::new(
+        device,
+        &window(&layers),
+        &shading,
+        &scene.main_object().mesh,
+        &Pigment::white(),
+        [16, 12],
+    )
+    .unwrap();
     let mut samples = Vec::with_capacity(looks + 1);
     for frame in 0..=frames {
         view.lights[0] = Light::point(40.0, (frame % 360) as f64, 1.0);

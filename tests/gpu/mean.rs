@@ -165,7 +165,8 @@ const SIZE: [u32; 2] = [64, 48];
 fn directions(device: &Arc<Device>, scene: &Scene, view: &View) -> Vec<Directions> {
     let source = Source::ClassicalGrating(ClassicalGrating::default());
     let (shading, pigment, lights) = (Shading::default(), Pigment::white(), view.lights.len());
-    let mut painter = Painter::new(device, &source, &shading, &scene.mesh, &pigment, SIZE).unwrap();
+    let mut painter =
+        Painter::new(device, &source, &shading, &scene.main_object().mesh, &pigment, SIZE).unwrap();
     painter.ask_for_footprints().unwrap();
     (0..lights).map(|light| painter.directions(view, light).unwrap()).collect()
 }
@@ -181,7 +182,7 @@ fn a_picture_by_a_table_is_near_the_reference_picture_over_the_same_footprints()
     with_device(|device| {
         let seen = directions(device, &scene, &view);
         let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
-        let mesh = &scene.mesh;
+        let mesh = &scene.main_object().mesh;
         let mut painter = Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
         let mut paint = |view: &View| painter.paint(view, 0.0, DVec3::ZERO).unwrap().radiance;
         let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
@@ -220,7 +221,7 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
     let mut view = View::of(&scene, vec![light]);
     let eye = Vec3::new(-2.42, 1.7, 1.74);
     view.camera = Camera::looking(eye, scene.camera.target, scene.camera.field_of_view).unwrap();
-    let reflectance = scene.reflectance.clone().unwrap();
+    let reflectance = scene.main_object().reflectance.clone().unwrap();
     assert!(reflectance.is_spectral(), "the scene has a material");
     // A mirror is in closed form. Of a patch of few orders a Gaussian so wide is read from the coarsest level, by cubics that hold colours over |w|
     // at one place of (u, v).
@@ -232,7 +233,8 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
             let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
             let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
             let mut painter =
-                Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
+                Painter::new(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+                    .unwrap();
             let found = painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
             let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
             eprintln!("{} under large pixels: {errors:.4?}", kind.name());
@@ -252,7 +254,8 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
     with_device(|device| {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
         let new = |source: &Source| {
-            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap()
+            Painter::new(device, source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+                .unwrap()
         };
         let mut directions = new(&probe);
         directions.ask_for_footprints().unwrap();
@@ -287,7 +290,7 @@ fn a_turntable_does_not_shimmer() {
         let first = directions(device, &scene, &view_of(0));
         let pixels = error::sample(&covered(&first), COMPARED);
         let source = source(device, &field, &shading, Method::Table, sizes_of(&first));
-        let mesh = &scene.mesh;
+        let mesh = &scene.main_object().mesh;
         let mut painter = Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
         let reference = PixelReference::new(&field, &shading, &|_, _| Ok(())).unwrap();
         let mut colors_of = |frame: usize| -> [Vec<DVec3>; 2] {

@@ -162,7 +162,7 @@ fn directions(device: &Arc<Device>, view: &View, grooves: &GrooveDirections) -> 
     let source = Source::ClassicalGrating(ClassicalGrating::default());
     let (sources, pigment) = (ObjectSources::new(source, Shading::default()), Pigment::white());
     let object = ObjectData {
-        mesh: &scene.mesh,
+        mesh: &scene.main_object().mesh,
         pigment: &pigment,
         grooves,
         base_color: None,

@@ -28,7 +28,8 @@ fn paint(
 ) -> (Picture, Vec<Directions>) {
     let layers = layers(field, shading);
     let mut painter =
-        Painter::new(device, &window(&layers), shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
+        Painter::new(device, &window(&layers), shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+            .unwrap();
     let picture = painter.paint(view, 0.0, DVec3::ZERO).unwrap();
     let directions = (0..view.lights.len()).map(|light| painter.directions(view, light).unwrap()).collect();
     (picture, directions)
@@ -80,8 +81,15 @@ fn a_pigment_texture_of_one_colour_is_that_base_colour_under_one_light_and_under
         for lights in [vec![light(10.0)], [10.0, 80.0, 200.0, -60.0].map(light).to_vec()] {
             let plain = View::of(&scene, lights);
             let paint = |pigment: &Pigment, view: &View| {
-                let mut painter =
-                    Painter::new(device, &window(&layers), &shading, &scene.mesh, pigment, SIZE).unwrap();
+                let mut painter = Painter::new(
+                    device,
+                    &window(&layers),
+                    &shading,
+                    &scene.main_object().mesh,
+                    pigment,
+                    SIZE,
+                )
+                .unwrap();
                 painter.paint(view, 0.0, DVec3::ZERO).unwrap().radiance
             };
             let textured = View { pigment: true, ..base(Vec3::ONE, &plain) };

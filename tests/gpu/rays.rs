@@ -49,8 +49,8 @@ impl Case {
         let scene = Scene::open(name).unwrap();
         let lights = lights.iter().map(|text| Light::parse(text).unwrap()).collect();
         let view = View::of(&scene, lights);
-        let grooves = GrooveDirections::of(&scene.grooves).unwrap();
-        Self { name, mesh: scene.mesh, grooves, view, shadows: false }
+        let grooves = GrooveDirections::of(&scene.main_object().grooves).unwrap();
+        Self { name, mesh: scene.main_object().mesh.clone(), grooves, view, shadows: false }
     }
 
     fn object(&self) -> RayObject<'_> {
@@ -345,9 +345,9 @@ fn shading(tolerance: f64) -> Shading {
 /// Painter of the scene, shaded from `source`.
 fn painter_of(device: &Arc<Device>, scene: &Scene, source: &Source, shading: &Shading) -> Painter {
     let sources = ObjectSources::new(source.clone(), shading.clone());
-    let (pigment, grooves) = (Pigment::white(), GrooveDirections::of(&scene.grooves).unwrap());
+    let (pigment, grooves) = (Pigment::white(), GrooveDirections::of(&scene.main_object().grooves).unwrap());
     let object = ObjectData {
-        mesh: &scene.mesh,
+        mesh: &scene.main_object().mesh,
         pigment: &pigment,
         grooves: &grooves,
         base_color: None,
@@ -365,8 +365,12 @@ fn painter_of(device: &Arc<Device>, scene: &Scene, source: &Source, shading: &Sh
 fn error(device: &Arc<Device>, scene: &Scene, kind: SurfaceKind, sampling: Sampling) -> f64 {
     let view = View { base_color: Vec3::ZERO, ..View::of(scene, scene.lights.clone()) };
     let (field, shading) = (patch(kind, 10.0), shading(1e-2));
-    let grooves = GrooveDirections::of(&scene.grooves).unwrap();
-    let rays = RayScene::new(vec![RayObject { mesh: &scene.mesh, grooves: &grooves, casts_shadows: true }]);
+    let grooves = GrooveDirections::of(&scene.main_object().grooves).unwrap();
+    let rays = RayScene::new(vec![RayObject {
+        mesh: &scene.main_object().mesh,
+        grooves: &grooves,
+        casts_shadows: true,
+    }]);
     let settings = RaySettings::new(PICTURE, scene.shadows, &shading);
     let object = ReferenceObject { field: Some(&field), shading: &shading, base_color: view.base_color };
     let samples = ReferenceSamples { sampling: &sampling, size: PICTURE, chosen: &|_| true };

@@ -55,7 +55,7 @@ fn paint(
     let Coherence::Repeats(copies) = shading.coherence else { panic!("{shading:?} has a window") };
     let layers = layers(field, shading);
     let source = grating(&layers, copies, field);
-    let (mesh, lights) = (&scene.mesh, view.lights.len());
+    let (mesh, lights) = (&scene.main_object().mesh, view.lights.len());
     let mut painter = Painter::new(device, &source, shading, mesh, &Pigment::white(), SIZE).unwrap();
     let picture = painter.paint(view, 0.0, DVec3::ZERO).unwrap();
     let directions = (0..lights).map(|light| painter.directions(view, light).unwrap()).collect();
@@ -68,7 +68,7 @@ fn answers_through_repeats_are_the_reference_within_their_tolerance() {
         queries(11, 400).into_iter().map(|query| Query { wavelength: None, ..query }).collect();
     with_device(|device| {
         let scene = Scene::open("plate").unwrap();
-        let mesh = &scene.mesh;
+        let mesh = &scene.main_object().mesh;
         for (copies, other) in [([3, 3], [3, 4]), ([20, 2], [19, 2])] {
             let (field, tolerance) = (patch(SurfaceKind::Blaze, 7.0), 1e-2);
             let exact: Vec<DVec3> = {

@@ -57,7 +57,8 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
     let mut error = 0.0;
     with_device(|device| {
         let new = |source: &Source| {
-            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), size).unwrap()
+            Painter::new(device, source, &shading, &scene.main_object().mesh, &Pigment::white(), size)
+                .unwrap()
         };
         let mut found = new(&Source::ClassicalGrating(ClassicalGrating::default()));
         found.ask_for_footprints().unwrap();
@@ -164,7 +165,8 @@ fn parts_of_a_sum_that_are_drawn_one_by_one_make_the_same_picture() {
     let size = [24, 18];
     with_device(|device| {
         let new = |source: &Source| {
-            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), size).unwrap()
+            Painter::new(device, source, &shading, &scene.main_object().mesh, &Pigment::white(), size)
+                .unwrap()
         };
         let sample = Sampling::ONE.sample(0);
         let mut painter = new(&source);

@@ -34,8 +34,15 @@ fn the_thesis_sum_is_right_where_three_bins_hold_the_window() {
                     Shading { coherence, windows: Windows::ONE, ..Shading::default() }.for_pictures();
                 let layers = Arc::new(thesis::layers(&field, length / 4.0, SHORTEST).unwrap());
                 let source = Source::Thesis(Thesis { layers, half_range: (high - low) / 2.0 });
-                let mut painter =
-                    Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
+                let mut painter = Painter::new(
+                    device,
+                    &source,
+                    &shading,
+                    &scene.main_object().mesh,
+                    &Pigment::white(),
+                    SIZE,
+                )
+                .unwrap();
                 let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
                 let directions = [painter.directions(&view, 0).unwrap()];
                 let exact = reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap();

@@ -26,7 +26,8 @@ const SIZE: [u32; 2] = [96, 72];
 fn painter(device: &Arc<Device>, scene: &Scene, size: [u32; 2]) -> Painter {
     let (field, shading) = (patch(SurfaceKind::Elaphe, 6.0), shading(8.0, 1e-1));
     let layers = layers(&field, &shading);
-    Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), size).unwrap()
+    Painter::new(device, &window(&layers), &shading, &scene.main_object().mesh, &Pigment::white(), size)
+        .unwrap()
 }
 
 fn view(scene: &Scene, intensity: f64) -> View {
@@ -46,7 +47,7 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
     let dense = Shading { reflectance: 2.4.into(), ..before.clone() };
     with_device(|device| {
         let new = |source: &Source, shading: &Shading| {
-            Painter::new(device, source, shading, &scene.mesh, &Pigment::white(), SIZE).unwrap()
+            Painter::new(device, source, shading, &scene.main_object().mesh, &Pigment::white(), SIZE).unwrap()
         };
         let cases = [
             (window(&layers), window(&layers), &lit),
@@ -88,7 +89,8 @@ fn pixels_that_are_compared_with_the_reference_keep_their_light_and_their_footpr
     with_device(|device| {
         let source = crate::mean::source(device, &field, &shading, Method::Table, FootprintSizes::default());
         let mut painter =
-            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
+            Painter::new(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+                .unwrap();
         painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
         let ProbeSamples { radiance, directions } = samples(&mut painter, &view).unwrap();
         let pixels: Vec<usize> = (0..radiance.len()).collect();
@@ -111,7 +113,8 @@ fn a_pixel_that_is_read_alone_is_that_of_the_whole_picture() {
     with_device(|device| {
         let source = crate::mean::source(device, &field, &shading, Method::Table, FootprintSizes::default());
         let mut painter =
-            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
+            Painter::new(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+                .unwrap();
         assert!(painter.pixel(&view, [48, 36]).unwrap().is_none(), "nothing is drawn yet");
         let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
         let lights: Vec<_> = (0..2).map(|light| painter.directions(&view, light).unwrap()).collect();
@@ -150,9 +153,15 @@ fn what_is_left_out_first_while_moving_costs_the_least_error() {
             let sigma = shading.coherence.sigma().unwrap();
             let settings = shading.windowed_settings(sigma, 0.38, device.candidate()).unwrap();
             let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
-            let mut painter =
-                Painter::new(device, &window(&layers), shading, &scene.mesh, &Pigment::white(), SIZE)
-                    .unwrap();
+            let mut painter = Painter::new(
+                device,
+                &window(&layers),
+                shading,
+                &scene.main_object().mesh,
+                &Pigment::white(),
+                SIZE,
+            )
+            .unwrap();
             let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
             let directions = [painter.directions(&view, 0).unwrap()];
             (picture.radiance, window(&layers).cost(shading, &directions))

@@ -79,15 +79,17 @@ impl SurfaceOptions {
                 "give it as an argument or by --surface, not both",
             ));
         }
-        let own = positional.or(self.surface.as_deref());
-        let name = own.or(scene.map(|s| s.surface.as_os_str())).unwrap_or(OsStr::new(fallback));
         // A scene's units and steps belong to the scene's surface.
-        let of_scene = scene.filter(|_| own.is_none());
-        let pixel_size = self.pixel_size.or(of_scene.and_then(|s| s.pixel_size));
-        let height = self.height.or(of_scene.and_then(|s| s.full_height));
-        let steps_of_scene = || of_scene.map(|s| s.prepare.clone()).unwrap_or_default();
-        let prepare = self.preparation.steps().unwrap_or_else(steps_of_scene);
-        let channel = self.channel.clone();
-        Ok(SurfaceSource { name: name.to_owned(), pixel_size, height, channel, prepare, seed: self.seed })
+        let named = positional.or(self.surface.as_deref()).map(SurfaceSource::named);
+        let base = named.or_else(|| scene.map(Scene::main_surface));
+        let base = base.unwrap_or_else(|| SurfaceSource::named(OsStr::new(fallback)));
+        Ok(SurfaceSource {
+            name: base.name,
+            pixel_size: self.pixel_size.or(base.pixel_size),
+            height: self.height.or(base.height),
+            channel: self.channel.clone(),
+            prepare: self.preparation.steps().unwrap_or(base.prepare),
+            seed: self.seed,
+        })
     }
 }

@@ -79,7 +79,7 @@ impl ViewOptions {
             scene.tone = tone;
         }
         if let Some(color) = self.base_color {
-            scene.base_color = color.map(|c| c as f32).into();
+            scene.main_object_mut().base_color = color.map(|c| c as f32).into();
         }
         if let Some(background) = self.background {
             if background == Background::Surroundings && scene.environment.is_none() {

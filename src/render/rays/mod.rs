@@ -18,7 +18,7 @@ use super::light_passes::LightPass;
 use super::object::ObjectTextures;
 use super::shading::Shading;
 use crate::optics::coherence::Windows;
-use crate::scene::{Mesh, Scene};
+use crate::scene::{Mesh, Object, Scene};
 use glam::DVec3;
 use pixel::{RayFrame, SeenPixel};
 use rayon::prelude::*;
@@ -35,15 +35,14 @@ pub struct RayObject<'a> {
     pub casts_shadows: bool,
 }
 
-/// Returns the objects of `scene` with their `textures`, the first object first.
+/// Returns the objects of `scene` with their `textures`.
 pub fn objects<'a>(scene: &'a Scene, textures: &'a [ObjectTextures]) -> Vec<RayObject<'a>> {
-    let casts = std::iter::once(true).chain(scene.objects.iter().map(|object| !object.is_ground));
-    let object = |((mesh, textures), casts_shadows): ((_, &'a ObjectTextures), _)| RayObject {
-        mesh,
+    let object = |(object, textures): (&'a Object, &'a ObjectTextures)| RayObject {
+        mesh: &object.mesh,
         grooves: &textures.grooves,
-        casts_shadows,
+        casts_shadows: !object.is_ground,
     };
-    scene.meshes().zip(textures).zip(casts).map(object).collect()
+    scene.objects.iter().zip(textures).map(object).collect()
 }
 
 /// Settings of the data computed in addition to the directions.

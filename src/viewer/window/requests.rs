@@ -171,7 +171,7 @@ impl ViewerWindow {
             environment: scene.environment.as_ref().map(|e| e.placed(shown.surroundings)),
             camera: shown.shown_camera(scene),
             base_color: shown.base_color,
-            pigment: scene.pigment.is_some(),
+            pigment: scene.main_object().pigment.is_some(),
             ..View::under(scene, lights, &shown.coherence)
         }
     }
