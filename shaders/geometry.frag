@@ -184,7 +184,7 @@ vec3 mirrored_radiance(Face face) {
     }
     // A Gaussian in (u, v) is one of directions, wider by 1/cosine in the plane of incidence.
     float cosine = max(dot(face.mirrored, normalize(world_normal)) * (face.back ? -1.0 : 1.0), 0.1);
-    return radiance_around(face.mirrored, sqrt(face.spread + frame.surroundings.w / cosine));
+    return radiance_toward(face.mirrored, sqrt(face.spread + frame.surroundings.w / cosine));
 }
 
 // Returns the projected direction to the light; in shadow, a direction from below.

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::output;
-use crate::render::picture::Picture;
+use crate::render::renderer::Picture;
 use exr::prelude::{
     Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Text, WritableImage,
 };

@@ -86,8 +86,8 @@ fn candidates(options: &BenchmarkOptions) -> Vec<BenchmarkOptions> {
 
 /// Measures the frames a second of a setting.
 fn frame_rate(scene: &BenchmarkScene, options: &BenchmarkOptions) -> Result<f64> {
-    let mut painter = scene.prepare(options)?.painter;
-    let times = measure(&mut painter, &scene.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
+    let mut renderer = scene.prepare(options)?.renderer;
+    let times = measure(&mut renderer, &scene.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
     Ok(1e3 / times.frame.p50)
 }
 

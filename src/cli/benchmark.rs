@@ -17,10 +17,10 @@ use crate::render::frame::{Shown, View};
 use crate::render::grooves::GrooveDirections;
 use crate::render::light_passes::LightPass;
 use crate::render::object::{ObjectData, ObjectSources};
-use crate::render::picture::{Painter, Picture};
 use crate::render::pigment::Pigment;
 use crate::render::rays::{RayObject, RayScene, RaySettings};
 use crate::render::reference_picture::{PixelReference, covered, displayed};
+use crate::render::renderer::{Picture, Renderer};
 use crate::render::sampling::Sampling;
 use crate::render::shading::Shading;
 use crate::render::source::cost::Cost;
@@ -79,8 +79,8 @@ pub struct BenchmarkScene {
 
 /// Setting, ready to be measured.
 pub struct Benchmark {
-    /// Painter of the frame.
-    pub painter: Painter,
+    /// Renderer of the frame.
+    pub renderer: Renderer,
     /// Optics of the frame.
     pub shading: Shading,
     /// Summary of the source.
@@ -218,9 +218,9 @@ impl BenchmarkScene {
             )?;
         }
         let source = prepare::source(&self.field, &settings, &self.device, &mut InUse::default())?;
-        let (painter, directions) = self.painter(&source, &shading)?;
+        let (renderer, directions) = self.renderer(&source, &shading)?;
         Ok(Benchmark {
-            painter,
+            renderer,
             summary: source.summary(&shading),
             cost: source.cost(&shading, &directions),
             budget: MeasuredBudget::of(&source, &shading),
@@ -229,33 +229,33 @@ impl BenchmarkScene {
         })
     }
 
-    /// Returns a painter of this frame from `source`, and the directions of each pixel, one entry per light.
+    /// Returns a renderer of this frame from `source`, and the directions of each pixel, one entry per light.
     ///
     /// # Errors
     /// A frame that does not fit on the device, directions that `source` cannot shade.
-    pub fn painter(&self, source: &Source, shading: &Shading) -> Result<(Painter, Vec<Directions>)> {
+    pub fn renderer(&self, source: &Source, shading: &Shading) -> Result<(Renderer, Vec<Directions>)> {
         let (mesh, grooves) =
             (&self.scene.main_object().mesh, &GrooveDirections::of(&self.scene.main_object().grooves)?);
         let (pigment, base_color, casts_shadows) = (&Pigment::white(), None, true);
         let sources = &ObjectSources::new(source.clone(), shading.clone());
         let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, sources };
-        let mut painter = Painter::of_objects(&self.device, &[object], self.size)?;
+        let mut renderer = Renderer::new(&self.device, &[object], self.size)?;
         if self.scene.shadows {
-            painter.cast_shadows()?;
+            renderer.cast_shadows()?;
         }
         let directions = (0..self.view.light_count())
-            .map(|light| painter.directions(&self.view, light))
+            .map(|light| renderer.directions(&self.view, light))
             .collect::<Result<Vec<_>>>()?;
         source.check(shading, &directions)?;
-        Ok((painter, directions))
+        Ok((renderer, directions))
     }
 
-    /// Draws the picture of `painter`.
+    /// Draws the picture of `renderer`.
     ///
     /// # Errors
     /// A lost device.
-    pub fn paint(&self, painter: &mut Painter) -> Result<Picture> {
-        self.paint_samples(painter, Sampling::ONE)
+    pub fn paint(&self, renderer: &mut Renderer) -> Result<Picture> {
+        self.paint_samples(renderer, Sampling::ONE)
     }
 
     /// Measures the errors of the picture at `count` random pixels that the device or the reference covers.
@@ -263,7 +263,7 @@ impl BenchmarkScene {
     /// # Errors
     /// A lost device, too little memory for the reference.
     pub fn compare(&self, benchmark: &mut Benchmark, count: usize) -> Result<PictureErrors> {
-        let picture = self.paint(&mut benchmark.painter)?;
+        let picture = self.paint(&mut benchmark.renderer)?;
         let cast = self.cast(&benchmark.shading)?;
         let covered: BTreeSet<usize> =
             [&benchmark.directions, &cast].into_iter().flat_map(|seen| covered(seen)).collect();
@@ -274,7 +274,7 @@ impl BenchmarkScene {
         let one = shown(&picture, &pixels);
         let errors = |found: &[DVec3], exact: &[DVec3]| PixelErrors::of(found, exact, self.scene.exposure);
         let sampling = Sampling { count: MORE_SAMPLES, seed: 0 };
-        let more = shown(&self.paint_samples(&mut benchmark.painter, sampling)?, &pixels);
+        let more = shown(&self.paint_samples(&mut benchmark.renderer, sampling)?, &pixels);
         let mut all = PictureErrors {
             pixels: Some(errors(&one, &colors)),
             whole: Some(errors(&one, &of_rays)),
@@ -302,9 +302,9 @@ impl BenchmarkScene {
         Ok(lights.map(|light| rays.directions(&self.view, &pass(light), &settings)).collect())
     }
 
-    /// Draws the picture of `painter` from all samples of `sampling`, displayed as the scene says.
-    fn paint_samples(&self, painter: &mut Painter, sampling: Sampling) -> Result<Picture> {
-        painter.paint_samples(&self.view, &sampling, Shown::of(&self.scene), &mut |_| Ok(()))
+    /// Draws the picture of `renderer` from all samples of `sampling`, displayed as the scene says.
+    fn paint_samples(&self, renderer: &mut Renderer, sampling: Sampling) -> Result<Picture> {
+        renderer.paint_samples(&self.view, &sampling, Shown::of(&self.scene), &mut |_| Ok(()))
     }
 
     /// Times the frame and measures the errors of its picture; the fields that depend on the setting stay empty.
@@ -313,12 +313,12 @@ impl BenchmarkScene {
     /// A lost device.
     pub fn measure(
         &self,
-        painter: &mut Painter,
+        renderer: &mut Renderer,
         exact: &ReferencePixels,
         limits: TimingLimits,
     ) -> Result<Measurement> {
-        let times = measure(painter, &self.view, limits.frames, limits.seconds, &|_, _| Ok(()))?;
-        let picture = self.paint(painter)?;
+        let times = measure(renderer, &self.view, limits.frames, limits.seconds, &|_, _| Ok(()))?;
+        let picture = self.paint(renderer)?;
         let errors = PixelErrors::of(&shown(&picture, &exact.pixels), &exact.colors, self.scene.exposure);
         Ok(Measurement {
             frame_ms: times.frame.p50,

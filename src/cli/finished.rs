@@ -7,7 +7,7 @@ use crate::memory;
 use crate::picture_file::{self, Notes, PictureFormat};
 use crate::render::frame::View;
 use crate::render::object::ObjectTextures;
-use crate::render::picture::Picture;
+use crate::render::renderer::Picture;
 use crate::render::sequence::Sequence;
 use crate::scene::{Mesh, Object, Scene};
 use crate::setup::ObjectSurface;

@@ -18,11 +18,11 @@ use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::light_passes::LightPass;
 use crate::render::object::ObjectTextures;
-use crate::render::picture::Picture;
 use crate::render::rays::{self, RayScene, RaySettings};
 use crate::render::reference_picture::{
     self, ReferenceObject, ReferenceSamples, displayed_of, reference_mean,
 };
+use crate::render::renderer::Picture;
 use crate::render::sampling::Sampling;
 use crate::render::sequence::Sequence;
 use crate::render::source::{ClassicalGrating, Source};
@@ -244,7 +244,7 @@ fn draw(
         shown.exposure = told_exposure(measured, scene);
         prepared.show(shown);
     }
-    scale::tell(prepared.painter(), &first.view, scene, shading.coherence)?;
+    scale::tell(prepared.renderer(), &first.view, scene, shading.coherence)?;
     let progress = Progress::over(shots.len(), if reference { "pixels" } else { "samples" });
     for (number, shot) in shots.iter().enumerate() {
         let told = |done, of| progress.show(number, done, of);

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::optics::coherence::Coherence;
 use crate::render::footprints::median_pixel_area;
 use crate::render::frame::View;
-use crate::render::picture::Painter;
+use crate::render::renderer::Renderer;
 use crate::scene::Scene;
 
 /// Coherence areas in a pixel below which single areas still show as grain: the standard deviation of the mean of ten independent areas of
@@ -17,12 +17,12 @@ const MICROMETRES_PER_METRE: f64 = 1e6;
 ///
 /// # Errors
 /// A lost device.
-pub fn tell(painter: &mut Painter, view: &View, scene: &Scene, coherence: Coherence) -> Result<()> {
+pub fn tell(renderer: &mut Renderer, view: &View, scene: &Scene, coherence: Coherence) -> Result<()> {
     let Coherence::Gaussian { length } = coherence else { return Ok(()) };
     if quiet() || view.light_count() == 0 {
         return Ok(());
     }
-    let Some(area) = median_pixel_area(painter, view)? else { return Ok(()) };
+    let Some(area) = median_pixel_area(renderer, view)? else { return Ok(()) };
     let micrometres = scene.unit * MICROMETRES_PER_METRE;
     let areas = area * micrometres.powi(2) / length.powi(2);
     detail(&format_args!(

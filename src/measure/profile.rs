@@ -2,8 +2,8 @@
 
 use crate::error::Result;
 use crate::render::frame::View;
-use crate::render::picture::Painter;
-use crate::render::picture::timing::PassTimes;
+use crate::render::renderer::Renderer;
+use crate::render::renderer::timing::PassTimes;
 use glam::DVec3;
 use serde::Serialize;
 use std::time::Instant;
@@ -74,29 +74,29 @@ pub struct Rates {
     pub scattered: f64,
 }
 
-/// Draws `view` `frames` times with `painter`, after some warm-up frames, and measures the times. Stops after `seconds`
+/// Draws `view` `frames` times with `renderer`, after some warm-up frames, and measures the times. Stops after `seconds`
 /// if there are at least three frames. Calls `progress(done, of)` before each frame; an error it returns ends the
 /// measurement.
 ///
 /// # Errors
 /// Fails if the device is lost, or with the error of `progress`.
 pub fn measure(
-    painter: &mut Painter,
+    renderer: &mut Renderer,
     view: &View,
     frames: usize,
     seconds: f64,
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<Times> {
-    let watch = painter.stopwatch()?;
+    let watch = renderer.stopwatch()?;
     let mut series: Vec<PassTimes> = Vec::new();
-    let warm_up = if painter.device().candidate().is_software() { 0.0 } else { RAISING_THE_CLOCK };
+    let warm_up = if renderer.device().candidate().is_software() { 0.0 } else { RAISING_THE_CLOCK };
     let begin = Instant::now();
     let elapsed = || begin.elapsed().as_secs_f64();
     let mut drawn = 0;
     while series.len() < frames && !(series.len() >= FEWEST && elapsed() > warm_up + seconds) {
         progress(series.len(), frames)?;
         let is_warm = drawn >= WARM_UP && elapsed() >= warm_up;
-        let times = painter.time(&watch, view, 0.0, DVec3::ZERO)?;
+        let times = renderer.time(&watch, view, 0.0, DVec3::ZERO)?;
         drawn += 1;
         // A frame that takes a large part of the time is counted even if it is the first.
         if is_warm || times.wall * 1e-3 > seconds / 3.0 {
@@ -120,13 +120,13 @@ pub fn measure(
     })
 }
 
-/// Measures the rates at which the device samples `painter`'s texture, for pictures of `pixels` pixels.
+/// Measures the rates at which the device samples `renderer`'s texture, for pictures of `pixels` pixels.
 ///
 /// # Errors
 /// Fails if the device is lost.
-pub fn rates(painter: &mut Painter, pixels: usize) -> Result<Rates> {
+pub fn rates(renderer: &mut Renderer, pixels: usize) -> Result<Rates> {
     let mut rate = |scattered| {
-        let milliseconds = painter.probe(PROBE_SAMPLES, scattered)?;
+        let milliseconds = renderer.probe(PROBE_SAMPLES, scattered)?;
         Ok(pixels as f64 * f64::from(PROBE_SAMPLES) / (milliseconds * 1e-3))
     };
     Ok(Rates { coherent: rate(false)?, scattered: rate(true)? })

@@ -22,7 +22,7 @@ pub struct Directions {
     /// ω_r per pixel (w: 1 if covered).
     pub view: Vec<[f32; 4]>,
     /// du/dx, dv/dx, du/dy, dv/dy per pixel, as in [`Geometry::footprints`](super::target::Geometry::footprints); zero
-    /// at uncovered pixels. Empty if the painter writes no footprints.
+    /// at uncovered pixels. Empty if the renderer writes no footprints.
     pub footprints: Vec<[f32; 4]>,
     /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
     pub filter: f64,
@@ -65,7 +65,7 @@ impl Directions {
         self.irradiance * self.falloffs.get(i).map_or(1.0, |&falloff| f64::from(falloff))
     }
 
-    /// Returns the covariance of (u, v) that shading averages over at pixel number `i`; zero if the painter was not
+    /// Returns the covariance of (u, v) that shading averages over at pixel number `i`; zero if the renderer was not
     /// asked for footprints.
     pub fn covariance(&self, i: usize) -> Covariance {
         let Some(&footprint) = self.footprints.get(i) else { return Covariance::default() };

@@ -75,7 +75,7 @@ pub(super) fn queries_and_answers(
 
 /// Evaluates queries on the device.
 pub struct Evaluator {
-    asker: Asker,
+    pass: QueryPass,
     source: BoundSource,
 }
 
@@ -86,7 +86,7 @@ impl Evaluator {
     /// Fails if the device is out of memory.
     pub fn new(device: &Arc<Device>, source: &Source, shading: &Shading) -> Result<Self> {
         let source = source.bind(device, shading)?;
-        Ok(Self { asker: Asker::new(device, &source)?, source })
+        Ok(Self { pass: QueryPass::new(device, &source)?, source })
     }
 
     /// Returns f·cos θ_i \[sr⁻¹\] of every query, in order: the value at the wavelength in the first component, or the
@@ -95,7 +95,7 @@ impl Evaluator {
     /// # Errors
     /// Fails if the device is lost, or if a source of colours is asked for a single wavelength.
     pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
-        self.asker.ask(&self.source, queries)
+        self.pass.ask(&self.source, queries)
     }
 
     /// Returns the same of one period of a grating, without the periodic factor.
@@ -103,12 +103,12 @@ impl Evaluator {
     /// # Errors
     /// Fails if the device is lost.
     pub(super) fn of_one_period(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
-        self.asker.submit(&self.source, queries)
+        self.pass.submit(&self.source, queries)
     }
 }
 
 /// Evaluates queries of a source that is owned elsewhere.
-pub struct Asker {
+pub struct QueryPass {
     commands: Commands,
     pipeline: Pipeline,
     descriptors: Descriptors,
@@ -116,7 +116,7 @@ pub struct Asker {
     answers: Buffer,
 }
 
-impl Asker {
+impl QueryPass {
     /// Makes an evaluator of `source`; it must not be used with another source.
     ///
     /// # Errors

@@ -16,7 +16,7 @@ const PARTS: f64 = 10.0;
 /// Returns the exposure \[stops\] that displays the log-average luminance of `radiance` as middle grey (Reinhard et
 /// al., *Photographic Tone Reproduction for Digital Images*, 2002), averaged over the covered pixels that are not
 /// black. The result lies within [`EXPOSURES`], in tenths of a stop. `radiance` is premultiplied as in
-/// [`super::picture::Picture::radiance`]. `None` if no pixel is lit.
+/// [`super::renderer::Picture::radiance`]. `None` if no pixel is lit.
 pub fn automatic(radiance: &[[f32; 4]]) -> Option<f64> {
     let luminances: Vec<f64> = radiance.iter().filter_map(luminance).collect();
     let brightest = luminances.iter().copied().fold(0.0, f64::max);

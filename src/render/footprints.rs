@@ -4,8 +4,9 @@
 use super::directions::Directions;
 use super::frame::View;
 use super::light_passes::LightPass;
-use super::picture::Painter;
+use super::object::{ObjectData, ObjectSources};
 use super::pigment::Pigment;
+use super::renderer::Renderer;
 use super::sampling::Sampling;
 use super::shading::Shading;
 use super::source::{ClassicalGrating, Source};
@@ -88,12 +89,13 @@ pub fn sizes(
     sampling: &Sampling,
 ) -> Result<FootprintSizes> {
     let source = Source::ClassicalGrating(ClassicalGrating::default());
-    let mut painter = Painter::new(device, &source, &Shading::default(), mesh, &Pigment::white(), size)?;
-    painter.ask_for_footprints()?;
+    let (sources, pigment) = (ObjectSources::new(source, Shading::default()), Pigment::white());
+    let mut renderer = Renderer::new(device, &[ObjectData::new(mesh, &pigment, &sources)], size)?;
+    renderer.ask_for_footprints()?;
     views.iter().try_fold(FootprintSizes::default(), |finest, view| {
         let mut of = |sampling: &Sampling| {
             let directions =
-                each_light(view, sampling).into_iter().map(|pass| painter.directions_in(view, &pass));
+                each_light(view, sampling).into_iter().map(|pass| renderer.directions_in(view, &pass));
             Ok(sizes_of(&directions.collect::<Result<Vec<_>>>()?))
         };
         let few = sampling.with_large_footprints();
@@ -125,10 +127,10 @@ pub fn sizes_of(directions: &[Directions]) -> FootprintSizes {
 ///
 /// # Errors
 /// Fails if the device is lost, or if the view has no light.
-pub fn median_pixel_area(painter: &mut Painter, view: &View) -> Result<Option<f64>> {
-    let directions = painter.directions(view, 0)?;
-    let depth = painter.depth()?;
-    let mut areas = pixel_areas(view, painter.target().size(), &depth, &directions.view);
+pub fn median_pixel_area(renderer: &mut Renderer, view: &View) -> Result<Option<f64>> {
+    let directions = renderer.directions(view, 0)?;
+    let depth = renderer.depth()?;
+    let mut areas = pixel_areas(view, renderer.target().size(), &depth, &directions.view);
     areas.sort_by(f64::total_cmp);
     Ok((!areas.is_empty()).then(|| quantile(&areas, 0.5)))
 }

@@ -110,7 +110,7 @@ pub struct FrameSet {
     _repeat: Sampler,
     edge: Sampler,
     nearest: Sampler,
-    around: Sampler,
+    environment_sampler: Sampler,
     surroundings: Option<Arc<Surroundings>>,
 }
 
@@ -148,9 +148,9 @@ impl FrameSet {
         descriptors.buffer(binding::FRAME, &frame);
         descriptors.image(binding::PIGMENT, &image, &repeat);
         descriptors.image(binding::GROOVES, &directions, &repeat);
-        let around = Sampler::equirectangular(device, "sampler of surroundings")?;
+        let environment_sampler = Sampler::equirectangular(device, "sampler of surroundings")?;
         // Every binding needs an image; unused ones are never read.
-        descriptors.image(binding::SURROUNDINGS, &image, &around);
+        descriptors.image(binding::SURROUNDINGS, &image, &environment_sampler);
         let set = Self {
             descriptors,
             frame,
@@ -159,7 +159,7 @@ impl FrameSet {
             _repeat: repeat,
             edge,
             nearest,
-            around,
+            environment_sampler,
             surroundings: None,
         };
         set.read_from(geometry);
@@ -192,7 +192,7 @@ impl FrameSet {
     ///
     /// # Errors
     /// Fails if the device is out of memory.
-    pub fn surround(&mut self, device: &Arc<Device>, environment: &Environment) -> Result<f32> {
+    pub fn bind_environment(&mut self, device: &Arc<Device>, environment: &Environment) -> Result<f32> {
         if let Some(there) = self.surroundings.as_ref().filter(|there| there.show(environment)) {
             return Ok(there.unit);
         }
@@ -213,7 +213,7 @@ impl FrameSet {
     }
 
     fn read_surroundings(&mut self, surroundings: Arc<Surroundings>) {
-        self.descriptors.image(binding::SURROUNDINGS, &surroundings.image, &self.around);
+        self.descriptors.image(binding::SURROUNDINGS, &surroundings.image, &self.environment_sampler);
         self.surroundings = Some(surroundings);
     }
 

@@ -9,6 +9,7 @@ use half::f16;
 use image::ImageFormat;
 use std::f64::consts::TAU;
 use std::path::Path;
+use std::sync::LazyLock;
 
 /// Largest side of a map \[pixels\].
 const MAX_MAP: u32 = 8192;
@@ -42,8 +43,14 @@ pub struct GrooveDirections {
 
 impl GrooveDirections {
     /// Returns directions with x along T.
-    pub fn along() -> Self {
-        Self { layout: Layout::Along, turn: [1.0, 0.0], size: [1, 1], texels: vec![direction(0.0)] }
+    pub fn along() -> &'static Self {
+        static ALONG: LazyLock<GrooveDirections> = LazyLock::new(|| GrooveDirections {
+            layout: Layout::Along,
+            turn: [1.0, 0.0],
+            size: [1, 1],
+            texels: vec![direction(0.0)],
+        });
+        &ALONG
     }
 
     /// Returns the directions that `grooves` describes.
@@ -52,12 +59,12 @@ impl GrooveDirections {
     /// Fails if a map cannot be read.
     pub fn of(grooves: &Grooves) -> Result<Self> {
         match grooves {
-            Grooves::Along => Ok(Self::along()),
+            Grooves::Along => Ok(Self::along().clone()),
             Grooves::Turned(angle) => {
                 let (sin, cos) = angle.to_radians().sin_cos();
-                Ok(Self { layout: Layout::Turned, turn: [cos as f32, sin as f32], ..Self::along() })
+                Ok(Self { layout: Layout::Turned, turn: [cos as f32, sin as f32], ..Self::along().clone() })
             }
-            Grooves::Radial => Ok(Self { layout: Layout::Radial, ..Self::along() }),
+            Grooves::Radial => Ok(Self { layout: Layout::Radial, ..Self::along().clone() }),
             Grooves::Map(file) => Self::read(file),
         }
     }
@@ -94,7 +101,7 @@ impl GrooveDirections {
         let white = f64::from(u16::MAX);
         let texels = picture.pixels().map(|grey| direction(TAU * f64::from(grey.0[0]) / white)).collect();
         let size = [picture.width(), picture.height()];
-        Ok(Self { layout: Layout::Mapped, size, texels, ..Self::along() })
+        Ok(Self { layout: Layout::Mapped, size, texels, ..Self::along().clone() })
     }
 }
 
@@ -119,8 +126,12 @@ mod tests {
     #[test]
     fn a_map_is_read_from_the_top_between_texels_and_repeats() {
         let texels = [0.0, 90.0, 180.0, 270.0].map(|angle: f64| direction(angle.to_radians())).to_vec();
-        let map =
-            GrooveDirections { layout: Layout::Mapped, size: [2, 2], texels, ..GrooveDirections::along() };
+        let map = GrooveDirections {
+            layout: Layout::Mapped,
+            size: [2, 2],
+            texels,
+            ..GrooveDirections::along().clone()
+        };
         let near = |uv: [f64; 2], angle: f64| {
             let found = map.turn_at(uv.into());
             assert!((found - DVec2::from_angle(angle.to_radians())).length() < 1e-3, "{uv:?}: {found}");

@@ -30,6 +30,14 @@ pub struct ObjectData<'a> {
     pub sources: &'a ObjectSources,
 }
 
+impl<'a> ObjectData<'a> {
+    /// Returns the data of an object whose patch lies along the mesh, and whose pigment has the albedo of the view.
+    pub fn new(mesh: &'a Mesh, pigment: &'a Pigment, sources: &'a ObjectSources) -> Self {
+        let grooves = GrooveDirections::along();
+        Self { mesh, pigment, grooves, base_color: None, casts_shadows: true, sources }
+    }
+}
+
 /// Source of an object under one illuminant, that of `shading`.
 #[derive(Clone)]
 pub struct ObjectSource {

@@ -22,7 +22,7 @@ use crate::surface::HeightField;
 use glam::{DVec3, DVec4, Vec3};
 use std::f64::consts::PI;
 
-/// Shades `directions` (one entry per light of `view`) in f64. Returns RGBA as [`super::picture::Picture::radiance`]. A
+/// Shades `directions` (one entry per light of `view`) in f64. Returns RGBA as [`super::renderer::Picture::radiance`]. A
 /// pigment texture is ignored.
 ///
 /// # Errors
@@ -308,7 +308,7 @@ impl ReferenceSamples<'_> {
     }
 }
 
-/// Returns the mean of samples of `objects`, shaded in f64, as RGBA like [`super::picture::Picture::radiance`].
+/// Returns the mean of samples of `objects`, shaded in f64, as RGBA like [`super::renderer::Picture::radiance`].
 /// `directions` returns the directions of a pass. The mean over windows is averaged over the footprint of each sample.
 ///
 /// # Errors

@@ -67,7 +67,7 @@ pub struct Scene {
     pub files: Vec<PathBuf>,
     /// Bounding sphere of everything but the ground, if there are several objects. It is stored because each frame needs it and meshes may
     /// have many vertices.
-    pub around: Bounds,
+    pub standing_bounds: Bounds,
 }
 
 impl EnvironmentDocument {
@@ -203,11 +203,11 @@ impl Scene {
         let environment_file = file.environment.as_ref().filter(|e| !environment::is_built_in(&e.name));
         let environment_file = environment_file.map(|e| folder.join(&e.name));
         let spectra = lights.iter().filter_map(|light| light.spectrum.as_ref()?.file());
-        let (objects, around) = objects(file.main_object(), file.objects, ground, folder, progress)?;
+        let (objects, standing_bounds) = objects(file.main_object(), file.objects, ground, folder, progress)?;
         Ok(Self {
             files: objects.iter().flat_map(Object::files).chain(environment_file).chain(spectra).collect(),
             objects,
-            around,
+            standing_bounds,
             options: scene_options::words(file.options, folder)?,
             camera: Camera::looking(file.camera.eye.0.into(), file.camera.target.0.into(), field_of_view)?,
             lights,
@@ -247,7 +247,7 @@ impl Scene {
 
     /// Returns the bounding sphere of everything but the ground.
     pub fn bounds(&self) -> Bounds {
-        if let [only] = self.objects.as_slice() { only.mesh.bounds() } else { self.around }
+        if let [only] = self.objects.as_slice() { only.mesh.bounds() } else { self.standing_bounds }
     }
 
     /// Returns the meshes of all objects.
@@ -286,14 +286,14 @@ fn objects(
         objects.push(object.open(folder, progress).map_err(|e| e.at(format!("object {}", i + 1)))?);
     }
     let meshes: Vec<&Mesh> = objects.iter().map(|object| &object.mesh).collect();
-    let around = Bounds::around(&meshes);
+    let bounds = Bounds::around(&meshes);
     if let Some(color) = ground {
         let lowest =
             |mesh: &Mesh| mesh.vertices().iter().map(|v| v.position[2]).fold(f32::INFINITY, f32::min);
         let z = meshes.into_iter().map(lowest).fold(f32::INFINITY, f32::min);
-        objects.push(Object::ground(color.into(), around, z)?);
+        objects.push(Object::ground(color.into(), bounds, z)?);
     }
-    Ok((objects, around))
+    Ok((objects, bounds))
 }
 
 /// Returns the remedy for an error of the TOML parser: for an unknown key, the known key that resembles it.

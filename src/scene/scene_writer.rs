@@ -265,7 +265,7 @@ mod tests {
         ];
         let several = read(&several.join("\n"), folder.path());
         scene.objects.extend(several.objects.into_iter().skip(1));
-        scene.around = several.around;
+        scene.standing_bounds = several.standing_bounds;
         scene.main_object_mut().grooves = Grooves::Turned(12.5);
         for step in 0..40u16 {
             let x = f32::from(step);

@@ -7,7 +7,7 @@ use crate::render::exposure;
 use crate::render::footprints;
 use crate::render::frame::{Shown, View};
 use crate::render::object::{ObjectSource, ObjectSources, ObjectTextures, objects};
-use crate::render::picture::{Painter, Picture};
+use crate::render::renderer::{Picture, Renderer};
 use crate::render::sampling::Sampling;
 use crate::render::shading::Shading;
 use crate::render::source::Source;
@@ -154,7 +154,7 @@ pub struct PreparedScene<'a> {
     settings: &'a PictureSettings,
     shown: Shown,
     source: Source,
-    painter: Painter,
+    renderer: Renderer,
 }
 
 impl<'a> PreparedScene<'a> {
@@ -179,12 +179,12 @@ impl<'a> PreparedScene<'a> {
             sources.push(seen.sources(views, &mut make).map_err(named)?);
         }
         let objects = objects(scene, &textures, &sources);
-        let mut painter = Painter::of_objects(device, &objects, size)?;
+        let mut renderer = Renderer::new(device, &objects, size)?;
         if scene.shadows {
-            painter.cast_shadows()?;
+            renderer.cast_shadows()?;
         }
         let source = sources.swap_remove(0).own.source;
-        Ok(Self { settings, shown: Shown::of(scene), source, painter })
+        Ok(Self { settings, shown: Shown::of(scene), source, renderer })
     }
 
     /// Checks that a picture of `view` is within the limits of the source.
@@ -197,7 +197,7 @@ impl<'a> PreparedScene<'a> {
             return Ok(());
         }
         let lights = 0..view.light_count();
-        let seen = lights.map(|light| self.painter.directions(view, light)).collect::<Result<Vec<_>>>()?;
+        let seen = lights.map(|light| self.renderer.directions(view, light)).collect::<Result<Vec<_>>>()?;
         self.source.check(shading, &seen)
     }
 
@@ -207,7 +207,7 @@ impl<'a> PreparedScene<'a> {
     /// # Errors
     /// Fails if the device is lost or out of memory, or with the error of `progress`.
     pub fn draw(&mut self, view: &View, progress: &mut dyn FnMut(u32) -> Result<()>) -> Result<Picture> {
-        self.painter.paint_samples(view, &self.settings.sampling, self.shown, progress)
+        self.renderer.paint_samples(view, &self.settings.sampling, self.shown, progress)
     }
 
     /// Sets the display settings of the following pictures, in place of the scene's.
@@ -221,13 +221,13 @@ impl<'a> PreparedScene<'a> {
     /// # Errors
     /// Fails if the device is lost.
     pub fn meter(&mut self, view: &View) -> Result<Option<f64>> {
-        self.painter.draw_sample(view, &Sampling::ONE.sample(0), self.shown)?;
-        Ok(exposure::automatic(&self.painter.picture()?.radiance))
+        self.renderer.draw_sample(view, &Sampling::ONE.sample(0), self.shown)?;
+        Ok(exposure::automatic(&self.renderer.picture()?.radiance))
     }
 
-    /// Returns the painter.
-    pub fn painter(&mut self) -> &mut Painter {
-        &mut self.painter
+    /// Returns the renderer.
+    pub fn renderer(&mut self) -> &mut Renderer {
+        &mut self.renderer
     }
 }
 

@@ -7,7 +7,7 @@ use crate::measure::error::{PixelErrors, flip_map};
 use crate::optics::color::DISPLAY_BLACK;
 use crate::optics::color_difference::{ciede2000, lab};
 use crate::render::frame::Shown;
-use crate::render::picture::Picture;
+use crate::render::renderer::Picture;
 use glam::DVec3;
 use rayon::prelude::*;
 

@@ -5,8 +5,8 @@ use crate::error::{Error, Result};
 use crate::measure::error::{PixelErrors, sample};
 use crate::render::directions::Directions;
 use crate::render::frame::View;
-use crate::render::picture::Painter;
 use crate::render::reference_picture::{covered, reference_pixels};
+use crate::render::renderer::Renderer;
 use glam::DVec3;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -29,8 +29,8 @@ pub struct ProbeSamples {
 ///
 /// # Errors
 /// Fails if the device is lost.
-pub fn directions(painter: &mut Painter, view: &View) -> Result<Vec<Directions>> {
-    (0..view.light_count()).map(|light| painter.directions(view, light)).collect()
+pub fn directions(renderer: &mut Renderer, view: &View) -> Result<Vec<Directions>> {
+    (0..view.light_count()).map(|light| renderer.directions(view, light)).collect()
 }
 
 /// Returns a subset of the pixels, evenly spaced, that suffices to estimate the cost of a picture.
@@ -44,13 +44,13 @@ pub fn thinned(directions: &[Directions], pixels: usize) -> Vec<Directions> {
     directions.iter().map(of_light).collect()
 }
 
-/// Returns random pixels of the first object in the last picture of `view` drawn by `painter`.
+/// Returns random pixels of the first object in the last picture of `view` drawn by `renderer`.
 ///
 /// # Errors
 /// Fails if the device is lost.
-pub fn samples(painter: &mut Painter, view: &View) -> Result<ProbeSamples> {
-    let radiance = painter.picture()?.radiance;
-    let directions = directions(painter, view)?;
+pub fn samples(renderer: &mut Renderer, view: &View) -> Result<ProbeSamples> {
+    let radiance = renderer.picture()?.radiance;
+    let directions = directions(renderer, view)?;
     let mut pixels = covered(&directions);
     // The settings apply to the first object alone.
     pixels.retain(|&pixel| directions.iter().all(|seen| seen.object(pixel) == 0));

@@ -110,7 +110,7 @@ pub struct RenderedFrame {
     pub gpu_ms: f64,
     /// Elapsed time \[ms\].
     pub wall_ms: f64,
-    /// True for the first frame of its painter, which includes one-off work of the driver.
+    /// True for the first frame of its renderer, which includes one-off work of the driver.
     pub first: bool,
     /// Motion of the scene.
     pub pace: Pace,

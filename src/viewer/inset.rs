@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::optics::color;
 use crate::optics::geometry::{Pair, direction};
 use crate::render::evaluator::Query;
-use crate::render::picture::Painter;
+use crate::render::renderer::Renderer;
 use crate::scene::FarLight;
 use glam::DVec3;
 
@@ -46,19 +46,19 @@ fn view(index: usize, side: usize) -> Option<DVec3> {
     (z > 0.0).then(|| DVec3::new(x, y, z.sqrt()))
 }
 
-/// Evaluates the BRDF for the light of `request` with the source of `painter`. The 97th percentile of brightness is
+/// Evaluates the BRDF for the light of `request` with the source of `renderer`. The 97th percentile of brightness is
 /// displayed as white.
 ///
 /// # Errors
 /// Fails if the device is lost.
-pub fn hemisphere(painter: &mut Painter, request: InsetRequest) -> Result<Inset> {
+pub fn hemisphere(renderer: &mut Renderer, request: InsetRequest) -> Result<Inset> {
     let (light, side) = (request.light, request.side());
     let toward = direction(light.theta.min(89.9), light.phi);
     let views: Vec<Option<DVec3>> = (0..side * side).map(|index| view(index, side)).collect();
     let query = |&view: &DVec3| Query { pair: Pair::new(toward, view), wavelength: None };
     let queries: Vec<Query> = views.iter().flatten().map(query).collect();
     let rgb: Vec<DVec3> =
-        painter.cosine_weighted(&queries)?.into_iter().map(color::xyz_to_linear_srgb).collect();
+        renderer.cosine_weighted(&queries)?.into_iter().map(color::xyz_to_linear_srgb).collect();
     let mut brightness: Vec<f64> = rgb.iter().map(|c| c.max_element()).collect();
     brightness.sort_by(f64::total_cmp);
     let white = brightness.get(brightness.len() * 97 / 100).copied().unwrap_or(1.0).max(1e-12);

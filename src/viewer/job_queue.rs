@@ -6,7 +6,7 @@ use super::frame::{FrameRequest, RenderedFrame};
 use super::inspector::reading::Reading;
 use super::quality::{Detail, Quality};
 use crate::error::{Error, Result};
-use crate::render::picture::Picture;
+use crate::render::renderer::Picture;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 

@@ -17,6 +17,7 @@ mod file_pane;
 mod files;
 mod folder;
 mod frame;
+mod frame_renderer;
 mod framing;
 mod graph;
 #[allow(unsafe_code, reason = "hands Vulkan objects to the panel's renderer")]
@@ -38,7 +39,6 @@ mod prepared;
 mod presenter;
 mod quality;
 mod render_thread;
-mod renderer;
 mod save;
 mod settings;
 mod start;

@@ -3,7 +3,7 @@
 use super::atlas::FrameResources;
 use super::gui::{Gui, PaintJobs};
 use crate::error::Result;
-use crate::render::window::{PicturePlace, WindowPass, WindowPictures};
+use crate::render::window_pass::{PicturePlace, WindowPass, WindowPictures};
 use crate::vk::access::Access;
 use crate::vk::commands::Commands;
 use crate::vk::device::Device;

@@ -78,7 +78,7 @@ impl fmt::Display for Quality {
 #[derive(Clone, Copy, Debug)]
 struct Time {
     milliseconds: f64,
-    // True if measured with another setting, or on the first frame of a painter, which includes one-off work of the
+    // True if measured with another setting, or on the first frame of a renderer, which includes one-off work of the
     // driver. The next measurement replaces the time instead of being averaged with it.
     provisional: bool,
 }
@@ -113,7 +113,7 @@ impl QualityControl {
         self.times.iter_mut().flatten().flatten().for_each(|time| time.provisional = true);
     }
 
-    /// Records a frame of `quality` that took `milliseconds`; `first` if it was the first of its painter.
+    /// Records a frame of `quality` that took `milliseconds`; `first` if it was the first of its renderer.
     pub fn record(&mut self, quality: Quality, milliseconds: f64, first: bool) {
         /// Weight of the newest frame in the exponential mean; limits the effect of a single slow frame.
         const NEWEST: f64 = 0.4;

@@ -1,8 +1,8 @@
-//! Thread that draws the scene, with the same painters as `diffract render`.
+//! Thread that draws the scene, with the same renderers as `diffract render`.
 
 use super::frame::FrameRequest;
+use super::frame_renderer::FrameRenderer;
 use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply};
-use super::renderer::Renderer;
 use crate::error::{Error, Result};
 use crate::vk::device::Device;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ impl RenderThread {
     pub fn new(device: &Arc<Device>, reply: impl Fn(RenderReply) + Send + 'static) -> Result<Self> {
         let queue = Arc::<JobQueue>::default();
         let (tasks, device) = (queue.clone(), device.clone());
-        let work = move || Renderer::new(device).run(&tasks, &reply);
+        let work = move || FrameRenderer::new(device).run(&tasks, &reply);
         let thread = std::thread::Builder::new().name("pictures".to_owned()).spawn(work).map_err(|e| {
             Error::failed(format!("the system refuses a thread ({e})"), "close other programs")
         })?;

@@ -22,7 +22,7 @@ use super::worker::Worker;
 use super::{layout, style};
 use crate::error::{Error, Remedy, Result};
 use crate::render::frame::View;
-use crate::render::window::PicturePlace;
+use crate::render::window_pass::PicturePlace;
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;

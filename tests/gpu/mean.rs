@@ -18,7 +18,6 @@ use diffract::render::evaluator::Evaluator;
 use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
 use diffract::render::light_passes::LightPass;
-use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{
     PixelReference, ReferenceObject, ReferenceSamples, covered, reference_mean, reference_picture,
@@ -165,10 +164,10 @@ const SIZE: [u32; 2] = [64, 48];
 fn directions(device: &Arc<Device>, scene: &Scene, view: &View) -> Vec<Directions> {
     let source = Source::ClassicalGrating(ClassicalGrating::default());
     let (shading, pigment, lights) = (Shading::default(), Pigment::white(), view.lights.len());
-    let mut painter =
-        Painter::new(device, &source, &shading, &scene.main_object().mesh, &pigment, SIZE).unwrap();
-    painter.ask_for_footprints().unwrap();
-    (0..lights).map(|light| painter.directions(view, light).unwrap()).collect()
+    let mut renderer =
+        crate::renderer(device, &source, &shading, &scene.main_object().mesh, &pigment, SIZE).unwrap();
+    renderer.ask_for_footprints().unwrap();
+    (0..lights).map(|light| renderer.directions(view, light).unwrap()).collect()
 }
 
 #[test]
@@ -183,8 +182,8 @@ fn a_picture_by_a_table_is_near_the_reference_picture_over_the_same_footprints()
         let seen = directions(device, &scene, &view);
         let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
         let mesh = &scene.main_object().mesh;
-        let mut painter = Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
-        let mut paint = |view: &View| painter.paint(view, 0.0, DVec3::ZERO).unwrap().radiance;
+        let mut renderer = crate::renderer(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
+        let mut paint = |view: &View| renderer.paint(view, 0.0, DVec3::ZERO).unwrap().radiance;
         let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
         let errors = |found: &[[f32; 4]]| [0, 1, 2].map(|c| channel(found, &exact, c));
         let found = errors(&paint(&view));
@@ -232,10 +231,16 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
             let seen = directions(device, &scene, &view);
             let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
             let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
-            let mut painter =
-                Painter::new(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
-                    .unwrap();
-            let found = painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
+            let mut renderer = crate::renderer(
+                device,
+                &source,
+                &shading,
+                &scene.main_object().mesh,
+                &Pigment::white(),
+                SIZE,
+            )
+            .unwrap();
+            let found = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
             let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
             eprintln!("{} under large pixels: {errors:.4?}", kind.name());
             assert!(errors.iter().all(|&e| e <= allowed), "{errors:?}");
@@ -254,7 +259,7 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
     with_device(|device| {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
         let new = |source: &Source| {
-            Painter::new(device, source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+            crate::renderer(device, source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
                 .unwrap()
         };
         let mut directions = new(&probe);
@@ -291,11 +296,11 @@ fn a_turntable_does_not_shimmer() {
         let pixels = error::sample(&covered(&first), COMPARED);
         let source = source(device, &field, &shading, Method::Table, sizes_of(&first));
         let mesh = &scene.main_object().mesh;
-        let mut painter = Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
+        let mut renderer = crate::renderer(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
         let reference = PixelReference::new(&field, &shading, &|_, _| Ok(())).unwrap();
         let mut colors_of = |frame: usize| -> [Vec<DVec3>; 2] {
             let view = view_of(frame);
-            let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
+            let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
             let found = pixels.iter().map(|&i| Vec4::from(picture[i]).truncate().as_dvec3()).collect();
             let seen = directions(device, &scene, &view);
             [found, reference.colors(&view, &seen, &pixels, &|_, _| Ok(())).unwrap()]

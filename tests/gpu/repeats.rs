@@ -11,9 +11,9 @@ use diffract::optics::spectrum::Illuminant;
 use diffract::render::directions::Directions;
 use diffract::render::evaluator::Query;
 use diffract::render::frame::View;
-use diffract::render::picture::{Painter, Picture};
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
+use diffract::render::renderer::Picture;
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
 use diffract::spectra::amplitude::{LayerSettings, Layers, compute};
@@ -56,9 +56,9 @@ fn paint(
     let layers = layers(field, shading);
     let source = grating(&layers, copies, field);
     let (mesh, lights) = (&scene.main_object().mesh, view.lights.len());
-    let mut painter = Painter::new(device, &source, shading, mesh, &Pigment::white(), SIZE).unwrap();
-    let picture = painter.paint(view, 0.0, DVec3::ZERO).unwrap();
-    let directions = (0..lights).map(|light| painter.directions(view, light).unwrap()).collect();
+    let mut renderer = crate::renderer(device, &source, shading, mesh, &Pigment::white(), SIZE).unwrap();
+    let picture = renderer.paint(view, 0.0, DVec3::ZERO).unwrap();
+    let directions = (0..lights).map(|light| renderer.directions(view, light).unwrap()).collect();
     (picture, directions)
 }
 
@@ -80,11 +80,11 @@ fn answers_through_repeats_are_the_reference_within_their_tolerance() {
                 let shading = shading(copies, tolerance);
                 let layers = layers(&field, &shading);
                 let source = grating(&layers, copies, &field);
-                let mut painter =
-                    Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
+                let mut renderer =
+                    crate::renderer(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
                 let single = Query { wavelength: Some(0.5), ..queries[0] };
-                assert!(painter.cosine_weighted(&[single]).is_err(), "wavelengths are chosen by the shader");
-                painter.cosine_weighted(&queries).unwrap()
+                assert!(renderer.cosine_weighted(&[single]).is_err(), "wavelengths are chosen by the shader");
+                renderer.cosine_weighted(&queries).unwrap()
             };
             let error = |copies| {
                 let found = answers(copies);

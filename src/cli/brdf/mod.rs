@@ -11,7 +11,7 @@ use crate::figure::FigureFormat;
 use crate::files::Files;
 use crate::optics::color;
 use crate::picture_file;
-use crate::render::picture::Picture;
+use crate::render::renderer::Picture;
 use crate::scene::FarLight;
 use crate::surface::HeightField;
 use crate::units;

@@ -94,9 +94,9 @@ fn profile(
         Ok(())
     };
     let frames = arguments.frames as usize;
-    let times = measure(&mut benchmark.painter, &scene.view, frames, f64::INFINITY, &progress)?;
+    let times = measure(&mut benchmark.renderer, &scene.view, frames, f64::INFINITY, &progress)?;
     bar.finish_and_clear();
-    let rates = rates(&mut benchmark.painter, scene.pixels())?;
+    let rates = rates(&mut benchmark.renderer, scene.pixels())?;
     let errors = match arguments.error {
         Some(count) => scene.compare(&mut benchmark, count)?,
         None => PictureErrors::default(),

@@ -6,9 +6,9 @@ use crate::figure::{Axis, AxisScale, ColorMap, ColorScale, Figure, Mark, Panel, 
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::optics::validity::ScalarTheory;
 use crate::surface::prepare;
-use crate::surface::statistics::picture::{self, PlotGrid, histogram};
+use crate::surface::statistics::height_spectrum::{SurfaceSpectrum, analysed_part};
+use crate::surface::statistics::plot_grid::{self, PlotGrid, histogram};
 use crate::surface::statistics::slopes::gradients;
-use crate::surface::statistics::spectrum::{SurfaceSpectrum, analysed_part};
 use crate::surface::{HeightField, Statistics, SurfaceSource};
 
 /// The longest side of a picture in the page \[pixels\]; a finer one is not visible.
@@ -101,7 +101,7 @@ fn heights(field: &HeightField, statistics: &Statistics) -> Panel {
 
 /// Draws the power spectrum over both halves, with the circles of the orders that light from straight above sends to the horizon.
 fn power(spectrum: &SurfaceSpectrum) -> Panel {
-    let side = picture::side_of_power(spectrum, SHORTEST);
+    let side = plot_grid::side_of_power(spectrum, SHORTEST);
     let grid = PlotGrid::of_power(spectrum, side, MOST_PIXELS);
     /// Decades below the peak that are shown.
     const DECADES: f64 = 7.0;

@@ -164,7 +164,7 @@ impl<'a> TradeSweep<'a> {
         let options = setting(self.arguments, flags)?;
         let mut benchmark = self.scene.prepare(&options)?;
         let exact = self.references.of(&self.scene, &benchmark.shading, &benchmark.directions)?;
-        let measured = self.scene.measure(&mut benchmark.painter, exact, LIMITS)?;
+        let measured = self.scene.measure(&mut benchmark.renderer, exact, LIMITS)?;
         let (summary, cost) = (benchmark.summary, benchmark.cost);
         let series = match summary.method {
             "spectral" => format!("spectral, {}", options.optics.basis_of_pictures().name()),

@@ -8,7 +8,7 @@
 
 mod pixel;
 mod reflection;
-mod surface;
+mod surface_place;
 mod triangles;
 
 use super::directions::Directions;

@@ -1,7 +1,7 @@
 //! Ray of one pixel: its hit and the directions there.
 
 use super::reflection::Reflection;
-use super::surface::SurfacePlace;
+use super::surface_place::SurfacePlace;
 use super::triangles::{Ray, Triangle};
 use super::{RayObject, RayScene, RaySettings};
 use crate::render::frame::View;

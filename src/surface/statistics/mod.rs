@@ -3,14 +3,14 @@
 //! Nothing is levelled or filtered first: prepare the field, then measure it. Only spectra are taken of the heights less their plane, under
 //! a Hann window.
 
+pub mod height_spectrum;
 mod heights;
 mod line_periods;
 mod notes;
 pub mod periods;
-pub mod picture;
+pub mod plot_grid;
 mod relief;
 pub mod slopes;
-pub mod spectrum;
 mod texture;
 
 pub use heights::{HeightParameters, deviation, mean};
@@ -26,8 +26,8 @@ use super::HeightField;
 use super::si::{metres, metres_of_both, metres_of_some, per_metre_of_both};
 use super::tiling::{Tiling, tiles};
 use crate::error::Result;
+use height_spectrum::SurfaceSpectrum;
 use serde::Serialize;
-use spectrum::SurfaceSpectrum;
 
 /// Statistics of `surface info`. Serialised, lengths are metres and angles degrees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -67,7 +67,7 @@ impl Statistics {
     /// Too little memory for the spectrum.
     pub fn of(field: &HeightField) -> Result<Self> {
         let [dx, dy] = field.pixel_size();
-        let part = spectrum::analysed_part(field);
+        let part = height_spectrum::analysed_part(field);
         let power = SurfaceSpectrum::windowed(&part)?;
         Ok(Self {
             patch: field.patch_size(),

@@ -1,6 +1,6 @@
 //! The periods that stand out of the power spectrum of a field, with their directions and their uncertainty.
 
-use super::spectrum::SurfaceSpectrum;
+use super::height_spectrum::SurfaceSpectrum;
 use crate::error::Result;
 use crate::surface::HeightField;
 use crate::surface::si::{metres, metres_of_option};
@@ -79,7 +79,7 @@ pub fn dominant_periods(field: &HeightField, spectrum: &SurfaceSpectrum) -> Resu
 /// # Errors
 /// Too little memory for the spectrum.
 pub(in crate::surface) fn wave_vector(field: &HeightField) -> Result<Option<[f64; 2]>> {
-    let part = super::spectrum::analysed_part(field);
+    let part = super::height_spectrum::analysed_part(field);
     let spectrum = SurfaceSpectrum::windowed(&part)?;
     Ok(peaks(&part, &spectrum).first().map(|peak| peak.frequency))
 }

@@ -1,7 +1,7 @@
 //! The kind of profile that a field has, with the two lengths on which errors of scalar theory depend.
 
+use super::height_spectrum::{SurfaceSpectrum, analysed_part};
 use super::periods::{amplitude, refined};
-use super::spectrum::{SurfaceSpectrum, analysed_part};
 use crate::error::Result;
 use crate::surface::HeightField;
 use crate::surface::si::metres;

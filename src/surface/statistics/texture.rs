@@ -1,6 +1,6 @@
 //! Relation of heights at a distance: autocorrelation length and texture direction.
 
-use super::spectrum::{SurfaceSpectrum, half_transform};
+use super::height_spectrum::{SurfaceSpectrum, half_transform};
 use crate::error::Result;
 use crate::surface::si::metres_of_option;
 use crate::surface::{HeightField, Levelling};

@@ -3,9 +3,9 @@
 use crate::error::Result;
 use crate::optics::spectrum::SHORTEST;
 use crate::surface::HeightField;
+use crate::surface::statistics::height_spectrum::{SurfaceSpectrum, analysed_part};
 use crate::surface::statistics::periods::{Period, dominant_periods};
-use crate::surface::statistics::picture::{PlotGrid, histogram, side_of_power};
-use crate::surface::statistics::spectrum::{SurfaceSpectrum, analysed_part};
+use crate::surface::statistics::plot_grid::{PlotGrid, histogram, side_of_power};
 use std::sync::Arc;
 
 /// Longest side of the plots \[pixels\]; more is not visible.

@@ -3,7 +3,7 @@
 use super::{PendingSave, PreparationRequest, ViewerWindow};
 use crate::error::{Error, Result};
 use crate::picture_file::{self, Notes, PictureFormat};
-use crate::render::picture::Picture;
+use crate::render::renderer::Picture;
 use crate::viewer::controls::in_controls;
 use crate::viewer::error_probe::{ErrorProbe, ProbeTask};
 use crate::viewer::event::{Event, OpenedScene};

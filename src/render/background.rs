@@ -1,4 +1,4 @@
-//! The surroundings as the background of a picture. Its shaders are `around.vert` and `around.frag`.
+//! The surroundings as the background of a picture. Its shaders are `background.vert` and `background.frag`.
 
 use super::frame::{DisplayBlock, Shown, covered};
 use super::frame_set::FrameSet;
@@ -16,14 +16,14 @@ use ash::vk;
 use std::sync::Arc;
 
 /// Displays the surroundings behind the objects.
-pub struct AroundPass {
+pub struct BackgroundPass {
     sample: Pipeline,
     mean: Pipeline,
     sum: Descriptors,
     sampler: Sampler,
 }
 
-impl AroundPass {
+impl BackgroundPass {
     /// Makes a pass over pictures that `frame` describes, with a depth buffer of `depth_format`.
     ///
     /// # Errors
@@ -35,13 +35,13 @@ impl AroundPass {
             let compare = vk::CompareOp::EQUAL;
             let depth = (!mean).then_some(Depth { compare, ..covered(depth_format) });
             let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::DISPLAY], depth };
-            /// `constant_id` of `around.frag`.
+            /// `constant_id` of `background.frag`.
             const MEAN: u32 = 0;
             let constants = [Constant::new(MEAN, mean)];
-            let fragment = Some(shader!("around.frag").with(&constants));
+            let fragment = Some(shader!("background.frag").with(&constants));
             let sets = [&frame.descriptors, &sum];
             let push_bytes = size_of::<DisplayBlock>() as u32;
-            Pipeline::graphics(device, shader!("around.vert"), fragment, &drawing, &sets, push_bytes)
+            Pipeline::graphics(device, shader!("background.vert"), fragment, &drawing, &sets, push_bytes)
         };
         Ok(Self {
             sample: pipeline(false)?,

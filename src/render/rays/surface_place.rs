@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn the_frame_of_a_sphere_is_that_of_its_closed_form() {
-        let (mesh, grooves) = (primitives::sphere(), GrooveDirections::along());
+        let (mesh, grooves) = (primitives::sphere(), GrooveDirections::along().clone());
         let object = RayObject { mesh: &mesh, grooves: &grooves, casts_shadows: true };
         let triangles = Triangles::new(std::iter::once((&mesh, true)));
         for toward in [DVec3::new(0.3, 0.4, -1.0), DVec3::new(-1.0, 0.1, 0.2), DVec3::new(0.5, -1.0, 0.6)] {

@@ -1,6 +1,6 @@
 //! Read-back of the geometry pass: the directions seen by pixels.
 
-use super::{Content, Painter, Written};
+use super::{Content, GeometryInput, Renderer};
 use crate::error::{Error, Result};
 use crate::render::directions::{Directions, Pixel};
 use crate::render::frame::View;
@@ -21,7 +21,7 @@ pub(super) enum PictureArea {
     Pixel([u32; 2]),
 }
 
-impl Painter {
+impl Renderer {
     /// Returns the directions of light number `light` in one sample of `view` at the pixel centres, exactly as shading
     /// reads them.
     ///
@@ -52,7 +52,7 @@ impl Painter {
     /// Fails if the device is lost.
     pub fn directions_in(&mut self, view: &View, pass: &LightPass) -> Result<Directions> {
         self.draw_geometry(view, pass)?;
-        self.found(view, pass, PictureArea::All)
+        self.read_directions(view, pass, PictureArea::All)
     }
 
     /// Returns the radiance and directions of the pixel `at` of the last frame drawn, one sample of `view` at the pixel
@@ -75,13 +75,13 @@ impl Painter {
         for light in 0..view.light_count() {
             let pass = LightPass::of_all(light, sample);
             self.draw_geometry(view, &pass)?;
-            directions.push(self.found(view, &pass, part)?);
+            directions.push(self.read_directions(view, &pass, part)?);
         }
         Ok(Some(Pixel { radiance, directions }))
     }
 
     /// Returns the directions in `part` of the last frame drawn, a `pass` of `view`.
-    fn found(&self, view: &View, pass: &LightPass, part: PictureArea) -> Result<Directions> {
+    fn read_directions(&self, view: &View, pass: &LightPass, part: PictureArea) -> Result<Directions> {
         let stored = self.read(&self.geometry.directions, part)?;
         let covered = self.covered(part)?;
         let unit = |s: [f32; 2], covered: bool| if covered { unprojected(s) } else { [0.0; 4] };
@@ -133,25 +133,25 @@ impl Painter {
     /// Draws the geometry of a `pass` of `view`, unless the images hold it already.
     fn draw_geometry(&mut self, view: &View, pass: &LightPass) -> Result<()> {
         self.write(view, self.target.size(), pass)?;
-        if self.found.is_some() && self.found == self.written {
+        if self.image_input.is_some() && self.image_input == self.block_input {
             return Ok(());
         }
         // The new geometry may cover other pixels than the existing radiance.
-        let of_same_pixels = |found: &Written| {
+        let of_same_pixels = |found: &GeometryInput| {
             found.view == *view
                 && found.size == self.target.size()
                 && found.pass.sample.jitter == pass.sample.jitter
         };
-        if self.shows == Content::Sample && !self.found.as_ref().is_some_and(of_same_pixels) {
+        if self.shows == Content::Sample && !self.image_input.as_ref().is_some_and(of_same_pixels) {
             self.shows = Content::Nothing;
         }
-        self.found = None;
+        self.image_input = None;
         let mirrored = self.mirrors(view, pass);
         self.commands.run(|record| {
-            self.find.record(record, &self.geometry, &self.objects, mirrored);
+            self.geometry_pass.record(record, &self.geometry, &self.objects, mirrored);
             Ok(())
         })?;
-        self.found = self.written.clone();
+        self.image_input = self.block_input.clone();
         Ok(())
     }
 

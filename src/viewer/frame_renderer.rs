@@ -1,4 +1,4 @@
-//! Resources of the render thread: a painter for each setting, and results that are kept between frames.
+//! Resources of the render thread: a renderer for each setting, and results that are kept between frames.
 
 use super::compare::{Compare, Side};
 use super::difference;
@@ -14,7 +14,7 @@ use crate::optics::validity::ScalarTheory;
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::object::objects;
-use crate::render::picture::Painter;
+use crate::render::renderer::Renderer;
 use crate::render::sampling::Sampling;
 use crate::render::source::Source;
 use crate::render::target;
@@ -24,15 +24,15 @@ use crate::vk::image::Image;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Painter and the data it was made for.
+/// Renderer and the data it was made for.
 struct Slot {
-    painter: Painter,
+    renderer: Renderer,
     prepared: Arc<Prepared>,
     loaded: Arc<LoadedScene>,
     displayed: Option<Displayed>,
 }
 
-/// Contents of the displayed image of a painter.
+/// Contents of the displayed image of a renderer.
 #[derive(Clone, PartialEq)]
 struct Displayed {
     view: View,
@@ -78,7 +78,7 @@ impl Slot {
     ) -> Result<Option<u32>> {
         let FrameRequest { view, sampling, size, .. } = request;
         let shown = self.displayed.as_ref().map_or(request.shown, |displayed| displayed.shown);
-        let added = self.painter.add_samples(view, sampling, shown, *size, go_on)?;
+        let added = self.renderer.add_samples(view, sampling, shown, *size, go_on)?;
         if added.is_some() {
             self.displayed = Some(Displayed { view: view.clone(), shown, size: *size, sampling: *sampling });
         }
@@ -90,7 +90,7 @@ impl Slot {
     fn take_over(&mut self, prepared: &Arc<Prepared>) -> Result<()> {
         if self.prepared.number != prepared.number {
             self.displayed = None;
-            self.painter.shade_objects_by(prepared.of_objects(self.loaded.textures.len()))?;
+            self.renderer.shade_objects_by(prepared.of_objects(self.loaded.textures.len()))?;
             self.prepared = prepared.clone();
         }
         Ok(())
@@ -113,10 +113,10 @@ struct CountedPicture {
 }
 
 /// State that the render thread keeps between frames.
-pub struct Renderer {
+pub struct FrameRenderer {
     own: Option<Slot>,
     other: Option<Slot>,
-    // Painters of moving pictures.
+    // Renderers of moving pictures.
     coarse: Option<Slot>,
     fewer_wavelengths: Option<Slot>,
     // With the number of the setting it was computed for.
@@ -130,8 +130,8 @@ const BETWEEN_REPORTS: f64 = 250.0;
 /// Time after which a frame of a moving scene is abandoned if there is a newer request \[ms\].
 const LONGEST_MOVING_FRAME: f64 = 400.0;
 
-impl Renderer {
-    /// Makes a renderer without painters.
+impl FrameRenderer {
+    /// Makes a renderer without renderers.
     pub fn new(device: Arc<Device>) -> Self {
         Self {
             own: None,
@@ -223,7 +223,7 @@ impl Renderer {
             return Ok(request.moving.then(|| RenderReply::TooSlow(request.quality, milliseconds())));
         };
         let measured = if request.measured { expose(slot, request.shown, size)? } else { None };
-        let Some(left) = slot.as_ref().map(|s| s.painter.target().display.clone()) else { return Ok(None) };
+        let Some(left) = slot.as_ref().map(|s| s.renderer.target().display.clone()) else { return Ok(None) };
         let (mut right, mut difference) = (left.clone(), None);
         if let Some(other) = request.other.as_ref().filter(|_| request.compare != Compare::Alone) {
             let mut other_goes_on = |part| go_on(Side::Other, part);
@@ -274,7 +274,7 @@ impl Renderer {
             queue.refine(request);
             return Ok(None);
         };
-        let display = slot.painter.target().display.clone();
+        let display = slot.renderer.target().display.clone();
         let frame = RenderedFrame {
             images: [display.clone(), display],
             sizes: [request.size; 2],
@@ -305,9 +305,9 @@ impl Renderer {
     ) -> Result<Option<(Arc<Image>, Option<f64>)>> {
         let (Some(own), Some(other)) = (&self.own, &self.other) else { return Ok(None) };
         let Compare::Difference(metric) = request.compare else {
-            return Ok(Some((other.painter.target().display.clone(), None)));
+            return Ok(Some((other.renderer.target().display.clone(), None)));
         };
-        let [judged, judge] = [own.painter.picture()?, other.painter.picture()?];
+        let [judged, judge] = [own.renderer.picture()?, other.renderer.picture()?];
         let map = difference::map(metric, &judged, &judge, request.shown, size);
         let (format, data) = (target::DISPLAY, bytemuck::cast_slice(&map.pixels));
         let size = size.map(|n| n as usize);
@@ -315,7 +315,7 @@ impl Renderer {
         Ok(Some((Arc::new(image), Some(map.total))))
     }
 
-    /// Frees the painters of moving pictures that belong to a former setting.
+    /// Frees the renderers of moving pictures that belong to a former setting.
     fn drop_outdated(&mut self, request: &FrameRequest) {
         for slot in [&mut self.coarse, &mut self.fewer_wavelengths] {
             // Cheaper settings are requested after the main one, so that their numbers are larger.
@@ -338,7 +338,7 @@ impl Renderer {
         let mut others = [&mut self.coarse, &mut self.fewer_wavelengths].into_iter().flatten();
         let other = others.find(|slot| lighter.is_some_and(|number| has(slot, number)));
         let Some(slot) = own.or(other) else { return Ok(None) };
-        let inset = Arc::new(inset::hemisphere(&mut slot.painter, wanted)?);
+        let inset = Arc::new(inset::hemisphere(&mut slot.renderer, wanted)?);
         self.inset = Some((inset.clone(), number));
         Ok(Some(inset))
     }
@@ -351,7 +351,7 @@ impl Renderer {
             slot.prepared.number == frame.own.number && slot.displayed.as_ref().is_some_and(shows)
         };
         let Some(slot) = self.own.as_mut().filter(is_there) else { return Ok(None) };
-        let pixel = slot.painter.pixel(&frame.view, at)?;
+        let pixel = slot.renderer.pixel(&frame.view, at)?;
         // The settings apply to the first object alone.
         let pixel = pixel.filter(|pixel| pixel.directions.iter().all(|seen| seen.object(0) == 0));
         let reading = pixel.map(|pixel| Box::new(Reading::new(number, frame.own, frame.view, pixel)));
@@ -369,7 +369,7 @@ impl Renderer {
         }
         let Some(slot) = &mut self.own else { return Ok(None) };
         let pixels = size[0] as usize * size[1] as usize;
-        let directions = error_probe::directions(&mut slot.painter, &request.view)?;
+        let directions = error_probe::directions(&mut slot.renderer, &request.view)?;
         let (source, shading) = (request.own.source(), request.own.shading());
         let counted = match source {
             // The mip level of a table depends on the distance between neighbouring pixels, so that all pixels are
@@ -417,10 +417,10 @@ impl Renderer {
                 let note = || ScalarTheory::note(&own.field, &own.shading().reflectance);
                 let scalar_theory =
                     own.scalar_theory.as_ref().map_or_else(note, |found| found.line().to_owned());
-                Ok(RenderReply::Picture(Ok((Box::new(slot.painter.picture()?), scalar_theory))))
+                Ok(RenderReply::Picture(Ok((Box::new(slot.renderer.picture()?), scalar_theory))))
             }
             Job::Samples(request) => Ok(RenderReply::Samples(Box::new(ProbeTask {
-                samples: error_probe::samples(&mut slot.painter, &request.view)?,
+                samples: error_probe::samples(&mut slot.renderer, &request.view)?,
                 prepared: request.own.clone(),
                 view: request.view.clone(),
                 exposure: request.shown.exposure,
@@ -436,8 +436,8 @@ fn go_on_with(request: FrameRequest, queue: &JobQueue) {
     }
 }
 
-/// Draws `request` from `prepared` with the painter of `slot`, at `size` pixels; `None` if `go_on` returned false.
-/// Makes the painter if the slot has no suitable one.
+/// Draws `request` from `prepared` with the renderer of `slot`, at `size` pixels; `None` if `go_on` returned false.
+/// Makes the renderer if the slot has no suitable one.
 fn paint(
     device: &Arc<Device>,
     slot: &mut Option<Slot>,
@@ -451,7 +451,7 @@ fn paint(
     let wanted = Displayed { view: view.clone(), shown, size, sampling: Sampling::ONE };
     if let Some(displayed) = &slot.displayed
         && !request.again
-        && slot.painter.target().size() == request.size
+        && slot.renderer.target().size() == request.size
         && [Sampling::ONE, request.sampling].contains(&displayed.sampling)
         && *displayed
             == (Displayed { shown: displayed.shown, sampling: displayed.sampling, ..wanted.clone() })
@@ -460,18 +460,18 @@ fn paint(
         if displayed.shown == shown {
             return Ok(Some(FrameTime::default()));
         }
-        if slot.painter.display_again(size, shown)? {
+        if slot.renderer.display_again(size, shown)? {
             slot.displayed = Some(wanted);
             return Ok(Some(FrameTime::default()));
         }
     }
     if prepared.source().has_limits(prepared.shading()) {
-        let directions = error_probe::directions(&mut slot.painter, view)?;
+        let directions = error_probe::directions(&mut slot.renderer, view)?;
         prepared.source().check(prepared.shading(), &directions)?;
     }
     slot.displayed = None;
     let start = Instant::now();
-    let gpu = slot.painter.draw_while(view, shown, size, go_on)?;
+    let gpu = slot.renderer.draw_while(view, shown, size, go_on)?;
     Ok(gpu.map(|gpu| {
         slot.displayed = Some(wanted);
         FrameTime { gpu, wall: start.elapsed().as_secs_f64() * 1e3 }
@@ -482,13 +482,13 @@ fn paint(
 /// `shown`; `None` if nothing is lit.
 fn expose(slot: &mut Option<Slot>, shown: Shown, size: [u32; 2]) -> Result<Option<f64>> {
     let Some(slot) = slot else { return Ok(None) };
-    let picture = slot.painter.picture()?;
+    let picture = slot.renderer.picture()?;
     let rows = picture.radiance.chunks(picture.size[0].max(1) as usize).take(size[1] as usize);
     let radiance: Vec<_> = rows.flat_map(|row| row.iter().take(size[0] as usize)).copied().collect();
     let stops = exposure::automatic(&radiance);
     if let Some(exposure) = stops {
         let shown = Shown { exposure, ..shown };
-        slot.painter.display_again(size, shown)?;
+        slot.renderer.display_again(size, shown)?;
         if let Some(displayed) = &mut slot.displayed {
             displayed.shown = shown;
         }
@@ -496,29 +496,29 @@ fn expose(slot: &mut Option<Slot>, shown: Shown, size: [u32; 2]) -> Result<Optio
     Ok(stops)
 }
 
-/// Returns the painter of `slot`, made or adapted to draw `request` from `prepared`.
+/// Returns the renderer of `slot`, made or adapted to draw `request` from `prepared`.
 fn serving<'a>(
     device: &Arc<Device>,
     slot: &'a mut Option<Slot>,
     prepared: &Arc<Prepared>,
     request: &FrameRequest,
 ) -> Result<&'a mut Slot> {
-    // An unsuitable painter is dropped here, so that its memory is free for the next one.
+    // An unsuitable renderer is dropped here, so that its memory is free for the next one.
     let ready = match slot.take().filter(|slot| slot.serves(prepared, request)) {
         Some(mut ready) => {
-            ready.painter.resize(request.size)?;
+            ready.renderer.resize(request.size)?;
             ready.take_over(prepared)?;
             ready
         }
         None => {
             let LoadedScene { scene, textures } = &*request.loaded;
             let objects = objects(scene, textures, prepared.of_objects(textures.len()));
-            let mut painter = Painter::of_objects(device, &objects, request.size)?;
+            let mut renderer = Renderer::new(device, &objects, request.size)?;
             if scene.shadows {
-                painter.cast_shadows()?;
+                renderer.cast_shadows()?;
             }
             let (prepared, loaded) = (prepared.clone(), request.loaded.clone());
-            Slot { painter, prepared, loaded, displayed: None }
+            Slot { renderer, prepared, loaded, displayed: None }
         }
     };
     Ok(slot.insert(ready))

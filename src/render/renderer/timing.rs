@@ -1,6 +1,6 @@
 //! Times of the parts of a frame, measured separately.
 
-use super::{Painter, shaded};
+use super::{Renderer, shaded};
 use crate::error::Result;
 use crate::render::frame::{Shown, View, begin_shading, record_shading};
 use crate::render::light_passes::{LightPass, all_lights};
@@ -60,7 +60,7 @@ pub struct Stopwatch {
     timestamps: Timestamps,
 }
 
-impl Painter {
+impl Renderer {
     /// Makes the queries that [`Self::time`] needs.
     ///
     /// # Errors
@@ -103,14 +103,15 @@ impl Painter {
         times: &mut PassTimes,
     ) -> Result<()> {
         let parts = self.parts();
-        let (target, find, geometry, objects) = (&self.target, &self.find, &self.geometry, &self.objects);
+        let (target, geometry_pass, geometry, objects) =
+            (&self.target, &self.geometry_pass, &self.geometry, &self.objects);
         let mirrored = self.mirrors(view, pass);
         let shaded = shaded(&self.shadings, objects, view, pass, mirrored);
         self.commands.run(|record| {
             let begin = Instant::now();
             record.reset(stamps);
             record.timestamp(stamps, 0);
-            find.record(record, geometry, objects, mirrored);
+            geometry_pass.record(record, geometry, objects, mirrored);
             record.timestamp(stamps, 1);
             if pass.is_first {
                 begin_shading(record, target);

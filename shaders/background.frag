@@ -21,7 +21,7 @@ void main() {
     vec3 direction = normalize(toward);
     // The standard deviation of the pixel filter is half a pixel.
     float deviation = 0.5 * max(length(dFdx(direction)), length(dFdy(direction)));
-    vec3 shown = displayed(radiance_around(direction, deviation));
+    vec3 shown = displayed(radiance_toward(direction, deviation));
     if (MEAN) {
         vec4 stored = texelFetch(radiance, ivec2(gl_FragCoord.xy), 0);
         if (stored.a > 0.0) {

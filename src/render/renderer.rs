@@ -1,15 +1,13 @@
 //! Offscreen picture, as written by `diffract render`.
 
 use super::accumulate::{Accumulation, Addition};
-use super::around::AroundPass;
-use super::evaluator::{Asker, Query};
+use super::background::BackgroundPass;
+use super::evaluator::{Query, QueryPass};
 use super::frame::{
     DisplayPass, GeometryPass, PixelPass, Probe, ShadedObject, Shown, View, begin_shading, record_shading,
 };
-use super::grooves::GrooveDirections;
 use super::light_passes::{LightPass, all_lights};
 use super::object::{DeviceObject, ObjectData, ObjectSource, ObjectSources};
-use super::pigment::Pigment;
 use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
 use super::source::{BoundSource, Source};
@@ -17,7 +15,6 @@ use super::target::{self, Geometry, GeometrySettings, Target};
 use crate::error::{Error, Result};
 use crate::optics::color;
 use crate::optics::spectrum::Illuminant;
-use crate::scene::Mesh;
 use crate::vk::access::Access;
 use crate::vk::commands::{Commands, Recorder};
 use crate::vk::device::Device;
@@ -37,9 +34,9 @@ use tiles::{Piece, Tiles};
 use timing::DrawTimes;
 
 /// Draws pictures of one object or of several.
-pub struct Painter {
+pub struct Renderer {
     commands: Commands,
-    find: GeometryPass,
+    geometry_pass: GeometryPass,
     // At least one.
     objects: Vec<DeviceObject>,
     // Shadings in the order of the objects, one or more for each.
@@ -48,7 +45,7 @@ pub struct Painter {
     display: DisplayPass,
     target: Target,
     timestamps: Timestamps,
-    asker: Option<Asker>,
+    query_pass: Option<QueryPass>,
     // Milliseconds per shaded pixel of the last picture that was drawn in tiles.
     pixel_time: Option<f64>,
     // Content of the displayed image.
@@ -56,12 +53,12 @@ pub struct Painter {
     // Made for the first picture of several samples.
     accumulation: Option<Accumulation>,
     // Made for the first picture that shows its surroundings.
-    around: Option<AroundPass>,
+    background: Option<BackgroundPass>,
     // Settings of the samples in the sum.
     summed: Option<samples::Summed>,
     // Settings of the `Frame` block, and of the geometry images.
-    written: Option<Written>,
-    found: Option<Written>,
+    block_input: Option<GeometryInput>,
+    image_input: Option<GeometryInput>,
     device: Arc<Device>,
 }
 
@@ -125,7 +122,7 @@ fn white_of(illuminant: &Illuminant) -> Vec3 {
 
 /// Input of the geometry pass.
 #[derive(Clone, PartialEq)]
-struct Written {
+struct GeometryInput {
     view: View,
     pass: LightPass,
     size: [u32; 2],
@@ -133,7 +130,7 @@ struct Written {
 
 /// View, size and passes to draw into the radiance.
 #[derive(Clone, Copy)]
-struct Drawn<'a> {
+struct DrawRequest<'a> {
     view: &'a View,
     size: [u32; 2],
     /// Passes to draw one after the other; at least one.
@@ -155,7 +152,7 @@ enum Content {
 
 /// Step after the last piece.
 #[derive(Clone, Copy)]
-enum Finish {
+enum FinalStep {
     /// Display the radiance.
     Display(Shown),
     /// Add each pass, a picture in itself, to the sum of `before` samples. All passes together are `samples` samples.
@@ -177,32 +174,12 @@ pub struct Picture {
     pub surrounded: bool,
 }
 
-impl Painter {
-    /// Uploads everything for pictures of `size` pixels, shaded from `source`.
-    ///
-    /// # Errors
-    /// Fails if the device is out of memory.
-    pub fn new(
-        device: &Arc<Device>,
-        source: &Source,
-        shading: &Shading,
-        mesh: &Mesh,
-        pigment: &Pigment,
-        size: [u32; 2],
-    ) -> Result<Self> {
-        let grooves = &GrooveDirections::along();
-        let (base_color, casts_shadows) = (None, true);
-        let sources = &ObjectSources::new(source.clone(), shading.clone());
-        let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, sources };
-        Self::of_objects(device, &[object], size)
-    }
-
-    /// Uploads everything for pictures of `objects`, as [`Self::new`]. Single directions are evaluated by the source of
-    /// the first object.
+impl Renderer {
+    /// Uploads everything for pictures of `objects`, `size` pixels large. Single directions are evaluated by the source of the first object.
     ///
     /// # Errors
     /// Fails if the device is out of memory, or if there is no object.
-    pub fn of_objects(device: &Arc<Device>, objects: &[ObjectData<'_>], size: [u32; 2]) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, objects: &[ObjectData<'_>], size: [u32; 2]) -> Result<Self> {
         if objects.is_empty() {
             return Err(Error::failed("there is no object", "report this as a bug of diffract"));
         }
@@ -233,21 +210,21 @@ impl Painter {
         }
         Ok(Self {
             commands: Commands::new(device, "frame")?,
-            find: GeometryPass::new(device, &objects, &geometry)?,
+            geometry_pass: GeometryPass::new(device, &objects, &geometry)?,
             shadings,
             objects,
             geometry,
             display,
             target,
             timestamps: Timestamps::new(device, 4)?,
-            asker: None,
+            query_pass: None,
             pixel_time: None,
             shows: Content::Nothing,
             accumulation: None,
-            around: None,
+            background: None,
             summed: None,
-            written: None,
-            found: None,
+            block_input: None,
+            image_input: None,
             device: device.clone(),
         })
     }
@@ -260,8 +237,8 @@ impl Painter {
         if [self.target.size(), self.geometry.directions.size()] == [size; 2] {
             return Ok(());
         }
-        self.forget();
-        self.find_anew(size, self.geometry.settings)?;
+        self.invalidate();
+        self.make_geometry_again(size, self.geometry.settings)?;
         self.target = Target::new(&self.device, size)?;
         self.display.read_from(&self.target.radiance);
         if let Some(accumulation) = &mut self.accumulation {
@@ -273,7 +250,7 @@ impl Painter {
 
     /// Makes the geometry pass and its images for `size` pixels, and the shading passes if they depend on the settings.
     /// On an error the former ones stay.
-    fn find_anew(&mut self, size: [u32; 2], settings: GeometrySettings) -> Result<()> {
+    fn make_geometry_again(&mut self, size: [u32; 2], settings: GeometrySettings) -> Result<()> {
         let geometry = Geometry::new(&self.device, size, settings)?;
         let of_shading = |s: GeometrySettings| (s.mirrored, s.lamps);
         let same = of_shading(settings) == of_shading(self.geometry.settings);
@@ -283,11 +260,11 @@ impl Painter {
         };
         let changed = if same { &[] } else { self.shadings.as_slice() };
         let passes = changed.iter().map(shade).collect::<Result<Vec<_>>>()?;
-        self.find = GeometryPass::new(&self.device, &self.objects, &geometry)?;
+        self.geometry_pass = GeometryPass::new(&self.device, &self.objects, &geometry)?;
         self.shadings.iter_mut().zip(passes).for_each(|(shading, pass)| shading.pass = pass);
         self.objects.iter().for_each(|object| object.frame.read_from(&geometry));
         self.geometry = geometry;
-        self.found = None;
+        self.image_input = None;
         Ok(())
     }
 
@@ -298,8 +275,8 @@ impl Painter {
     pub fn ask_for_footprints(&mut self) -> Result<()> {
         let settings = GeometrySettings { footprints: true, ..self.geometry.settings };
         if settings != self.geometry.settings {
-            self.forget();
-            self.find_anew(self.target.size(), settings)?;
+            self.invalidate();
+            self.make_geometry_again(self.target.size(), settings)?;
         }
         Ok(())
     }
@@ -308,7 +285,7 @@ impl Painter {
     /// specular order of variance `spread` in (u, v), so that [`Self::directions`] contain it. For sources with a
     /// separate specular order this is the default.
     pub fn ask_for_mirrored(&mut self, spread: f64) {
-        self.forget();
+        self.invalidate();
         self.shadings.iter_mut().for_each(|shading| shading.specular_spread = Some(spread as f32));
     }
 
@@ -319,8 +296,8 @@ impl Painter {
     pub fn cast_shadows(&mut self) -> Result<()> {
         let settings = GeometrySettings { shadows: true, ..self.geometry.settings };
         if settings != self.geometry.settings {
-            self.forget();
-            self.find_anew(self.target.size(), settings)?;
+            self.invalidate();
+            self.make_geometry_again(self.target.size(), settings)?;
         }
         Ok(())
     }
@@ -328,7 +305,7 @@ impl Painter {
     /// Sets the surroundings of the following frames to those of `view`. If a source has a separate specular order, the
     /// geometry pass writes the radiance in the mirrored direction. Returns the radiance of a stored 1 of the uploaded
     /// picture.
-    fn surround(&mut self, view: &View) -> Result<f32> {
+    fn bind_environment(&mut self, view: &View) -> Result<f32> {
         let known = self.shadings.iter().any(|shading| shading.specular_spread.is_some());
         let around = view.environment.as_ref().filter(|_| known);
         self.find_by(GeometrySettings {
@@ -337,21 +314,21 @@ impl Painter {
             ..self.geometry.settings
         })?;
         let shown = view.background();
-        if shown.is_some() && self.around.is_none() {
+        if shown.is_some() && self.background.is_none() {
             let depth_format = self.geometry.settings.depth_format();
-            self.around = Some(AroundPass::new(&self.device, &self.objects[0].frame, depth_format)?);
+            self.background = Some(BackgroundPass::new(&self.device, &self.objects[0].frame, depth_format)?);
             self.point_around();
         }
         let Some(environment) = around.or(shown) else { return Ok(0.0) };
         let Some((first, others)) = self.objects.split_first_mut() else { return Ok(0.0) };
-        let unit = first.frame.surround(&self.device, environment)?;
+        let unit = first.frame.bind_environment(&self.device, environment)?;
         others.iter_mut().for_each(|object| object.frame.share_surroundings(&first.frame));
         Ok(unit)
     }
 
     /// Points the background pass at the foreground it draws behind.
     fn point_around(&self) {
-        if let Some(around) = &self.around {
+        if let Some(around) = &self.background {
             let sum =
                 self.accumulation.as_ref().map_or(&self.target.radiance, |accumulation| &accumulation.sum);
             around.read_from(sum);
@@ -365,14 +342,14 @@ impl Painter {
         if self.shows == Content::Sample {
             self.shows = Content::Nothing;
         }
-        self.find_anew(self.target.size(), settings)
+        self.make_geometry_again(self.target.size(), settings)
     }
 
     /// Marks the displayed picture and the sum as invalid.
-    fn forget(&mut self) {
+    fn invalidate(&mut self) {
         self.shows = Content::Nothing;
         self.summed = None;
-        self.found = None;
+        self.image_input = None;
     }
 
     /// Shades the first object from `source` by `shading` from now on, as [`Self::shade_objects_by`].
@@ -392,7 +369,7 @@ impl Painter {
         &mut self,
         sources: impl IntoIterator<Item = &'a ObjectSources>,
     ) -> Result<()> {
-        self.forget();
+        self.invalidate();
         let settings = self.geometry.settings;
         let sources = sources.into_iter().flat_map(ObjectSources::all);
         for (own, ObjectSource { source, shading }) in self.shadings.iter_mut().zip(sources) {
@@ -421,8 +398,8 @@ impl Painter {
     /// Fails if the device is lost.
     pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<()> {
         let drawn =
-            Drawn { view, size: self.target.size(), passes: &all_lights(view.light_count(), *sample) };
-        self.draw_whole(drawn, Finish::Display(shown))
+            DrawRequest { view, size: self.target.size(), passes: &all_lights(view.light_count(), *sample) };
+        self.draw_whole(drawn, FinalStep::Display(shown))
     }
 
     /// Draws one sample of `view` with `size` pixels, at most those of the target, in pieces of about ten milliseconds
@@ -439,8 +416,9 @@ impl Painter {
         size: [u32; 2],
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<f64>> {
-        let drawn = Drawn { view, size, passes: &all_lights(view.light_count(), Sampling::ONE.sample(0)) };
-        let times = self.draw_tiles(drawn, Finish::Display(shown), go_on)?;
+        let drawn =
+            DrawRequest { view, size, passes: &all_lights(view.light_count(), Sampling::ONE.sample(0)) };
+        let times = self.draw_tiles(drawn, FinalStep::Display(shown), go_on)?;
         Ok(times.map(|times| times.total()))
     }
 
@@ -450,7 +428,7 @@ impl Painter {
     }
 
     /// Draws `drawn` pass by pass, each in a single submission.
-    fn draw_whole(&mut self, drawn: Drawn<'_>, finish: Finish) -> Result<()> {
+    fn draw_whole(&mut self, drawn: DrawRequest<'_>, finish: FinalStep) -> Result<()> {
         for number in 0..drawn.passes.len() {
             self.write(drawn.view, drawn.size, &drawn.passes[number])?;
             let piece = Piece::whole(drawn.size, self.parts());
@@ -462,11 +440,11 @@ impl Painter {
     /// Draws `drawn` pass by pass in pieces, as [`Self::draw_while`] describes. Returns the device time.
     fn draw_tiles(
         &mut self,
-        drawn: Drawn<'_>,
-        finish: Finish,
+        drawn: DrawRequest<'_>,
+        finish: FinalStep,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<DrawTimes>> {
-        let Drawn { view, size, passes } = drawn;
+        let DrawRequest { view, size, passes } = drawn;
         let count = passes.len() as f64;
         let mut total = DrawTimes::default();
         for (number, pass) in passes.iter().enumerate() {
@@ -498,8 +476,8 @@ impl Painter {
         self.write_shown()?;
         let target = &self.target;
         let frame = &self.objects[0].frame.descriptors;
-        let (around, written) = (self.around.as_ref(), self.written.as_ref());
-        let display = Display::new((&self.geometry, target), &self.display, around, frame, written);
+        let (background, block_input) = (self.background.as_ref(), self.block_input.as_ref());
+        let display = Display::new((&self.geometry, target), &self.display, background, frame, block_input);
         let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
         match self.shows {
             Content::Nothing | Content::PictureArea => return Ok(false),
@@ -524,34 +502,40 @@ impl Painter {
 
     /// Draws a `piece` of pass number `number`, whose `Frame` block is written. The first piece includes the geometry,
     /// the last piece of a pass its addition, and the last piece of all the remaining steps of `finish`.
-    fn submit(&mut self, drawn: Drawn<'_>, number: usize, piece: Piece, finish: Finish) -> Result<DrawTimes> {
-        let Drawn { view, size, passes } = drawn;
+    fn submit(
+        &mut self,
+        drawn: DrawRequest<'_>,
+        number: usize,
+        piece: Piece,
+        finish: FinalStep,
+    ) -> Result<DrawTimes> {
+        let DrawRequest { view, size, passes } = drawn;
         let pass = passes[number];
         let (first, last) = (piece.is_first(), piece.is_last(size, self.parts()));
         // Added passes are pictures in themselves; others accumulate in the radiance.
-        let is_new = number == 0 || matches!(finish, Finish::Add { .. });
+        let is_new = number == 0 || matches!(finish, FinalStep::Add { .. });
         let finishes = last && number + 1 == passes.len();
         let Piece { tile, parts } = piece;
         let (geometry, target) = (&self.geometry, &self.target);
         let accumulation = &self.accumulation;
         let objects = &self.objects;
         let frame = &self.objects[0].frame.descriptors;
-        let (around, written) = (self.around.as_ref(), self.written.as_ref());
+        let (background, block_input) = (self.background.as_ref(), self.block_input.as_ref());
         let mirrored = self.mirrors(view, &pass);
         let shaded = shaded(&self.shadings, objects, view, &pass, mirrored);
-        let display = Display::new((geometry, target), &self.display, around, frame, written);
+        let display = Display::new((geometry, target), &self.display, background, frame, block_input);
         if self.shows == Content::Sample {
             self.shows = Content::Nothing;
         }
         if first {
-            self.found = None;
+            self.image_input = None;
         }
         self.commands.run(|record| {
             let (all, some) = (record.within(size, 0..size[1]), record.tile(size, tile));
             record.reset(&self.timestamps);
             record.timestamp(&self.timestamps, 0);
             if first {
-                self.find.record(&all, geometry, objects, mirrored);
+                self.geometry_pass.record(&all, geometry, objects, mirrored);
             }
             record.timestamp(&self.timestamps, 1);
             if first && is_new {
@@ -561,7 +545,7 @@ impl Painter {
             record_shading(&some, (geometry, target), &shaded, parts, begins);
             record.timestamp(&self.timestamps, 2);
             match (finish, accumulation) {
-                (Finish::Add { before, samples, shown }, Some(accumulation)) if last => {
+                (FinalStep::Add { before, samples, shown }, Some(accumulation)) if last => {
                     let weights = pass.sample.weights();
                     let (passes, first) = (passes.len(), before == 0);
                     accumulation.record(
@@ -575,7 +559,7 @@ impl Painter {
                         });
                     }
                 }
-                (Finish::Display(shown), _) if finishes => {
+                (FinalStep::Display(shown), _) if finishes => {
                     record_display(&all, target, |all| display.sample(all, shown));
                 }
                 _ => {}
@@ -584,13 +568,13 @@ impl Painter {
             Ok(())
         })?;
         if first {
-            self.found = self.written.clone();
+            self.image_input = self.block_input.clone();
         }
         if finishes {
             self.shows = match finish {
-                Finish::Display(_) => Content::Sample,
-                Finish::Add { shown: Some(_), .. } => Content::Mean,
-                Finish::Add { shown: None, .. } => Content::Nothing,
+                FinalStep::Display(_) => Content::Sample,
+                FinalStep::Add { shown: Some(_), .. } => Content::Mean,
+                FinalStep::Add { shown: None, .. } => Content::Nothing,
             };
         } else if self.shows != Content::Mean {
             self.shows = Content::PictureArea;
@@ -624,11 +608,11 @@ impl Painter {
     /// # Errors
     /// Fails if the device is lost or out of memory.
     pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
-        let asker = match &mut self.asker {
-            Some(asker) => asker,
-            none => none.insert(Asker::new(&self.device, &self.shadings[0].source)?),
+        let query_pass = match &mut self.query_pass {
+            Some(query_pass) => query_pass,
+            none => none.insert(QueryPass::new(&self.device, &self.shadings[0].source)?),
         };
-        asker.ask(&self.shadings[0].source, queries)
+        query_pass.ask(&self.shadings[0].source, queries)
     }
 
     /// Returns the milliseconds in which the device reads `samples` bilinear samples per pixel of its texture and does
@@ -641,7 +625,7 @@ impl Painter {
         let probe = Probe { samples, scattered: scattered.into() };
         let pass =
             PixelPass::probe(&self.device, &self.objects[0].frame.descriptors, &self.shadings[0].source)?;
-        self.forget();
+        self.invalidate();
         let target = &self.target;
         let sets = [&self.objects[0].frame.descriptors, &self.shadings[0].source.descriptors];
         let mut best = f64::INFINITY;
@@ -689,7 +673,7 @@ impl Painter {
         };
         let display = target::read_back(&self.device, &self.target.display, Access::ShaderRead)?;
         let view = match self.shows {
-            Content::Sample => self.found.as_ref().map(|found| &found.view),
+            Content::Sample => self.image_input.as_ref().map(|found| &found.view),
             Content::Mean => self.summed.as_ref().map(|summed| &summed.view),
             Content::Nothing | Content::PictureArea => None,
         };
@@ -703,7 +687,7 @@ impl Painter {
 
     /// Writes the `Frame` block of `view` for a `pass` in pictures of `size` pixels.
     fn write(&mut self, view: &View, size: [u32; 2], pass: &LightPass) -> Result<()> {
-        let unit = self.surround(view)?;
+        let unit = self.bind_environment(view)?;
         let mut block = view.block(size, pass);
         block.surroundings[2] *= unit;
         let first = self.shadings.iter().filter(|shading| shading.is_first);
@@ -711,8 +695,8 @@ impl Painter {
             let own = object.block(block, shading.specular_spread.unwrap_or_default());
             object.frame.write(&own)?;
         }
-        self.find.select_shadow(&self.device, &self.objects, pass.light, &block)?;
-        self.written = Some(Written { view: view.clone(), pass: *pass, size });
+        self.geometry_pass.select_shadow(&self.device, &self.objects, pass.light, &block)?;
+        self.block_input = Some(GeometryInput { view: view.clone(), pass: *pass, size });
         Ok(())
     }
 
@@ -720,11 +704,11 @@ impl Painter {
     fn write_shown(&mut self) -> Result<()> {
         let shown = match self.shows {
             Content::Nothing | Content::PictureArea => None,
-            Content::Sample => self.found.clone(),
+            Content::Sample => self.image_input.clone(),
             Content::Mean => self.summed.as_ref().map(samples::Summed::first),
         };
-        match shown.filter(|shown| self.written.as_ref() != Some(shown)) {
-            Some(Written { view, pass, size }) => self.write(&view, size, &pass),
+        match shown.filter(|shown| self.block_input.as_ref() != Some(shown)) {
+            Some(GeometryInput { view, pass, size }) => self.write(&view, size, &pass),
             None => Ok(()),
         }
     }

@@ -1,6 +1,6 @@
 //! Heights and spectra reduced to the resolution of a picture, and their distribution.
 
-use super::spectrum::SurfaceSpectrum;
+use super::height_spectrum::SurfaceSpectrum;
 use crate::surface::HeightField;
 
 /// Values on a grid, row by row from the top.

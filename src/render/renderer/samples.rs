@@ -1,6 +1,6 @@
 //! Pictures that are the mean of samples, drawn one after the other.
 
-use super::{Content, Drawn, Finish, Painter, Picture, Written};
+use super::{Content, DrawRequest, FinalStep, GeometryInput, Picture, Renderer};
 use crate::error::Result;
 use crate::render::accumulate::Accumulation;
 use crate::render::frame::{Shown, View};
@@ -19,8 +19,8 @@ pub(super) struct Summed {
 
 impl Summed {
     /// Returns the first pass, whose `Frame` block suffices for displaying the mean.
-    pub fn first(&self) -> Written {
-        Written {
+    pub fn first(&self) -> GeometryInput {
+        GeometryInput {
             view: self.view.clone(),
             pass: LightPass::of_all(0, self.sampling.sample(0)),
             size: self.size,
@@ -28,7 +28,7 @@ impl Summed {
     }
 }
 
-impl Painter {
+impl Renderer {
     /// Draws all samples of `view`, displays them with the settings `shown` and reads the picture back. Calls
     /// `progress` with the number of samples done; an error it returns ends the picture.
     ///
@@ -103,10 +103,10 @@ impl Painter {
         let before = self.samples_of(view, sampling, size);
         if before == 0 {
             // The sum is invalid until its first group is added.
-            self.forget();
+            self.invalidate();
         }
-        let drawn = Drawn { view, size, passes: &group.passes };
-        let finish = Finish::Add { before, samples: group.samples, shown };
+        let drawn = DrawRequest { view, size, passes: &group.passes };
+        let finish = FinalStep::Add { before, samples: group.samples, shown };
         if self.draw_tiles(drawn, finish, go_on)?.is_none() {
             return Ok(None);
         }
