@@ -104,8 +104,14 @@ fn described(grooves: &ProfileShape, reflectance: &Reflectance) -> String {
         Polarisation::Te => " in TE light",
         Polarisation::Tm => " in TM light",
     };
+    /// Slope along the grooves above which the line tells it.
+    const NEARLY_STRAIGHT: f64 = 0.02;
+    let left_out = match grooves.slope_along {
+        slope if slope > NEARLY_STRAIGHT => format!(", RMS slope {slope:.2} along the grooves left out"),
+        _ => String::new(),
+    };
     format!(
-        "mean weighted by light, {profile} on {material}{light}, period {period:.1} λ, height {height:.2} λ at {:.0} nm; angles of orders are exact",
+        "mean weighted by light, {profile} on {material}{light}, period {period:.1} λ, height {height:.2} λ at {:.0} nm{left_out}; angles of orders are exact",
         MIDDLE * 1e3
     )
 }
@@ -158,7 +164,7 @@ mod tests {
 
     fn sinusoid(period: f64, height: f64) -> Relief {
         let [period, height] = [period, height].map(|length| length * MIDDLE);
-        Relief::Grooves(ProfileShape { profile: ProfileKind::Sinusoid, period, height })
+        Relief::Grooves(ProfileShape { profile: ProfileKind::Sinusoid, period, height, slope_along: 0.0 })
     }
 
     fn at(theory: &ScalarTheory, angle: f64) -> f64 {

@@ -203,7 +203,7 @@ mod tests {
     #[test]
     fn points_of_the_table_are_returned_and_between_them_the_geometric_mean() {
         let error = |period: f64, height: f64| {
-            let grooves = ProfileShape { profile: ProfileKind::Sinusoid, period, height };
+            let grooves = ProfileShape { profile: ProfileKind::Sinusoid, period, height, slope_along: 0.0 };
             let found = errors(&grooves, MaterialClass::Dielectric, 1.0).unwrap();
             found.iter().find(|e| e.angle == 60.0).unwrap().mean
         };
