@@ -123,6 +123,7 @@ run_page() {
         esac
     done
     [ "$quick" = yes ] || pictures "$page" "$place/work"
+    rm -rf "$place"
     echo "$page: $(($(date +%s) - begin)) s"
 }
 
@@ -183,4 +184,5 @@ if [ "$quick" = no ] && [ $# = 0 ]; then
         fi
     fi
 fi
-echo "book: all commands ran in $(($(date +%s) - start)) s"
+echo "book: all commands ran in $(($(date +%s) - start)) s; CPU time of the shell and of the commands:"
+times

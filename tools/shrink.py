@@ -1,6 +1,7 @@
 """Makes a PNG small enough for a page: `python shrink.py FROM TO`. Needs Pillow (Debian: python3-pil).
 
-Figures, which are drawn for print, are scaled to WIDTH; what is still larger than BYTES gets a palette of 256 colours.
+Figures, which are drawn for print, are scaled to WIDTH. If a picture is still larger than BYTES, a transparent one is scaled to half its size, and
+any other gets a palette of 256 colours.
 """
 
 import os
@@ -16,19 +17,28 @@ WIDTH = 1280
 BYTES = 300_000
 
 
+def scaled(picture: Image.Image, width: int) -> Image.Image:
+    height = round(picture.height * width / picture.width)
+    # Colours of transparent pixels must not leak into the edges.
+    if "A" in picture.getbands():
+        return picture.convert("RGBa").resize((width, height), Image.Resampling.LANCZOS).convert("RGBA")
+    return picture.resize((width, height), Image.Resampling.LANCZOS)
+
+
 def main(source: str, target: str) -> None:
     picture = Image.open(source)
     if os.path.getsize(source) <= BYTES and picture.width <= WIDTH:
         shutil.copyfile(source, target)
         return
     if picture.width > WIDTH:
-        height = round(picture.height * WIDTH / picture.width)
-        picture = picture.resize((WIDTH, height), Image.Resampling.LANCZOS)
+        picture = scaled(picture, WIDTH)
     picture.save(target, optimize=True)
     if os.path.getsize(target) > BYTES:
-        # Only this method keeps transparent pixels.
-        method = Image.Quantize.FASTOCTREE if "A" in picture.getbands() else Image.Quantize.MEDIANCUT
-        picture.quantize(256, method=method, dither=Image.Dither.FLOYDSTEINBERG).save(target, optimize=True)
+        if "A" in picture.getbands():
+            picture = scaled(picture, picture.width // 2)
+        else:
+            picture = picture.convert("RGB").quantize(256, dither=Image.Dither.FLOYDSTEINBERG)
+        picture.save(target, optimize=True)
 
 
 main(*sys.argv[1:])
