@@ -1,7 +1,7 @@
 """Makes a PNG small enough for a page: `python shrink.py FROM TO`. Needs Pillow (Debian: python3-pil).
 
-Figures, which are drawn for print, are scaled to WIDTH. If a picture is still larger than BYTES, a transparent one is scaled to half its size, and
-any other gets a palette of 256 colours.
+Figures, which are drawn for print, are scaled to WIDTH, and get a palette of 256 colours where they are still larger than BYTES. Other pictures of more than
+BYTES keep their colours: a picture of a scene is scaled to half its size, one of the window, whose background is opaque, to three quarters.
 """
 
 import os
@@ -13,8 +13,10 @@ try:
 except ImportError:
     sys.exit("shrink: Pillow is missing; apt-get install python3-pil")
 
-WIDTH = 1280
+WIDTH = 1080
 BYTES = 300_000
+# Pictures of scenes and of the window are no wider than this, figures are.
+WIDEST_SCENE = 1280
 
 
 def scaled(picture: Image.Image, width: int) -> Image.Image:
@@ -27,18 +29,17 @@ def scaled(picture: Image.Image, width: int) -> Image.Image:
 
 def main(source: str, target: str) -> None:
     picture = Image.open(source)
-    if os.path.getsize(source) <= BYTES and picture.width <= WIDTH:
+    if os.path.getsize(source) <= BYTES and picture.width <= WIDEST_SCENE:
         shutil.copyfile(source, target)
         return
-    if picture.width > WIDTH:
-        picture = scaled(picture, WIDTH)
-    picture.save(target, optimize=True)
-    if os.path.getsize(target) > BYTES:
-        if "A" in picture.getbands():
-            picture = scaled(picture, picture.width // 2)
-        else:
-            picture = picture.convert("RGB").quantize(256, dither=Image.Dither.FLOYDSTEINBERG)
+    if picture.width > WIDEST_SCENE:
+        picture = scaled(picture.convert("RGB"), WIDTH)
         picture.save(target, optimize=True)
+        if os.path.getsize(target) > BYTES:
+            picture.quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(target, optimize=True)
+        return
+    width = picture.width // 2 if "A" in picture.getbands() else picture.width * 3 // 4
+    scaled(picture, width).save(target, optimize=True)
 
 
 main(*sys.argv[1:])

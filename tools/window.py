@@ -17,7 +17,7 @@ import time
 from PIL import Image
 
 # The window rests once it shows its final colours and has not changed for so long [s]; it is given up after PATIENCE [s].
-REST = 5
+REST = 20
 PATIENCE = 600
 
 
@@ -63,7 +63,9 @@ def main(target: str, words: str, *command: str) -> None:
         try:
             picture = rest(folder, display, size)
             if words:
-                subprocess.run(["xdotool", *words.split()], env=display, check=True)
+                # No window manager gives the window the keyboard.
+                focus = ["search", "--name", "^diffract", "windowfocus"]
+                subprocess.run(["xdotool", *focus, *words.split()], env=display, check=True)
                 picture = rest(folder, display, size)
             picture.save(target)
         finally:
