@@ -20,6 +20,24 @@ root=$PWD
 quick=no
 [ "${1:-}" = --quick ] && { quick=yes; shift; }
 
+# require COMMAND PACKAGE: ends where a command is missing, and names Debian's package.
+require() {
+    command -v "$1" >/dev/null 2>&1 && return
+    echo "book: $1 is missing; apt-get install $2" >&2
+    exit 1
+}
+
+require python3 python3
+if [ "$quick" = no ]; then
+    require Xvfb xvfb
+    require xdotool xdotool
+    require img2webp webp
+    if ! python3 -c 'import PIL' 2>/dev/null; then
+        echo 'book: Pillow is missing; apt-get install python3-pil' >&2
+        exit 1
+    fi
+fi
+
 program=${DIFFRACT:-$root/target/release/diffract}
 if [ ! -x "$program" ]; then
     echo "book: no program at $program; make build makes it" >&2
