@@ -13,7 +13,9 @@ fn pages() -> Vec<PathBuf> {
             .to_vec();
     for folder in ["docs", "docs/decisions"] {
         for entry in std::fs::read_dir(root.join(folder)).unwrap() {
-            found.extend(Some(entry.unwrap().path()).filter(|path| path.extension().is_some_and(|e| e == "md")));
+            found.extend(
+                Some(entry.unwrap().path()).filter(|path| path.extension().is_some_and(|e| e == "md")),
+            );
         }
     }
     found
@@ -33,7 +35,10 @@ fn prose(text: &str) -> String {
 /// Targets of the links and pictures of a page.
 fn targets(text: &str) -> Vec<String> {
     let prose = prose(text);
-    prose.match_indices("](").filter_map(|(at, _)| Some(prose[at + 2..].split_once(')')?.0.to_owned())).collect()
+    prose
+        .match_indices("](")
+        .filter_map(|(at, _)| Some(prose[at + 2..].split_once(')')?.0.to_owned()))
+        .collect()
 }
 
 /// The anchors of a page: its headings in lower case, with hyphens for spaces and without other signs.
@@ -61,7 +66,8 @@ fn broken(page: &Path, target: &str) -> Option<String> {
     let (file, anchor) = target.split_once('#').map_or((target, None), |(file, anchor)| (file, Some(anchor)));
     let path = if file.is_empty() { page.to_owned() } else { page.parent().unwrap().join(file) };
     let Ok(exists) = path.canonicalize() else { return Some(format!("{target}: no such file")) };
-    let text = if exists.is_file() { std::fs::read_to_string(exists).unwrap_or_default() } else { String::new() };
+    let text =
+        if exists.is_file() { std::fs::read_to_string(exists).unwrap_or_default() } else { String::new() };
     let anchor = anchor.filter(|anchor| !anchors(&text).iter().any(|known| known == anchor))?;
     Some(format!("{target}: no heading {anchor}"))
 }
@@ -149,8 +155,14 @@ mod commands {
             ("```sh\necho a; echo b; echo c\n```\n\n```text\na\n…\nc\n```\n", None),
             ("```sh,slow\nfalse\n```\n\n```text\na\n```\n\n```console\nfalse\n```\n", None),
             ("\n```sh\ndiffract no-such-command\n```\n", Some("line 2: a command of this block fails")),
-            ("```sh\necho a; echo b\n```\n\n```text\na\n```\n", Some("line 5: the commands before print something else")),
-            ("```sh\necho a; echo b\n```\n\n```text\n…\nc\n```\n", Some("line 5: the commands before print something else")),
+            (
+                "```sh\necho a; echo b\n```\n\n```text\na\n```\n",
+                Some("line 5: the commands before print something else"),
+            ),
+            (
+                "```sh\necho a; echo b\n```\n\n```text\n…\nc\n```\n",
+                Some("line 5: the commands before print something else"),
+            ),
         ] {
             std::fs::write(&page, text).unwrap();
             let output = book(&[&page]);
