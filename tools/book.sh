@@ -56,7 +56,7 @@ if [ -z "${VK_DRIVER_FILES:-}" ]; then
 fi
 
 # Pictures that no command of a page draws: src/cli/surface/worked_example.rs (DIFFRACT_BLESS=1), tools/validity/figure.py, tests/gpu/long_run.rs.
-elsewhere='preparing.png validity.png long-run.png'
+elsewhere='preparing.png validity.png long-run.svg'
 
 # pages: README.md and the pages that docs/SUMMARY.md links to, once each.
 pages() {
