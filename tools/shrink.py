@@ -1,7 +1,7 @@
 """Makes a PNG small enough for a page: `python shrink.py FROM TO`. Needs Pillow (Debian: python3-pil).
 
-Figures, which are drawn for print, are scaled to WIDTH, and get a palette of 256 colours where they are still larger than BYTES. Other pictures of more than
-BYTES keep their colours: a picture of a scene is scaled to half its size, one of the window, whose background is opaque, to three quarters.
+Figures, which are drawn for print, are scaled to WIDTH, and get a palette of 256 colours where they are still larger than FIGURE_BYTES. Other pictures of more
+than BYTES keep their colours: a picture of a scene is scaled to half its size, one of the window, whose background is opaque, to three quarters.
 """
 
 import os
@@ -13,7 +13,8 @@ try:
 except ImportError:
     sys.exit("shrink: Pillow is missing; apt-get install python3-pil")
 
-WIDTH = 1080
+WIDTH = 960
+FIGURE_BYTES = 450_000
 BYTES = 300_000
 # Pictures of scenes and of the window are no wider than this, figures are.
 WIDEST_SCENE = 1280
@@ -35,8 +36,8 @@ def main(source: str, target: str) -> None:
     if picture.width > WIDEST_SCENE:
         picture = scaled(picture.convert("RGB"), WIDTH)
         picture.save(target, optimize=True)
-        if os.path.getsize(target) > BYTES:
-            picture.quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(target, optimize=True)
+        if os.path.getsize(target) > FIGURE_BYTES:
+            picture.quantize(256, kmeans=8, dither=Image.Dither.FLOYDSTEINBERG).save(target, optimize=True)
         return
     width = picture.width // 2 if "A" in picture.getbands() else picture.width * 3 // 4
     scaled(picture, width).save(target, optimize=True)
