@@ -101,8 +101,6 @@ fn broken_links_are_found() {
 fn the_summary_lists_every_page_once() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
     let mut listed = targets(&std::fs::read_to_string(docs.join("SUMMARY.md")).unwrap());
-    let of_decisions = targets(&std::fs::read_to_string(docs.join("decisions/README.md")).unwrap());
-    listed.extend(of_decisions.iter().map(|name| format!("decisions/{name}")));
     listed.sort();
     let mut there: Vec<String> = pages()
         .iter()
