@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// Pages that link to each other.
+/// Returns the pages whose links are checked.
 fn pages() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut found: Vec<PathBuf> =
@@ -21,7 +21,7 @@ fn pages() -> Vec<PathBuf> {
     found
 }
 
-/// `text` without its blocks of code.
+/// Returns `text` without its blocks of code.
 fn prose(text: &str) -> String {
     let mut inside = false;
     let is_prose = |line: &&str| {
@@ -32,7 +32,7 @@ fn prose(text: &str) -> String {
     text.lines().filter(is_prose).flat_map(|line| [line, "\n"]).collect()
 }
 
-/// Targets of the links and pictures of a page.
+/// Returns the targets of the links and pictures of a page.
 fn targets(text: &str) -> Vec<String> {
     let prose = prose(text);
     prose
@@ -41,7 +41,7 @@ fn targets(text: &str) -> Vec<String> {
         .collect()
 }
 
-/// The anchors of a page: its headings in lower case, with hyphens for spaces and without other signs.
+/// Returns the anchors of a page: its headings in lower case, with hyphens for spaces and without other signs.
 fn anchors(text: &str) -> Vec<String> {
     let anchor = |heading: &str| {
         let kept = |c: char| match c {
@@ -58,7 +58,7 @@ fn anchors(text: &str) -> Vec<String> {
         .collect()
 }
 
-/// Describes why `target`, as a link of the page at `page`, leads nowhere, if it does.
+/// Says why `target`, a link of the page at `page`, leads nowhere; none if it leads somewhere.
 fn broken(page: &Path, target: &str) -> Option<String> {
     if target.contains("://") || target.starts_with("mailto:") {
         return None;

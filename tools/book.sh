@@ -81,7 +81,7 @@ blocks() {
     ' "$1"
 }
 
-# matches PATTERN OUTPUT: whether the lines are the same, where a line of PATTERN that is … stands for any lines.
+# matches PATTERN OUTPUT: succeeds if the lines are the same, where a line of PATTERN that is … stands for any lines.
 matches() {
     awk '
         NR == FNR { pattern[++n] = $0; next }
