@@ -1,5 +1,5 @@
 # ARGS is handed on: make run ARGS="--tolerance 1e-2", make test ARGS="--test gpu".
-.PHONY: help run test build setup lint measure clean
+.PHONY: help run test build setup lint measure book clean
 
 ARGS =
 export PATH := $(PATH):$(or $(CARGO_HOME),$(HOME)/.cargo)/bin
@@ -10,7 +10,8 @@ help:
 	@echo 'make build   target/release/diffract'
 	@echo 'make setup   get what the above need; each of them does so by itself'
 	@echo 'make lint    formatting, clippy and rustdoc, warnings denied'
-	@echo 'make measure speed against accuracy on this machine, into target/trade'
+	@echo 'make measure speed against accuracy on this machine, into docs/BENCHMARKS.md; ARGS=--check compares instead'
+	@echo 'make book    every command and picture of the book in docs/; as HTML in target/book where mdbook is installed'
 	@echo 'make clean   remove what was built'
 
 run:
@@ -35,7 +36,13 @@ lint:
 	RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
 
 measure: build
-	target/release/diffract trade $(ARGS) -o target/trade
+	rm -rf target/trade
+	target/release/diffract trade --quick -o target/trade
+	@tools/measure.py target/trade $(ARGS)
+
+book: build
+	@tools/book.sh $(ARGS)
+	@if command -v mdbook >/dev/null; then mdbook build; else echo 'mdbook is not installed: no HTML (cargo install mdbook --locked)'; fi
 
 clean:
 	cargo clean
