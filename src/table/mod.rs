@@ -30,6 +30,7 @@ use crate::optics::reflectance::{MeanReflectance, Reflectance};
 use crate::optics::spectrum::Illuminant;
 use crate::spectra::power::EVEN;
 use crate::surface::MAX_SIDE;
+use glam::Vec3;
 use half::f16;
 use serde::{Deserialize, Serialize};
 
@@ -110,6 +111,25 @@ pub struct TableHeader {
     /// Where R depends on the wavelength, the colours hold R over this mean of it, which is the larger part of how R depends on the angle. It belongs to the
     /// directions of the pixel and not to those that its footprint averages over.
     pub mean_reflectance: Option<MeanReflectance>,
+}
+
+impl TableHeader {
+    /// Returns [`BANDS`] + 2 rows of [`SPECULAR_SAMPLES`] texels: XYZ of each band of the specular order over |w|, of all bands together, and the mean R of a material over the cosine
+    /// of the half angle, or 1.
+    pub fn specular_rows(&self) -> Vec<[f32; 4]> {
+        let specular = &self.specular;
+        let mean = (0..SPECULAR_SAMPLES).map(|sample| {
+            let cosine = sample as f64 / (SPECULAR_SAMPLES - 1) as f64;
+            let mean = self.mean_reflectance.as_ref().map_or(1.0, |mean| mean.at(cosine) as f32);
+            [mean; 3]
+        });
+        let bands = specular.weights.iter().flatten().copied();
+        let all = (0..SPECULAR_SAMPLES).map(|sample| {
+            let sum: Vec3 = specular.weights.iter().map(|band| Vec3::from_array(band[sample])).sum();
+            sum.to_array()
+        });
+        bands.chain(all).chain(mean).map(|[x, y, z]| [x, y, z, 0.0]).collect()
+    }
 }
 
 impl ColorTable {
