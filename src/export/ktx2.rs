@@ -18,7 +18,7 @@ const HEADER: usize = 80;
 const LEVEL_ENTRY: usize = 24;
 
 /// A texture of four floats a texel.
-struct Texture<'a> {
+struct KtxTexture<'a> {
     format: u32,
     /// Bytes of a float.
     float: usize,
@@ -35,7 +35,7 @@ struct Texture<'a> {
 /// Returns the container of the texels of `table`.
 pub fn write(table: &ColorTable) -> Vec<u8> {
     let bytes = |level: &Vec<f16>| level.iter().flat_map(|number| number.to_le_bytes()).collect();
-    container(&Texture {
+    container(&KtxTexture {
         format: FORMAT,
         float: size_of::<f16>(),
         size: [table.header.grid.side; 2],
@@ -54,7 +54,7 @@ pub fn write_functions(header: &TableHeader) -> Vec<u8> {
         texels.extend(header.basis.of_piece(piece).iter().flatten());
         texels.resize(end, [0.0; 4]);
     }
-    container(&Texture {
+    container(&KtxTexture {
         format: FORMAT_OF_FUNCTIONS,
         float: size_of::<f32>(),
         size: [SPECULAR_SAMPLES, texels.len() / SPECULAR_SAMPLES],
@@ -64,7 +64,7 @@ pub fn write_functions(header: &TableHeader) -> Vec<u8> {
     })
 }
 
-fn container(texture: &Texture<'_>) -> Vec<u8> {
+fn container(texture: &KtxTexture<'_>) -> Vec<u8> {
     let levels = &texture.levels;
     let (descriptor, notes) = (descriptor(texture.float), notes(texture.orientation));
     let descriptor_at = HEADER + LEVEL_ENTRY * levels.len();

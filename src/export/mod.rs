@@ -16,6 +16,7 @@ mod description;
 mod folder;
 pub mod ktx2;
 pub mod openexr;
+pub mod page;
 pub mod shader;
 
 pub use conformance::{Conformance, ConformanceRow, PortErrors};

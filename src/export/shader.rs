@@ -202,8 +202,8 @@ mod tests {
 
     #[test]
     fn names_of_the_outermost_scope_get_a_prefix_and_no_others() {
-        let text = "// f of A\nconst float PI = 3.0;\nstruct A { float f; B f2; };\nfloat f(A a) {\n    float g = a.f; // f\n    return PI * f(a) + mat3(g);\n}\n";
-        let expected = "// f of A\nconst float DIFFRACT_PI = 3.0;\nstruct DiffractA { float f; B f2; };\nfloat diffract_f(DiffractA a) {\n    float g = a.f; // f\n    return DIFFRACT_PI * diffract_f(a) + mat3(g);\n}\n";
+        let text = "// f of Ab\nconst float PI = 3.0;\nstruct Ab { float f; Bc f2; };\nfloat f(Ab a) {\n    float g = a.f; // f\n    return PI * f(a) + mat3(g);\n}\n";
+        let expected = "// f of Ab\nconst float DIFFRACT_PI = 3.0;\nstruct DiffractAb { float f; Bc f2; };\nfloat diffract_f(DiffractAb a) {\n    float g = a.f; // f\n    return DIFFRACT_PI * diffract_f(a) + mat3(g);\n}\n";
         assert_eq!(prefixed(text), expected);
     }
 
@@ -227,6 +227,6 @@ mod tests {
     fn the_place_of_the_cubics_is_that_of_the_functions() {
         let access = PARTS[0];
         assert!(access.contains(&format!("const int FIRST_CUBIC = {};", BANDS + 2)));
-        assert!(access.contains(&format!("const float COLUMNS = {:.1};", crate::table::SPECULAR_SAMPLES)));
+        assert!(access.contains(&format!("const float COLUMNS = {}.0;", crate::table::SPECULAR_SAMPLES)));
     }
 }

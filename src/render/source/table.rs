@@ -68,9 +68,15 @@ impl Table {
         /// Texels that a direction reads at each place.
         const TEXELS: u32 = 11;
         let basis = &self.table.header.basis;
-        let constants = vec![Constant::new(TEXELS, basis.texels() as u32), reflectance::constant(shading)];
+        // Tables of exports hold R by every law.
+        let holds_reflectance = self.table.header.mean_reflectance.is_some();
+        let law = if holds_reflectance { reflectance::held() } else { reflectance::constant(shading) };
+        let constants = vec![Constant::new(TEXELS, basis.texels() as u32), law];
         let of = &shading.reflectance;
         let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), constants, of)?;
+        if holds_reflectance {
+            bound.holds(of);
+        }
         bound.spectral = false;
         bound.reads_footprints = true;
         let header = &self.table.header;
