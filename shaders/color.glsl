@@ -1,9 +1,6 @@
 // Colour conversions: the twin of src/optics/color.rs, after IEC 61966-2-1.
 
-const mat3 LINEAR_SRGB_FROM_XYZ = mat3(
-    3.2409699419, -0.9692436363, 0.0556300797,
-    -1.5373831776, 1.8759675015, -0.2039769589,
-    -0.4986107603, 0.0415550574, 1.0569715142);
+#include "linear_srgb.glsl"
 
 const vec3 LUMINANCE = vec3(0.2126390059, 0.7151686788, 0.0721923154);
 

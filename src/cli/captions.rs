@@ -35,7 +35,7 @@ fn command(words: impl IntoIterator<Item = OsString>, frame: Option<u32>) -> Str
     let mut words = words.into_iter().skip(1).map(|word| word.to_string_lossy().into_owned());
     while let Some(word) = words.next() {
         let name = word.split('=').next().unwrap_or_default();
-        if ["-o", "--output", "--plot", "--json", "--cache-size", "--frames"].contains(&name) {
+        if ["-o", "--output", "--plot", "--json", "--html", "--cache-size", "--frames"].contains(&name) {
             // The value is the next word unless it stands in this one.
             if name == word {
                 words.next();

@@ -9,6 +9,7 @@ mod devices;
 mod eval;
 mod evaluation;
 mod export;
+mod exported;
 mod finished;
 #[cfg(feature = "viewer")]
 mod last_view;

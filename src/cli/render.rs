@@ -1,5 +1,6 @@
 //! `diffract render`: a scene into a file, or a sequence of pictures into numbered ones.
 
+use super::exported::ExportedTable;
 use super::finished::{self, KeptPicture, SequenceOrigin};
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, sample_pixels,
@@ -7,7 +8,7 @@ use super::options::{
 use super::sequence::SequenceOptions;
 use super::verbosity::say;
 use super::{captions, prepare, scale};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::files::Files;
 use crate::measure::error;
 use crate::optics::nufft;
@@ -74,6 +75,9 @@ pub struct Arguments {
     optics: OpticsOptions,
     #[command(flatten)]
     colour: ColourOptions,
+    /// Read the colour table of an export of the same surface and settings instead of making one
+    #[arg(long, value_name = "FOLDER")]
+    table: Option<PathBuf>,
     #[command(flatten)]
     device: DeviceOptions,
     #[command(flatten)]
@@ -110,6 +114,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "--sample-pixels is for the reference picture only",
             "add --method reference, or leave it away",
         ));
+    }
+    if arguments.table.is_some() && method != Method::Table {
+        return Err(Error::usage("--table reads a colour table", Remedy::TableMethod));
     }
     let shading = arguments.optics.for_pictures(&arguments.colour)?;
     let mut scene = prepare::scene(&arguments.scene)?;
@@ -222,12 +229,14 @@ fn draw(
             "leave `pigment` out of the scene",
         ));
     }
+    let exported = arguments.table.as_deref().map(ExportedTable::open).transpose()?;
     let device = prepare::device(&arguments.device.wish())?;
     let mut in_use = InUse::default();
     let make = |surface: &ObjectSurface| match (&surface.field, surface.optics.method) {
         // The reference casts its rays in f64; this source has no data.
         (_, Method::Reference) => Ok(Source::ClassicalGrating(ClassicalGrating::default())),
         (None, _) => Ok(setup::pigment_alone()),
+        (Some(field), _) if let Some(exported) = &exported => exported.source(field, &surface.optics),
         (Some(field), _) => prepare::source(field, &surface.optics, &device, &mut in_use),
     };
     let mut prepared = PreparedScene::new(&device, (scene, surfaces), settings, views, make)?;

@@ -3,9 +3,9 @@
 mod convert;
 mod report;
 
-mod describe;
+pub(super) mod describe;
 mod hemisphere;
-mod plot;
+pub(super) mod plot;
 #[cfg(test)]
 mod worked_example;
 

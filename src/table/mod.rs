@@ -30,6 +30,7 @@ use crate::optics::reflectance::{MeanReflectance, Reflectance};
 use crate::optics::spectrum::Illuminant;
 use crate::spectra::power::EVEN;
 use crate::surface::MAX_SIDE;
+use glam::Vec3;
 use half::f16;
 use serde::{Deserialize, Serialize};
 
@@ -111,6 +112,25 @@ pub struct TableHeader {
     /// Mean reflectance by which the colours are divided if R depends on the wavelength; it has the larger part of the dependence on the
     /// angle. The factor belongs to the direction of the pixel, not to the directions in its footprint.
     pub mean_reflectance: Option<MeanReflectance>,
+}
+
+impl TableHeader {
+    /// Returns [`BANDS`] + 2 rows of [`SPECULAR_SAMPLES`] texels: XYZ of each band of the specular order over |w|, of all bands together, and the mean R of a material over the cosine
+    /// of the half angle, or 1.
+    pub fn specular_rows(&self) -> Vec<[f32; 4]> {
+        let specular = &self.specular;
+        let mean = (0..SPECULAR_SAMPLES).map(|sample| {
+            let cosine = sample as f64 / (SPECULAR_SAMPLES - 1) as f64;
+            let mean = self.mean_reflectance.as_ref().map_or(1.0, |mean| mean.at(cosine) as f32);
+            [mean; 3]
+        });
+        let bands = specular.weights.iter().flatten().copied();
+        let all = (0..SPECULAR_SAMPLES).map(|sample| {
+            let sum: Vec3 = specular.weights.iter().map(|band| Vec3::from_array(band[sample])).sum();
+            sum.to_array()
+        });
+        bands.chain(all).chain(mean).map(|[x, y, z]| [x, y, z, 0.0]).collect()
+    }
 }
 
 impl ColorTable {

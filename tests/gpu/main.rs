@@ -9,6 +9,7 @@ mod convergence;
 mod device;
 mod display;
 mod evaluation;
+mod export;
 mod extremes;
 mod faults;
 

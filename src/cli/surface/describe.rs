@@ -24,13 +24,24 @@ pub fn text(
     statistics: &Statistics,
     theory: &ScalarTheory,
 ) -> Result<String> {
+    let lines = lines(source, field, statistics, theory)?;
+    Ok(lines.iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect())
+}
+
+/// Returns the same as names and values.
+pub fn lines(
+    source: &SurfaceSource,
+    field: &HeightField,
+    statistics: &Statistics,
+    theory: &ScalarTheory,
+) -> Result<Vec<Line>> {
     let mut lines = grid(source, field, statistics);
     lines.extend(distributions(statistics));
     lines.extend(spectrum(statistics));
     lines.push(("scalar theory", theory.line().to_owned()));
     lines.extend(optics(field));
     lines.extend(notes(field, statistics)?.into_iter().map(|note| ("note", note)));
-    Ok(lines.iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect())
+    Ok(lines)
 }
 
 fn nm(um: f64) -> String {

@@ -266,8 +266,8 @@ fn bars_of_codes(gradients: &[f64], of_code: f64, last: f64) -> Vec<[f64; 3]> {
     counts.iter().enumerate().flat_map(bar).collect()
 }
 
-/// Returns a round length of about a quarter of `width`.
-fn scale_bar(width: f64) -> f64 {
+/// Returns a round length \[µm\] of about a quarter of `width`.
+pub fn scale_bar(width: f64) -> f64 {
     let power = 10f64.powf((width / 4.0).log10().floor());
     let digit = [5.0, 2.0, 1.0].into_iter().find(|d| d * power <= width / 4.0).unwrap_or(1.0);
     let length = digit * power;

@@ -81,6 +81,11 @@ impl BoundSource {
         })
     }
 
+    /// States that the source holds R by `reflectance`, whichever the law.
+    pub(super) fn holds(&mut self, reflectance: &Reflectance) {
+        self.normal_of_pigment = Some(reflectance.normal_of_pigment() as f32);
+    }
+
     /// Points binding `number` at an image of the data, which lives as long as the source.
     pub(super) fn data(&mut self, number: u32, image: Image, sampler: Sampler) {
         self.descriptors.image(number, &image, &sampler);

@@ -31,6 +31,11 @@ pub(super) fn constant(shading: &Shading) -> Constant {
     if shading.reflectance.is_spectral() { Law::Spectral.constant() } else { without_spectrum(shading) }
 }
 
+/// Returns the specialisation constant for a source that holds R, whichever the law.
+pub(super) fn held() -> Constant {
+    Law::Spectral.constant()
+}
+
 /// Returns the constant for a source that does not apply a spectral law inside sums over wavelengths.
 pub(super) fn without_spectrum(shading: &Shading) -> Constant {
     match shading.reflectance {

@@ -8,14 +8,13 @@ use crate::error::Result;
 use crate::render::directions::Directions;
 use crate::render::shading::Shading;
 use crate::render::upload;
-use crate::table::{BANDS, ColorTable, SPECULAR_SAMPLES, TableHeader, TableReader};
+use crate::table::{BANDS, ColorTable, SPECULAR_SAMPLES, TableReader};
 use crate::vk::device::Device;
 use crate::vk::image::{Description, Image};
 use crate::vk::pipeline::Constant;
 use crate::vk::sampler::Sampler;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
 use std::sync::Arc;
 
 /// A colour table.
@@ -69,9 +68,15 @@ impl Table {
         /// Texels read per direction and tap.
         const TEXELS: u32 = 11;
         let basis = &self.table.header.basis;
-        let constants = vec![Constant::new(TEXELS, basis.texels() as u32), reflectance::constant(shading)];
+        // Tables of exports hold R by every law.
+        let holds_reflectance = self.table.header.mean_reflectance.is_some();
+        let law = if holds_reflectance { reflectance::held() } else { reflectance::constant(shading) };
+        let constants = vec![Constant::new(TEXELS, basis.texels() as u32), law];
         let of = &shading.reflectance;
         let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), constants, of)?;
+        if holds_reflectance {
+            bound.holds(of);
+        }
         bound.spectral = false;
         bound.reads_footprints = true;
         let header = &self.table.header;
@@ -90,7 +95,7 @@ impl Table {
         let levels: Vec<&[u8]> = self.table.levels.iter().map(|level| bytemuck::cast_slice(level)).collect();
         upload::levels(device, &image, layers, &levels)?;
         bound.data(binding::COLOURS, image, Sampler::levels_that_end(device, "colour table sampler")?);
-        let weights = specular_rows(header);
+        let weights = header.specular_rows();
         let format = vk::Format::R32G32B32A32_SFLOAT;
         let size = [SPECULAR_SAMPLES, BANDS + 2];
         let image =
@@ -149,21 +154,4 @@ impl Table {
         let texels = self.table.header.basis.texels();
         Cost::counted(directions, |pixel| (0, texels * reader.taps(&pixel.around).1.count()))
     }
-}
-
-/// Returns the table rows of the specular order: weights of each band over |w|, weights of all bands together, and the
-/// mean R of a material over twice the cosine of the half angle.
-fn specular_rows(header: &TableHeader) -> Vec<[f32; 4]> {
-    let specular = &header.specular;
-    let mean = (0..SPECULAR_SAMPLES).map(|sample| {
-        let cosine = sample as f64 / (SPECULAR_SAMPLES - 1) as f64;
-        let mean = header.mean_reflectance.as_ref().map_or(1.0, |mean| mean.at(cosine) as f32);
-        [mean; 3]
-    });
-    let bands = specular.weights.iter().flatten().copied();
-    let all = (0..SPECULAR_SAMPLES).map(|sample| {
-        let sum: Vec3 = specular.weights.iter().map(|band| Vec3::from_array(band[sample])).sum();
-        sum.to_array()
-    });
-    bands.chain(all).chain(mean).map(|[x, y, z]| [x, y, z, 0.0]).collect()
 }
