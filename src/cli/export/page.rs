@@ -9,7 +9,7 @@ use crate::figure::palette::{Color, ColorMap};
 use crate::optics::validity::ScalarTheory;
 use crate::output::{write_atomically, write_failed};
 use crate::render::shading::Shading;
-use crate::surface::statistics::picture::PlotGrid;
+use crate::surface::statistics::plot_grid::PlotGrid;
 use crate::surface::{HeightField, Statistics, SurfaceSource};
 use image::{ExtendedColorType, ImageEncoder};
 use std::io::Write;
