@@ -1,11 +1,12 @@
-// What every source of diffracted light is evaluated for: a pair of directions, and the part of the BRDF that does not depend on the
-// wavelength [Single 2014, B.12]. Directions are unit vectors away from the surface in the tangent frame (x = T, y = B, z = N).
-// The f64 twins are src/optics/geometry.rs and src/optics/brdf.rs. The includer has `dielectric(index, cosine)`, the part of R that the factor of a pair holds.
+// Pair of directions that sources are evaluated for, and the factor of the BRDF that does not depend on the wavelength
+// [Single 2014, B.12]. Directions are unit vectors away from the surface in the tangent frame (x = T, y = B, z = N).
+// The f64 twins are src/optics/geometry.rs and src/optics/brdf.rs. The includer defines `dielectric(index, cosine)`, the
+// part of R in the factor of a pair.
 
 const float PI = 3.14159265358979;
 
-// A cosine this small is within the rounding of an interpolated f32 direction: the direction counts as below the horizon,
-// where nothing is reflected. It also keeps G/w^2 from overflowing.
+// Smallest cosine above the horizon: smaller ones are within the rounding of an interpolated f32 direction. Below the
+// horizon nothing is reflected. The bound also keeps G/w^2 from overflowing.
 const float HORIZON = 1e-6;
 
 struct Pair {
@@ -17,16 +18,16 @@ struct Pair {
     float reflectance;
 };
 
-// How (u, v) changes over a pixel: a Gaussian in the pixel becomes the Gaussian in (u, v) of covariance J J^T, J = [dx dy], times its variance.
-// Zero for a point.
+// Jacobian of (u, v) over a pixel, J = [dx dy]: a Gaussian over the pixel becomes a Gaussian in (u, v) of covariance J
+// J^T times its variance. Zero for a point.
 struct Footprint {
-    vec2 dx; // of (u, v), from a pixel to the one on its right
-    vec2 dy; // to the one below
+    vec2 dx; // change of (u, v) to the pixel on the right
+    vec2 dy; // to the pixel below
 };
 
 const Footprint POINT = Footprint(vec2(0.0), vec2(0.0));
 
-// Returns true if light arrives at the side that is seen, and leaves it.
+// Returns true if light and viewer are both above the horizon.
 bool above_horizon(vec3 light, vec3 view) {
     return light.z > HORIZON && view.z > HORIZON;
 }

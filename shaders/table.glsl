@@ -1,7 +1,8 @@
-// The colour of a pair of directions by a colour table: texels are coordinates in cubics over pieces of the range of |w|, in levels that average over growing
-// Gaussians of (u, v). The specular order is added apart. Its CPU twin is src/table/read.rs.
+// Colour of a pair of directions from a colour table. Texels are coordinates in cubics over pieces of the range of |w|,
+// in mip levels that average over growing Gaussians in (u, v). The specular order is added separately. The CPU twin is
+// src/table/read.rs.
 //
-// The includer has TEXELS, the numbers of the table in `source`, and three functions that read:
+// The includer defines TEXELS, the parameters of the table in `source`, and three functions that read:
 //   vec4 table_texel(vec3 place, float level)   four coordinates at a texture coordinate and layer, linear between texels, 0 outside
 //   vec4 table_cubic(int column, int piece)     factors of 1, t, t^2 and t^3 of X, Y and Z of one coordinate after the other
 //   vec3 table_row(float place, int row)        XYZ of the specular order at `place`, 0 to 1; a row for each band, one for all bands, one for the mean R
@@ -9,14 +10,14 @@
 const int BANDS = 16;       // of wavelengths of the specular order
 const float LARGEST_W = 2.0;
 
-// Coordinates of a place, of which the first TEXELS are used.
+// Coordinates read at a position, of which the first TEXELS vectors are used.
 struct Numbers {
     vec4 of_texel[3];
 };
 
 const Numbers NOTHING = Numbers(vec4[](vec4(0.0), vec4(0.0), vec4(0.0)));
 
-// Place in the range of |w|: the piece, and t from -1 to 1 over it.
+// Position in the range of |w|: the piece, and t from -1 to 1 in it.
 struct Piece {
     int number;
     float t;
@@ -35,7 +36,7 @@ void add_place(inout Numbers sum, float weight, vec3 place, float level) {
     }
 }
 
-// XYZ over |w|^2 of coordinates in the basis of `piece`, in stored units.
+// Returns XYZ over |w|^2 of coordinates in the basis of `piece`, in stored units.
 vec3 colour_of(Numbers numbers, Piece piece) {
     vec4 powers = vec4(1.0, piece.t, piece.t * piece.t, piece.t * piece.t * piece.t);
     vec3 sum = vec3(0.0);
@@ -48,15 +49,15 @@ vec3 colour_of(Numbers numbers, Piece piece) {
     return sum;
 }
 
-// Factor before the colours: the mean R of a material is that at the pixel's own directions.
+// Returns the factor of f, including the mean R of a material at the pixel's directions.
 float table_factor(Pair pair) {
     return table_row(pair.cos_half, BANDS + 1).r * pair.factor / (4.0 * PI);
 }
 
-// The specular order: a Gaussian of (u, v) for each band of wavelengths.
+// Returns the specular order: a Gaussian in (u, v) for each band of wavelengths.
 vec3 table_specular(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
-    // The widest lobe is nowhere else: exp(-0.5 * 40) of its peak.
+    // Beyond this the widest lobe is negligible: exp(-0.5 * 40) of its peak.
     const float NOWHERE = 40.0;
     float widest = max(c.x, c.z) + source.variances[0].x;
     bool seen = pair.factor > 0.0 && dot(pair.toward, pair.toward) < NOWHERE * widest;
@@ -69,11 +70,11 @@ vec3 table_specular(Pair pair, Footprint footprint) {
     return sum * table_factor(pair);
 }
 
-// XYZ of f cos(theta_i) [1/sr] without the specular order, averaged over the footprint.
+// Returns XYZ of f cos(theta_i) [1/sr] without the specular order, averaged over the footprint.
 vec3 table_scattered(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
     Ellipse ellipse = ellipse_of(c);
-    // A level stands for the shorter axis, as far as it averages over no more, and taps for the rest.
+    // A level averages over the shorter axis, as far as it is not wider, and taps over the rest.
     float own = max(max(ellipse.shorter, source.finest), least_own(ellipse, source.coherence));
     float level = min(level_of_ratio((own - source.finest) * source.per_growth + 1.0), source.last_level);
     float read = source.finest + (exp2(2.0 * level) - 1.0) / source.per_growth;
@@ -83,7 +84,7 @@ vec3 table_scattered(Pair pair, Footprint footprint) {
     vec2 middle = pair.toward * source.texture_per_uv + 0.5;
     float layer = float(TEXELS * piece.number);
     Numbers average = NOTHING;
-    // Nothing is read for light that does not reach the pixel.
+    // Nothing is read if no light reaches the pixel.
     int rows = pair.factor > 0.0 ? taps.rows : 0;
     for (int number = 0; number < rows; ++number) {
         Row row = row_of(taps, number);
