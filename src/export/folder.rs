@@ -83,7 +83,7 @@ fn draft_beside(folder: &Path) -> Result<tempfile::TempDir> {
 /// Writes `material` as the folder `folder`, described by `description`, to which the files are added. A former export there is replaced.
 ///
 /// # Errors
-/// As [`check_target`], and a disk that is full.
+/// Same as [`check_target`]; fails on a full disk too.
 pub fn write(
     folder: &Path,
     material: &ExportedMaterial,
@@ -190,7 +190,7 @@ impl ExportReader {
     /// Returns the colour table.
     ///
     /// # Errors
-    /// As [`ExportReader::file`]; numbers that no table has.
+    /// Same as [`ExportReader::file`]; fails for numbers that no table has.
     pub fn table(&self) -> Result<ColorTable> {
         let path = self.folder.join(TABLE);
         let refused = |what: String| Error::failed(what, "export the material again").at(path.display());
@@ -205,7 +205,7 @@ impl ExportReader {
     /// Returns the directions with their colours.
     ///
     /// # Errors
-    /// As [`ExportReader::file`]; text that is no such table.
+    /// Same as [`ExportReader::file`]; fails for text that is no such table.
     pub fn conformance(&self) -> Result<Conformance> {
         let path = self.folder.join(DIRECTIONS);
         let text = String::from_utf8(self.file(DIRECTIONS)?).map_err(|e| {
@@ -217,7 +217,7 @@ impl ExportReader {
     /// Reads every file, and returns the directions with their colours.
     ///
     /// # Errors
-    /// As the other functions.
+    /// Same as the other functions.
     pub fn check(&self) -> Result<Conformance> {
         self.table()?;
         for name in [TEXELS_AS_EXR, FUNCTIONS, SHADER, SHADER_ES] {
