@@ -8,6 +8,18 @@ DIFFRACT_LAYOUT(0) uniform sampler2DArray table;
 // functions.ktx2, RGBA32F, read texel by texel: rows of the specular order and of the mean R, then a row of cubics for each piece.
 DIFFRACT_LAYOUT(1) uniform sampler2D functions;
 
+// Numbers of the table.
+struct Table {
+    float texture_per_uv; // texture coordinate per unit of u
+    float coherence;      // variance of u that coherence averages over
+    float unit;           // what a stored 1 stands for [1/sr]
+    float finest;         // variance of u that the finest level averages over
+    float per_growth;     // 1 over the variance by which levels grow
+    float pieces;         // of the range of |w|
+    float last_level;
+    vec4 variances[4];    // of u in each band of the specular order
+};
+
 const float COLUMNS = 128.0; // of the rows of the specular order
 const int FIRST_CUBIC = 18;  // row of the cubics of the first piece
 

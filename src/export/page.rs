@@ -153,7 +153,7 @@ mod tests {
         assert!(page.contains("\\u003c/script>\\u003cb>") && !page.contains("<b>"));
         let texels = BASE64_STANDARD.encode(ktx2::write(&material.table));
         assert_eq!(page.matches(&texels).count(), 1);
-        assert_eq!(page.matches("{{").count(), 2, "the name, in the title and in the heading");
+        assert_eq!(page.matches("{{").count(), 3, "the name, in the title, the heading and the words");
         let row = &material.conformance.rows[7];
         let numbers = directions(&material.conformance);
         let at = |i: usize| f32::from_le_bytes(numbers[4 * i..4 * i + 4].try_into().unwrap());

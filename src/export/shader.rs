@@ -3,7 +3,7 @@
 //! Both are put together from the shaders of this program, `shaders/table.glsl` and what it needs, with the numbers of the table as constants. Every name that they declare
 //! begins with `diffract`.
 
-use crate::table::{BANDS, TableHeader};
+use crate::table::TableHeader;
 use std::collections::BTreeSet;
 
 /// Language of a shader.
@@ -24,9 +24,10 @@ precision highp sampler2D;
 precision highp sampler2DArray;
 ";
 
-/// Shaders that the function consists of, each after what it needs.
-const PARTS: [&str; 6] = [
-    include_str!("../../shaders/export/access.glsl"),
+/// Textures of an export and the type of its numbers.
+const ACCESS: &str = include_str!("../../shaders/export/access.glsl");
+/// Shaders that the function consists of beside, each after what it needs.
+const PARTS: [&str; 5] = [
     include_str!("../../shaders/pair.glsl"),
     include_str!("../../shaders/footprint.glsl"),
     include_str!("../../shaders/table.glsl"),
@@ -43,7 +44,7 @@ pub fn write(header: &TableHeader, language: ShaderLanguage) -> String {
         ShaderLanguage::Glsl => GLSL,
         ShaderLanguage::GlslEs => GLSL_ES,
     };
-    let mut text = numbers(header);
+    let mut text = ACCESS.to_owned() + &numbers(header);
     for part in PARTS {
         text.push('\n');
         text.push_str(part);
@@ -57,7 +58,7 @@ pub fn write(header: &TableHeader, language: ShaderLanguage) -> String {
     format!("{prelude}{about}\n{text}")
 }
 
-/// Returns the declarations of the numbers of a table.
+/// Returns the definitions of the numbers of a table.
 fn numbers(header: &TableHeader) -> String {
     let grid = &header.grid;
     let number = |x: f64| format!("{:?}", x as f32);
@@ -75,23 +76,7 @@ fn numbers(header: &TableHeader) -> String {
         format!("vec4[]({})", variances.join(", ")),
     ];
     format!(
-        "// Numbers of the table.
-struct Table {{
-    float texture_per_uv; // texture coordinate per unit of u
-    float coherence;      // variance of u that coherence averages over
-    float unit;           // what a stored 1 stands for [1/sr]
-    float finest;         // variance of u that the finest level averages over
-    float per_growth;     // 1 over the variance by which levels grow
-    float pieces;         // of the range of |w|
-    float last_level;
-    vec4 variances[{}];    // of u in each band of the specular order
-}};
-
-const Table source = Table({});
-
-const int TEXELS = {}; // that a direction reads at each place, of four coordinates each
-",
-        BANDS / 4,
+        "\nconst Table source = Table({});\n\nconst int TEXELS = {}; // that a direction reads at each place, of four coordinates each\n",
         values.join(", "),
         header.basis.texels()
     )
@@ -199,6 +184,7 @@ fn renamed(name: &str) -> String {
 mod tests {
     use super::*;
     use crate::export::conformance::tests::small_table;
+    use crate::table::BANDS;
 
     #[test]
     fn names_of_the_outermost_scope_get_a_prefix_and_no_others() {
@@ -225,8 +211,8 @@ mod tests {
 
     #[test]
     fn the_place_of_the_cubics_is_that_of_the_functions() {
-        let access = PARTS[0];
-        assert!(access.contains(&format!("const int FIRST_CUBIC = {};", BANDS + 2)));
-        assert!(access.contains(&format!("const float COLUMNS = {}.0;", crate::table::SPECULAR_SAMPLES)));
+        assert!(ACCESS.contains(&format!("const int FIRST_CUBIC = {};", BANDS + 2)));
+        assert!(ACCESS.contains(&format!("vec4 variances[{}];", BANDS / 4)));
+        assert!(ACCESS.contains(&format!("const float COLUMNS = {}.0;", crate::table::SPECULAR_SAMPLES)));
     }
 }

@@ -201,7 +201,7 @@ fn a_browser_shows_the_colours_of_the_table_and_has_nothing_to_say() {
     let off = measured_deviation(&document)
         .unwrap_or_else(|| panic!("{log}\n{}", &document[..document.len().min(4000)]));
     eprintln!("{off:e}");
-    assert!(off > 0.0 && off <= 5e-3, "{off:e}");
+    assert!(off > 0.0 && off <= 2e-3, "{off:e}");
     assert!(!log.contains("CONSOLE"), "{log}");
     // The page would tell of a shader that is wrong.
     let wrong = page.replace("pair.toward * diffract_source", "pair.toward.yx * diffract_source");
@@ -261,7 +261,8 @@ fn a_browser_draws_the_plate_as_this_program_does() {
     assert!(shown.len() > SIDE * SIDE / 8, "{} pixels", shown.len());
     let off = deviation(&shown, &ours);
     eprintln!("{off:e} over {} pixels", shown.len());
-    assert!(off > 0.0 && off <= 5e-2, "{off:e}");
+    // 2.2e-4 is measured.
+    assert!(off > 0.0 && off <= 2e-3, "{off:e}");
     // A picture that is upside down is another one.
     let turned: Vec<_> = shown.iter().rev().copied().collect();
     assert!(deviation(&turned, &ours) > 0.2);
@@ -304,8 +305,8 @@ fn pictures_of_an_exported_table_are_those_of_the_surface_and_others_are_refused
     sandbox.run2(&PICTURE, &["read.exr", "--tolerance", "5e-2", "--table", "material"]).done();
     let off = deviation(&exr(&sandbox, "read.exr").2, &exr(&sandbox, "made.exr").2);
     eprintln!("{off:e}");
-    // Both keep the tolerance.
-    assert!(off > 0.0 && off <= 5e-2, "{off:e}");
+    // 1.3e-3 is measured: the table of the export holds R, and that of a picture does not.
+    assert!(off > 0.0 && off <= 5e-3, "{off:e}");
     let other = |more: &[&str], what: &str| refused(&[&tolerance, more].concat(), what);
     other(&["--illuminant", "a"], "another illuminant");
     other(&["--beyond", "alike"], "beyond the patch");

@@ -183,6 +183,8 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--footprint", &[NO_NUMBER, &["-0.1", "-1", "2.1", "0.02um"]]),
     ("--budget", &[NO_NUMBER, &["500", "-1MB", "8mb per", "1e400GB", "1B"]]),
     ("--check", &[&["", "nothing", ".", "grey.png", "folder.png", "/dev/null"]]),
+    ("--table", &[&["", "nothing", ".", "grey.png", "folder.png", "/dev/null"]]),
+    ("--html", &[&["", "none/out.html", ".", "..", "/", "/dev/null", "grey.png/out.html", "folder.png"]]),
     ("--answers", &[&["", "nothing.csv", ".", "grey.png"]]), // there is nothing to check
     ("--channel", &[&["", " ", "phase", "0", "2", "-1", "1.0"]]),
     ("--device", &[&["", " ", "nothing", "7", "-1", "99999999999999999999", "\n"]]),
